@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "libshape/mesh/topology.h"
+
+namespace shape {
+
+/// A face whose longest edge is not shorter than the two others together.
+struct TriangleViolation
+{
+    int face = -1;
+    double excess = 0.0; ///< longest / (sum of the others) - 1  [1], >= 0.
+};
+
+/// An interior vertex whose face angles close to no spherical polygon: one angle exceeds the sum
+/// of the others (Rojas 2014, section 4).
+struct VertexViolation
+{
+    int vertex = -1;
+    double excess = 0.0; ///< largest angle - sum of the others [rad], > 0.
+};
+
+/// What keeps a length vector from being that of a mesh. Necessary conditions: a vector that
+/// passes may still have no embedding.
+struct Admissibility
+{
+    std::vector<TriangleViolation> triangles; ///< Worst first.
+    std::vector<VertexViolation> vertices;    ///< Worst first. Vertices of broken triangles are left out.
+
+    [[nodiscard]] bool admissible() const { return triangles.empty() && vertices.empty(); }
+};
+
+/// Checks every triangle inequality (strict) and every spherical-polygon inequality. A link on the
+/// unit sphere also needs no side longer than pi, which face angles never exceed; sums beyond 2 pi
+/// are fine, the link may wind.
+/// @param lengths  #E [length], finite.
+/// @throws InvalidInput if lengths has another size.
+[[nodiscard]] Admissibility check_admissibility(const Topology& topology,
+                                                const Eigen::VectorXd& lengths);
+
+/// One sentence about the worst violations; empty if admissible.
+[[nodiscard]] std::string describe(const Admissibility& admissibility, const Topology& topology,
+                                   const Eigen::VectorXd& lengths);
+
+/// The largest step t in [0, limit] such that lengths + s * direction keeps every triangle
+/// inequality for all s in [0, t); limit if none breaks before.
+/// @param lengths  Keeps every inequality itself; otherwise 0 is returned.
+[[nodiscard]] double feasible_step(const Topology& topology, const Eigen::VectorXd& lengths,
+                                   const Eigen::VectorXd& direction, double limit);
+
+} // namespace shape

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <memory>
+
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/report.h"
+#include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
+
+namespace shape {
+
+/// How a point of edge-length space becomes a mesh.
+enum class EmbeddingMethod
+{
+    Dihedral,   ///< Ours: linear start, then lengths and dihedral angles together. The default.
+    Closure,    ///< Rojas 2014, section 2, as published.
+    Multiscale, ///< Winkler 2010, section 3, as published.
+};
+
+/// Effort of EmbeddingMethod::Dihedral.
+enum class EmbeddingQuality
+{
+    Preview, ///< A few steps, for interaction.
+    Fine,    ///< To convergence.
+};
+
+struct EmbeddingOptions
+{
+    EmbeddingMethod method = EmbeddingMethod::Dihedral;
+    EmbeddingQuality quality = EmbeddingQuality::Fine;
+    double smoothness = 1e-2; ///< Weight mu of the dihedral term against the length term; > 0.
+};
+
+/// A mesh and what it is worth.
+struct Embedding
+{
+    Points points; ///< #V by 3 [length], centroid at 0.
+    EmbeddingReport report;
+};
+
+/// Embeds points of one topology. Everything that depends on the topology alone is computed once,
+/// by the constructor.
+class Embedder
+{
+public:
+    /// @param reference  A mesh of the topology, or a typical one: fixes the gauge (results are
+    ///     rotated to align with it) and nothing else.
+    /// @throws InvalidInput if an option is out of its range or reference has another size.
+    Embedder(const Topology& topology, const Points& reference,
+             const EmbeddingOptions& options = {});
+    ~Embedder();
+    Embedder(Embedder&&) noexcept;
+    Embedder& operator=(Embedder&&) noexcept;
+
+    /// @throws InvalidInput if target has other sizes, a value that is not finite or a length <= 0.
+    /// @throws NumericalError if the method cannot start: published methods on a target that
+    ///     breaks a triangle inequality, or a factorisation that breaks down.
+    /// Safe to call concurrently.
+    [[nodiscard]] Embedding embed(const ShapePoint& target) const;
+
+    [[nodiscard]] double setup_seconds() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace shape

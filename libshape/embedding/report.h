@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <string>
+
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
+
+namespace shape {
+
+/// What an embedding is worth.
+enum class EmbeddingStatus
+{
+    Exact,       ///< Worst relative edge error <= 1e-6.
+    Approximate, ///< The target may have no mesh, or the solver stopped short of it.
+    Infeasible,  ///< The target breaks a triangle or vertex inequality: no mesh has these lengths.
+};
+
+/// How far a mesh is from the lengths and dihedral angles that it was made from.
+struct EmbeddingReport
+{
+    EmbeddingStatus status = EmbeddingStatus::Approximate;
+    std::string reason; ///< Why the target is infeasible, with the worst place; else empty.
+
+    double edge_rms = 0.0;  ///< sqrt(mean (l - l*)^2) / mean(l*)  [1] (Rojas 2014, Fig. 12).
+    double edge_max = 0.0;  ///< max |l - l*| / l*  [1].
+    double edge_p999 = 0.0; ///< 99.9 % quantile of the same [1].
+    double edge_p99 = 0.0;  ///< 99 % quantile [1].
+
+    double dihedral_rms_deg = 0.0; ///< RMS of |theta - theta*|, wrapped, over interior edges [deg].
+    double dihedral_p99_deg = 0.0; ///< 99 % quantile [deg].
+    double dihedral_max_deg = 0.0; ///< Largest [deg].
+
+    double closure_energy = 0.0; ///< E of Rojas 2014 eq. 3 that the dihedral solver ended at; for
+                                 ///< other methods that of the target's angles [1].
+    int inverted_faces = 0;      ///< Faces without area; or folded flat onto a neighbour (drift of
+                                 ///< an edge beyond 150 deg).
+    int iterations = 0;          ///< Steps of the nonlinear solver.
+    bool converged = false;      ///< The solver met its criterion.
+    double seconds = 0.0;        ///< Wall time of this mesh alone [s].
+    double setup_seconds = 0.0;  ///< Wall time spent once for the topology [s].
+};
+
+/// Measures a mesh against its target: all figures but those of the solver (closure_energy,
+/// iterations, converged, seconds, setup_seconds), which are left at their defaults.
+[[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
+                                                const ShapePoint& target);
+
+/// "exact", "approximate" or "infeasible".
+[[nodiscard]] const char* name(EmbeddingStatus status);
+
+} // namespace shape

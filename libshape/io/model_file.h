@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <filesystem>
+
+#include "libshape/model/difference.h"
+#include "libshape/model/shape_model.h"
+
+namespace shape {
+
+/// What an HDF5 file of ours holds.
+enum class FileKind
+{
+    Collection,
+    Model,
+    Difference,
+};
+
+/// @throws as read_collection() if the file is none of ours.
+[[nodiscard]] FileKind file_kind(const std::filesystem::path& path);
+
+/// Written and checked as write_collection().
+void write_model(const std::filesystem::path& path, const ShapeModel& model);
+void write_difference(const std::filesystem::path& path, const DifferenceVector& difference);
+
+/// @throws as read_collection().
+[[nodiscard]] ShapeModel read_model(const std::filesystem::path& path);
+[[nodiscard]] DifferenceVector read_difference(const std::filesystem::path& path);
+
+} // namespace shape

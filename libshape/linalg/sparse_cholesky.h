@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <memory>
+
+namespace shape {
+
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+
+/// Fill-reducing ordering of a sparse factorisation.
+enum class Ordering
+{
+    MinimumDegree,    ///< AMD: quick to find; small systems, or systems factored once.
+    NestedDissection, ///< METIS: less fill on large meshes; worth it when factored repeatedly.
+};
+
+/// Kept factorisation A = L L^T of a symmetric positive definite matrix (supernodal, CHOLMOD).
+///
+/// The pattern is analysed once; refactor() takes other values on the same pattern. Same bits for
+/// any thread count: BLAS runs in one thread.
+class SparseCholesky
+{
+public:
+    /// @param matrix  Square; only its lower triangle is read.
+    /// @throws InvalidInput if matrix is not square.
+    /// @throws NumericalError if it is not numerically positive definite.
+    explicit SparseCholesky(const SparseMatrix& matrix,
+                            Ordering ordering = Ordering::NestedDissection);
+    ~SparseCholesky();
+    SparseCholesky(SparseCholesky&&) noexcept;
+    SparseCholesky& operator=(SparseCholesky&&) noexcept;
+
+    /// Factors a matrix of the same pattern anew.
+    /// @throws InvalidInput if the pattern has another size or count of entries.
+    /// @throws NumericalError if it is not numerically positive definite.
+    void refactor(const SparseMatrix& matrix);
+
+    /// Solves A X = B for all columns of B at once; #rows by k, any k.
+    /// @throws InvalidInput if B has another number of rows.
+    [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs) const;
+
+    [[nodiscard]] Eigen::Index size() const;
+
+    /// Entries of the factor.
+    [[nodiscard]] std::size_t nonzeros() const;
+
+private:
+    struct Factor;
+    std::unique_ptr<Factor> factor_;
+};
+
+} // namespace shape

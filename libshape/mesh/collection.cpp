@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/collection.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/mesh/defects.h"
+
+namespace shape {
+namespace {
+
+using Triple = std::array<int, 3>;
+
+/// The face starting at its lowest vertex: equal for equal faces with equal orientation.
+Triple rotated_face(const Faces& faces, Eigen::Index f)
+{
+    Triple t{faces(f, 0), faces(f, 1), faces(f, 2)};
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    return t;
+}
+
+Triple flipped(Triple t)
+{
+    std::swap(t[1], t[2]);
+    return t;
+}
+
+std::multiset<Triple> face_set(const Faces& faces)
+{
+    std::multiset<Triple> set;
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+        set.insert(rotated_face(faces, f));
+    return set;
+}
+
+std::vector<int> sorted_degrees(const Faces& faces, Eigen::Index vertex_count)
+{
+    std::vector<int> degree(static_cast<std::size_t>(vertex_count), 0);
+    for (const int v : faces.reshaped())
+        if (v >= 0 && v < vertex_count)
+            ++degree[static_cast<std::size_t>(v)];
+    std::sort(degree.begin(), degree.end());
+    return degree;
+}
+
+std::string print_face(const Faces& faces, Eigen::Index f)
+{
+    return join("(", faces(f, 0), ", ", faces(f, 1), ", ", faces(f, 2), ")");
+}
+
+/// The likely cause of two different face lists of the same size over as many vertices.
+std::string likely_cause(const NamedMesh& reference, const NamedMesh& mesh)
+{
+    const std::multiset<Triple> wanted = face_set(reference.faces);
+    const std::multiset<Triple> got = face_set(mesh.faces);
+    if (wanted == got)
+        return "the same faces stand in another order or start at another corner; write them as in "
+               "the reference";
+    std::multiset<Triple> mirrored;
+    for (const Triple& t : got)
+        mirrored.insert(flipped(t));
+    if (wanted == mirrored)
+        return "the orientation of every face is flipped; reverse them";
+    const auto common =
+        std::count_if(got.begin(), got.end(), [&](const Triple& t) { return wanted.contains(t); });
+    const auto total = static_cast<std::ptrdiff_t>(got.size());
+    const auto flips = std::count_if(got.begin(), got.end(), [&](const Triple& t) {
+        return !wanted.contains(t) && wanted.contains(flipped(t));
+    });
+    if (common + flips == total)
+        return join(flips, " faces are flipped; orient all as in the reference");
+    if (sorted_degrees(reference.faces, reference.points.rows()) ==
+        sorted_degrees(mesh.faces, mesh.points.rows()))
+        return "the vertices are probably permuted (the vertex degrees agree as a set); restore "
+               "their order";
+    if (2 * common >= total)
+        return join(total - common,
+                    " faces differ, probably quads split along the other diagonal; triangulate "
+                    "all members alike");
+    return "the meshes have another connectivity; remesh them from one template";
+}
+
+} // namespace
+
+std::string describe_correspondence_break(const NamedMesh& reference, const NamedMesh& mesh)
+{
+    if (reference.points.rows() != mesh.points.rows() ||
+        reference.faces.rows() != mesh.faces.rows())
+        return join(mesh.path, ": ", mesh.points.rows(), " vertices and ", mesh.faces.rows(),
+                    " faces, but ", reference.path, " has ", reference.points.rows(), " and ",
+                    reference.faces.rows(),
+                    "; members of a collection need one triangulation (different counts)");
+    if (reference.faces == mesh.faces)
+        return {};
+    Eigen::Index f = 0;
+    while (reference.faces.row(f) == mesh.faces.row(f))
+        ++f;
+    return join(mesh.path, ": face ", f, " is ", print_face(mesh.faces, f), ", in ",
+                reference.path, " it is ", print_face(reference.faces, f), "; ",
+                likely_cause(reference, mesh));
+}
+
+Collection collect(std::vector<NamedMesh> meshes)
+{
+    if (meshes.empty())
+        throw InvalidInput("a collection needs at least one mesh");
+    const NamedMesh& reference = meshes.front();
+    const auto topology = [&] {
+        try {
+            return Topology(reference.faces, static_cast<int>(reference.points.rows()));
+        } catch (const InvalidInput& error) {
+            throw InvalidInput(reference.path + ": " + error.what());
+        }
+    }();
+    Collection collection{topology, {}, {}, {}};
+    std::set<std::string> seen;
+    for (const NamedMesh& mesh : meshes) {
+        const std::string difference = describe_correspondence_break(reference, mesh);
+        if (!difference.empty())
+            throw InvalidInput(difference);
+        const std::vector<Defect> defects =
+            find_degenerate_geometry(mesh.faces, mesh.points, 1);
+        if (!defects.empty())
+            throw InvalidInput(mesh.path + ": " + defects.front().message);
+        if (!seen.insert(mesh.name).second)
+            throw InvalidInput(join(mesh.path, ": the name '", mesh.name,
+                                    "' occurs twice; names of a collection must differ"));
+    }
+    for (NamedMesh& mesh : meshes) {
+        collection.names.push_back(std::move(mesh.name));
+        collection.points.push_back(std::move(mesh.points));
+    }
+    return collection;
+}
+
+} // namespace shape

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/defects.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+
+#include "libshape/base/format.h"
+
+namespace shape {
+namespace {
+
+/// Keeps at most `limit` defects of each kind.
+class DefectList
+{
+public:
+    explicit DefectList(int limit) : limit_(limit) {}
+
+    void add(DefectKind kind, int face, int vertex, std::string message)
+    {
+        if (count_[kind]++ < limit_)
+            defects_.push_back({kind, face, vertex, std::move(message)});
+    }
+    [[nodiscard]] bool empty() const { return defects_.empty(); }
+    [[nodiscard]] std::vector<Defect> take() { return std::move(defects_); }
+
+private:
+    int limit_;
+    std::map<DefectKind, int> count_;
+    std::vector<Defect> defects_;
+};
+
+/// One side of a face: the edge low-high, and whether the face runs from low to high.
+struct Side
+{
+    int low;
+    int high;
+    int face;
+    bool forward;
+};
+
+std::vector<Side> sorted_sides(const Faces& faces)
+{
+    std::vector<Side> sides;
+    sides.reserve(static_cast<std::size_t>(3 * faces.rows()));
+    for (int f = 0; f < faces.rows(); ++f)
+        for (int c = 0; c < 3; ++c) {
+            const int a = faces(f, c);
+            const int b = faces(f, (c + 1) % 3);
+            sides.push_back({std::min(a, b), std::max(a, b), f, a < b});
+        }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+        return std::tie(a.low, a.high, a.face) < std::tie(b.low, b.high, b.face);
+    });
+    return sides;
+}
+
+void find_duplicate_faces(const Faces& faces, DefectList& list)
+{
+    std::vector<std::array<int, 4>> keys;
+    keys.reserve(static_cast<std::size_t>(faces.rows()));
+    for (int f = 0; f < faces.rows(); ++f) {
+        std::array<int, 4> key{faces(f, 0), faces(f, 1), faces(f, 2), f};
+        std::sort(key.begin(), key.begin() + 3);
+        keys.push_back(key);
+    }
+    std::sort(keys.begin(), keys.end());
+    for (std::size_t i = 1; i < keys.size(); ++i)
+        if (std::equal(keys[i].begin(), keys[i].begin() + 3, keys[i - 1].begin()))
+            list.add(DefectKind::DuplicateFace, keys[i][3], keys[i][0],
+                     join("face ", keys[i][3], " repeats face ", keys[i - 1][3], " (vertices ",
+                          keys[i][0], ", ", keys[i][1], ", ", keys[i][2],
+                          "); remove one of the two"));
+}
+
+void find_edge_defects(const std::vector<Side>& sides, DefectList& list)
+{
+    for (std::size_t i = 0; i < sides.size();) {
+        std::size_t end = i + 1;
+        while (end < sides.size() && sides[end].low == sides[i].low &&
+               sides[end].high == sides[i].high)
+            ++end;
+        const Side& s = sides[i];
+        if (end - i > 2)
+            list.add(DefectKind::NonManifoldEdge, sides[i + 2].face, s.low,
+                     join("edge ", s.low, "-", s.high, " has ", end - i, " faces (", s.face, ", ",
+                          sides[i + 1].face, ", ", sides[i + 2].face,
+                          ", ...); an edge may have at most 2"));
+        else if (end - i == 2 && s.forward == sides[i + 1].forward)
+            list.add(DefectKind::FlippedFace, sides[i + 1].face, s.low,
+                     join("faces ", s.face, " and ", sides[i + 1].face, " both run ",
+                          s.forward ? s.low : s.high, " -> ", s.forward ? s.high : s.low,
+                          "; flip one, neighbours must run through an edge in opposite "
+                          "directions"));
+        i = end;
+    }
+}
+
+/// Union of items by path halving.
+class Partition
+{
+public:
+    explicit Partition(std::size_t count) : parent_(count)
+    {
+        std::iota(parent_.begin(), parent_.end(), 0);
+    }
+    int root(int i)
+    {
+        while (at(i) != i)
+            i = at(i) = at(at(i));
+        return i;
+    }
+    void unite(int a, int b) { at(std::max(root(a), root(b))) = std::min(root(a), root(b)); }
+
+private:
+    int& at(int i) { return parent_[static_cast<std::size_t>(i)]; }
+    std::vector<int> parent_;
+};
+
+/// Corners around a vertex are united across the edges they share; more than one class is a
+/// bow-tie. Faces united the same way give the components.
+void find_fans_and_components(const Faces& faces, int vertex_count, const std::vector<Side>& sides,
+                              DefectList& list)
+{
+    Partition corners(static_cast<std::size_t>(3 * faces.rows()));
+    Partition components(static_cast<std::size_t>(faces.rows()));
+    const auto corner = [&](int face, int vertex) {
+        const int c = faces(face, 0) == vertex ? 0 : faces(face, 1) == vertex ? 1 : 2;
+        return 3 * face + c;
+    };
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+        const Side& a = sides[i - 1];
+        const Side& b = sides[i];
+        if (a.low != b.low || a.high != b.high)
+            continue;
+        corners.unite(corner(a.face, a.low), corner(b.face, a.low));
+        corners.unite(corner(a.face, a.high), corner(b.face, a.high));
+        components.unite(a.face, b.face);
+    }
+    std::vector<int> fan(static_cast<std::size_t>(vertex_count), -1);
+    std::vector<char> reported(static_cast<std::size_t>(vertex_count), 0);
+    for (int h = 0; h < 3 * faces.rows(); ++h) {
+        const auto v = static_cast<std::size_t>(faces(h / 3, h % 3));
+        const int root = corners.root(h);
+        if (fan[v] < 0)
+            fan[v] = root;
+        else if (fan[v] != root && !reported[v]) {
+            reported[v] = 1;
+            list.add(DefectKind::BowTie, h / 3, static_cast<int>(v),
+                     join("vertex ", v, " joins separate fans of faces (faces ", fan[v] / 3,
+                          " and ", h / 3, "); split it into one vertex a fan"));
+        }
+    }
+    for (int v = 0; v < vertex_count; ++v)
+        if (fan[static_cast<std::size_t>(v)] < 0)
+            list.add(DefectKind::IsolatedVertex, -1, v,
+                     join("vertex ", v, " belongs to no face; remove it"));
+
+    // A bow-tie joins components through a vertex only: those are counted apart as well.
+    std::vector<int> size(static_cast<std::size_t>(faces.rows()), 0);
+    for (int f = 0; f < faces.rows(); ++f)
+        ++size[static_cast<std::size_t>(components.root(f))];
+    const auto count = std::count_if(size.begin(), size.end(), [](int s) { return s > 0; });
+    if (count > 1) {
+        int first_outside = 0;
+        while (components.root(first_outside) == 0)
+            ++first_outside;
+        list.add(DefectKind::SeveralComponents, first_outside, faces(first_outside, 0),
+                 join("the surface has ", count, " components (face ", first_outside,
+                      " is not connected with face 0); keep one, or treat each as a mesh of its "
+                      "own"));
+    }
+}
+
+} // namespace
+
+std::vector<Defect> find_defects(const Faces& faces, int vertex_count, int limit)
+{
+    DefectList list(limit);
+    if (vertex_count == 0 || faces.rows() == 0) {
+        list.add(DefectKind::Empty, -1, -1,
+                 join("the mesh has ", vertex_count, " vertices and ", faces.rows(),
+                      " faces; it needs at least one face"));
+        return list.take();
+    }
+    for (int f = 0; f < faces.rows(); ++f) {
+        for (int c = 0; c < 3; ++c)
+            if (faces(f, c) < 0 || faces(f, c) >= vertex_count)
+                list.add(DefectKind::IndexOutOfRange, f, faces(f, c),
+                         join("face ", f, " names vertex ", faces(f, c), ", the mesh has ",
+                              vertex_count, " (0 to ", vertex_count - 1, ")"));
+        if (faces(f, 0) == faces(f, 1) || faces(f, 1) == faces(f, 2) || faces(f, 2) == faces(f, 0))
+            list.add(DefectKind::DegenerateFace, f, faces(f, 0),
+                     join("face ", f, " (", faces(f, 0), ", ", faces(f, 1), ", ", faces(f, 2),
+                          ") names a vertex twice; remove it"));
+    }
+    if (!list.empty())
+        return list.take();
+    const std::vector<Side> sides = sorted_sides(faces);
+    find_duplicate_faces(faces, list);
+    find_edge_defects(sides, list);
+    find_fans_and_components(faces, vertex_count, sides, list);
+    return list.take();
+}
+
+std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& points, int limit)
+{
+    DefectList list(limit);
+    for (int v = 0; v < points.rows(); ++v)
+        if (!points.row(v).allFinite())
+            list.add(DefectKind::NotFinite, -1, v,
+                     join("vertex ", v, " has a coordinate that is not finite (", points(v, 0),
+                          ", ", points(v, 1), ", ", points(v, 2), ")"));
+    for (int f = 0; f < faces.rows(); ++f) {
+        const Eigen::RowVector3d a = points.row(faces(f, 0));
+        const Eigen::RowVector3d b = points.row(faces(f, 1));
+        const Eigen::RowVector3d c = points.row(faces(f, 2));
+        const double area = 0.5 * (b - a).cross(c - a).norm();
+        const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+        if (area <= 1e-14 * longest * longest)
+            list.add(DefectKind::DegenerateTriangle, f, faces(f, 0),
+                     join("face ", f, " (", faces(f, 0), ", ", faces(f, 1), ", ", faces(f, 2),
+                          ") has no area; move one of its vertices, the triangle inequality "
+                          "must be strict"));
+    }
+    return list.take();
+}
+
+} // namespace shape

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/mesh/collection.h"
+
+namespace shape {
+
+/// The mean paired difference between two groups of a collection (Rojas 2014, Fig. 10), with the
+/// mean of the group it starts from.
+struct DifferenceVector
+{
+    Topology topology;
+    Points reference_points;              ///< #V by 3 [length].
+    Scale scale = Scale::Unit;
+    Eigen::VectorXd mean_edge_lengths;    ///< #E; mean of the `from` members of the pairs.
+    Eigen::VectorXd mean_dihedral_angles; ///< #E [rad].
+    Eigen::VectorXd edge_lengths;         ///< #E; mean of (to - from).
+    Eigen::VectorXd dihedral_angles;      ///< #E [rad].
+    double from_size = 0.0;               ///< Mean size of the `from` members [length].
+    double to_size = 0.0;                 ///< Mean size of the `to` members [length].
+    std::vector<std::string> pairs;       ///< Values of the pairing label, one a pair.
+};
+
+struct DifferenceOptions
+{
+    std::string pair_by;    ///< Label whose equal values make a pair.
+    std::string from_label; ///< Meshes with this label ...
+    std::string from_value; ///< ... of this value are the start ...
+    std::string to_label;   ///< ... and those with this label ...
+    std::string to_value;   ///< ... of this value the end of the difference.
+    Scale scale = Scale::Unit;
+};
+
+/// @throws InvalidInput if a label is missing, a group is empty, a value of pair_by occurs twice in
+///     a group, or no value occurs in both. Members without a partner are left out.
+[[nodiscard]] DifferenceVector mean_difference(const Collection& collection,
+                                               const DifferenceOptions& options);
+
+/// mean(from) + amount * difference, in units of length.
+/// @param size  Sum of the edge lengths at amount 0 [length]; ignored for Scale::None.
+[[nodiscard]] ShapePoint apply_difference(const DifferenceVector& difference, double amount,
+                                          double size);
+
+} // namespace shape

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/mesh/collection.h"
+
+namespace shape {
+
+/// Mean and principal modes of a collection in edge-length space, every mode with its companion
+/// dihedral part, and the scores of the meshes it was made from.
+struct ShapeModel
+{
+    Topology topology;
+    Points reference_points;                  ///< #V by 3 [length]; the first mesh of the collection.
+    Scale scale = Scale::Unit;                ///< Whether lengths below are unit-sum.
+    Eigen::VectorXd mean_edge_lengths;        ///< #E.
+    Eigen::VectorXd mean_dihedral_angles;     ///< #E [rad].
+    RowMatrix mode_edge_lengths;              ///< K by #E, orthonormal rows.
+    RowMatrix mode_dihedral_angles;           ///< K by #E [rad per unit of score].
+    Eigen::VectorXd variances;                ///< K, descending, divisor N - 1.
+    double total_variance = 0.0;              ///< Of all modes, kept or not.
+    RowMatrix scores;                         ///< N by K, coordinates along the modes.
+    Eigen::VectorXd sizes;                    ///< N sums of edge lengths [length].
+    std::vector<std::string> names;           ///< N.
+    Labels labels;
+
+    [[nodiscard]] int mode_count() const { return static_cast<int>(variances.size()); }
+    [[nodiscard]] double mean_size() const { return sizes.mean(); }
+};
+
+struct ModelOptions
+{
+    int modes = 0;         ///< K in [1, N - 1]; 0: as many as `variance` asks for.
+    double variance = 1.0; ///< Smallest share of the total variance to keep, in (0, 1].
+    Scale scale = Scale::Unit;
+};
+
+/// Fits a model: PCA of the length vectors through the N by N Gram matrix; never an #E by #E one.
+/// The sign of a mode makes the entry of largest magnitude of its length part positive (the first
+/// of equals).
+/// @throws InvalidInput if the collection has fewer than 2 meshes, modes is not in [0, N - 1],
+///     variance is not in (0, 1], or all meshes are equal.
+[[nodiscard]] ShapeModel fit_model(const Collection& collection, const ModelOptions& options = {});
+
+/// The point mean + sum_k scores[k] mode_k, in units of length.
+/// @param scores  At most K coordinates along the modes (not in standard deviations); missing ones are 0.
+/// @param size  Sum of the mean's edge lengths [length]; ignored for Scale::None. The default of
+///     the program is mean_size().
+/// @throws InvalidInput if there are more scores than modes, one is not finite, or size <= 0.
+[[nodiscard]] ShapePoint model_point(const ShapeModel& model, const Eigen::VectorXd& scores,
+                                     double size);
+
+/// Scores of meshes, new or old, in a model.
+struct Projection
+{
+    std::vector<std::string> names;
+    Labels labels;
+    RowMatrix scores;          ///< N by K.
+    Eigen::VectorXd sizes;     ///< N sums of edge lengths [length].
+    Eigen::VectorXd residuals; ///< N distances to the span of the modes, in the model's units.
+};
+
+/// @throws InvalidInput if the collection has another triangulation.
+[[nodiscard]] Projection project(const ShapeModel& model, const Collection& collection);
+
+/// How far one can go along a mode from the mean before a triangle inequality breaks.
+struct FeasibleRange
+{
+    double low = 0.0;  ///< Standard deviations, in [-limit, 0].
+    double high = 0.0; ///< Standard deviations, in [0, limit].
+};
+
+/// @param mode  Index in [0, K).
+/// @param limit  Where the search ends, in standard deviations; > 0.
+[[nodiscard]] FeasibleRange feasible_range(const ShapeModel& model, int mode, double limit = 10.0);
+
+} // namespace shape
