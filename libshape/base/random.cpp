@@ -6,6 +6,11 @@
 #include <numbers>
 
 namespace shape {
+namespace {
+
+__extension__ using Wide = unsigned __int128;
+
+} // namespace
 
 std::uint64_t Random::bits()
 {
@@ -29,7 +34,7 @@ double Random::normal()
 std::uint64_t Random::index(std::uint64_t count)
 {
     // Multiply-shift; the bias is below 2^-64 * count.
-    return static_cast<std::uint64_t>((static_cast<unsigned __int128>(bits()) * count) >> 64);
+    return static_cast<std::uint64_t>((static_cast<Wide>(bits()) * count) >> 64);
 }
 
 } // namespace shape
