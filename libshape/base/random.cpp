@@ -8,7 +8,7 @@
 namespace shape {
 namespace {
 
-__extension__ using Wide = unsigned __int128;
+__extension__ using Wide = unsigned __int128; // no warning about what is not ISO C++
 
 } // namespace
 
@@ -21,9 +21,15 @@ std::uint64_t Random::bits()
     return z ^ (z >> 31);
 }
 
-double Random::uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
+double Random::uniform()
+{
+    return static_cast<double>(bits() >> 11) * 0x1.0p-53;
+}
 
-double Random::uniform(double low, double high) { return low + (high - low) * uniform(); }
+double Random::uniform(double low, double high)
+{
+    return low + (high - low) * uniform();
+}
 
 double Random::normal()
 {
