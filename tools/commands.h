@@ -26,5 +26,6 @@ using Run = std::function<void(const Session&)>;
 [[nodiscard]] Run set_up_project(CLI::App& command);
 [[nodiscard]] Run set_up_reconstruct(CLI::App& command);
 [[nodiscard]] Run set_up_stats(CLI::App& command);
+[[nodiscard]] Run set_up_synth(CLI::App& command);
 
 } // namespace shape::tools

@@ -32,6 +32,7 @@ constexpr Command commands[] = {
     {"difference", set_up_difference},
     {"interpolate", set_up_interpolate},
     {"reconstruct", set_up_reconstruct},
+    {"synth", set_up_synth},
 };
 
 enum ExitCode
@@ -63,7 +64,7 @@ void add_common_options(CLI::App& command, Session& session)
     add_integer(command, "--threads", session.threads,
                 "Number of threads [1, 1024] (default: all processors); changes no result", 1, 1024)
         ->group(group);
-    add_integer(command, "--seed", session.seed, "Seed of random numbers, >= 0 (default: 0)", 0)
+    add_integer(command, "--seed", session.seed, "Seed of random numbers, >= 0 (default: 1)", 0)
         ->group(group);
 }
 

@@ -144,10 +144,7 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
     output.commit();
     for (const std::string& row : rows)
         session.message(row);
-    Json outputs = Json::array();
-    for (const std::filesystem::path& path : output.paths())
-        outputs.push_back(path.string());
-    return {{"outputs", outputs}, {"embeddings", embeddings}};
+    return {{"outputs", output.paths()}, {"embeddings", embeddings}};
 }
 
 std::string numbered_name(const std::string& stem, std::size_t number)

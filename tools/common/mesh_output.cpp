@@ -54,29 +54,30 @@ void check_names(const std::vector<std::string>& names)
 
 } // namespace
 
-void add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
+CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
 {
-    command
-        .add_option("-o,--output", arguments.path,
-                    "One mesh: a file (.obj .ply .off) or a directory; several: a directory.\n"
-                    "A missing directory is made, its parent must exist")
-        ->required()
-        ->option_text("PATH REQUIRED");
     command
         .add_option("--format", arguments.format,
                     "Format of the files in a directory (default: ply, binary with doubles)")
         ->check(CLI::IsMember({"obj", "ply", "off"}))
         ->option_text("obj|ply|off");
+    return command
+        .add_option("-o,--output", arguments.path,
+                    "One mesh: a file (.obj .ply .off) or a directory; several: a directory.\n"
+                    "A missing directory is made, its parent must exist")
+        ->required()
+        ->option_text("PATH");
 }
 
 MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& arguments,
-                       const std::vector<std::string>& names, const std::vector<fs::path>& inputs)
+                       const std::vector<std::string>& names, const std::vector<fs::path>& inputs,
+                       const std::vector<std::string>& further_files)
 {
     const fs::path path = arguments.path;
     if (names_a_file(path)) {
         format_ = format_of(path);
-        if (names.size() > 1)
-            throw UsageError(join("-o: ", names.size(), " meshes come out; '", path.string(),
+        if (names.size() + further_files.size() > 1)
+            throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '", path.string(),
                                   "' names one file, give a directory"));
         if (!arguments.format.empty() && mesh_format("." + arguments.format) != format_)
             throw UsageError(join("--format ", arguments.format, " contradicts the ending of '",
@@ -90,6 +91,8 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
     check_names(names);
     for (const std::string& name : names)
         paths_.push_back(directory_ / (name + file_ending(format_)));
+    for (const std::string& file : further_files)
+        paths_.push_back(directory_ / file);
     const std::string own_suffix = join(".", getpid(), ".tmp");
     if (fs::is_directory(directory_)) {
         for (const fs::path& file : paths_)
@@ -116,6 +119,11 @@ void MeshOutput::write(std::size_t index, const Points& points, const Faces& fac
     write_mesh(staging_.empty() ? path : staging_ / path.filename(), points, faces, format_);
 }
 
+fs::path MeshOutput::staged(const std::string& further_file) const
+{
+    return staging_ / further_file;
+}
+
 void MeshOutput::commit()
 {
     if (staging_.empty())
@@ -125,6 +133,11 @@ void MeshOutput::commit()
             fs::rename(staging_ / path.filename(), path);
     else
         fs::rename(staging_, directory_);
+}
+
+std::vector<std::string> MeshOutput::paths() const
+{
+    return {paths_.begin(), paths_.end()};
 }
 
 } // namespace shape::tools

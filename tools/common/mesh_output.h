@@ -10,6 +10,7 @@
 
 namespace CLI {
 class App;
+class Option;
 }
 
 namespace shape::tools {
@@ -23,8 +24,8 @@ struct MeshOutputArguments
     std::string format; ///< Ending without the dot, for directories; empty: ply.
 };
 
-/// Adds -o and --format.
-void add_mesh_output(CLI::App& command, MeshOutputArguments& arguments);
+/// Adds -o, which is required and returned, and --format.
+CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments);
 
 /// Takes the meshes of a run and keeps all of them or none: they are written beside their place and
 /// renamed into it by commit(). A new directory appears as a whole.
@@ -36,11 +37,13 @@ public:
     /// The path is a file if it has an ending, names no existing directory and does not end in a
     /// slash; only a single mesh can go into a file.
     /// @param names  Stem of each file in a directory; the format gives the ending.
+    /// @param further_files  Names of other files that go into the directory with the meshes.
     /// @throws UsageError  for several meshes and one file, or an ending that is no mesh format.
     /// @throws InvalidInput  for two equal names, or one that cannot be a file name.
     MeshOutput(const Session& session, const MeshOutputArguments& arguments,
                const std::vector<std::string>& names,
-               const std::vector<std::filesystem::path>& inputs);
+               const std::vector<std::filesystem::path>& inputs,
+               const std::vector<std::string>& further_files = {});
     ~MeshOutput();
     MeshOutput(const MeshOutput&) = delete;
     MeshOutput& operator=(const MeshOutput&) = delete;
@@ -48,11 +51,14 @@ public:
     /// Writes the mesh of names[index].
     void write(std::size_t index, const Points& points, const Faces& faces);
 
+    /// Where to write a further file until commit().
+    [[nodiscard]] std::filesystem::path staged(const std::string& further_file) const;
+
     /// Puts what was written into its place.
     void commit();
 
-    /// The final paths, in the order of the names.
-    [[nodiscard]] const std::vector<std::filesystem::path>& paths() const { return paths_; }
+    /// The final paths: meshes in the order of their names, then the further files.
+    [[nodiscard]] std::vector<std::string> paths() const;
 
 private:
     std::vector<std::filesystem::path> paths_;

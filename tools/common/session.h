@@ -23,7 +23,7 @@ public:
     bool json = false;        ///< One JSON object on stdout instead of text.
     bool force = false;       ///< Existing outputs are overwritten.
     std::int64_t threads = 0; ///< 0: as many as there are processors.
-    std::int64_t seed = 0;
+    std::int64_t seed = 1;
 
     /// Text on stderr, unless quiet or JSON is wanted.
     void message(const std::string& text) const;
