@@ -6,7 +6,9 @@
 #include <new>
 
 #include "libshape/base/error.h"
+#include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/version.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/interrupt.h"
@@ -73,7 +75,7 @@ int run(int argc, char** argv)
     Session session;
     CLI::App program("Statistical shape analysis of triangle meshes in edge-length space.",
                      "shape");
-    program.set_version_flag("--version", "shape " SHAPE_VERSION);
+    program.set_version_flag("--version", join("shape ", version()));
     program.footer(program_footer);
     program.require_subcommand(1);
     std::map<const CLI::App*, Run> runs;
