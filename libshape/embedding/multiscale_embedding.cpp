@@ -20,7 +20,7 @@
 namespace shape {
 namespace {
 
-constexpr int supernodal_vertices = 4000; // larger systems go to CHOLMOD
+constexpr int supernodal_vertices = 10000; // larger systems go to CHOLMOD
 
 using Clock = std::chrono::steady_clock;
 

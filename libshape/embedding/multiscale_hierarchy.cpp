@@ -17,6 +17,7 @@
 namespace shape {
 namespace {
 
+constexpr int centring_steps = 2;   // of Lloyd's relaxation; more make no better patches
 constexpr int subtree_faces = 1500; // positions of a subtree fit a processor's second-level cache
 
 using ChildSet = std::uint32_t; // bit k: in child k
@@ -105,8 +106,10 @@ bool Splitter::split(int parent)
 {
     choose_seeds(node(parent).faces.count);
     grow(parent);
-    centre_seeds(parent);
-    grow(parent);
+    for (int step = 0; step < centring_steps; ++step) {
+        centre_seeds(parent);
+        grow(parent);
+    }
     mark(parent);
 
     std::array<int, max_patches> sizes{};
