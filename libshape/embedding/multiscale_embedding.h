@@ -16,7 +16,7 @@ struct MultiscaleOptions
 {
     std::uint64_t seed = 1; ///< Of the hierarchy's seed triangles.
     int children = 6;       ///< Patches per node, m; in [4, max_patches].
-    RegistrationOptions registration;
+    RegistrationOptions registration{};
 };
 
 /// Wall times [s] of what is done once per topology (Winkler 2010, Table 1).

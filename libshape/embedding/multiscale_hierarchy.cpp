@@ -167,16 +167,23 @@ void Splitter::centre_seeds(int parent)
     for (int f = 0; f < count; ++f)
         sums[at(core_[at(f)])] += Eigen::Vector4d(centroids_(faces[f], 0), centroids_(faces[f], 1),
                                                   centroids_(faces[f], 2), 1.0);
-    std::array<double, max_patches> nearest;
+    const auto distance = [&](int f) {
+        const Eigen::Vector4d& sum = sums[at(core_[at(f)])];
+        return (centroids_.row(faces[f]).transpose() - sum.head<3>() / sum[3]).squaredNorm();
+    };
+    std::array<double, max_patches> nearest, farthest;
     nearest.fill(std::numeric_limits<double>::infinity());
+    farthest.fill(0.0);
     for (int f = 0; f < count; ++f) {
         const std::size_t k = at(core_[at(f)]);
-        const double distance =
-            (centroids_.row(faces[f]).transpose() - sums[k].head<3>() / sums[k][3]).squaredNorm();
-        if (distance < nearest[k]) {
-            nearest[k] = distance;
+        nearest[k] = std::min(nearest[k], distance(f));
+        farthest[k] = std::max(farthest[k], distance(f));
+    }
+    // Of faces as near as rounding can tell, the last: a rigid motion must not change the choice.
+    for (int f = 0; f < count; ++f) {
+        const std::size_t k = at(core_[at(f)]);
+        if (distance(f) <= nearest[k] + 1e-9 * farthest[k])
             seeds_[k] = f;
-        }
     }
 }
 

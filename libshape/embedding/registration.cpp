@@ -119,8 +119,8 @@ Eigen::MatrixXd translation_inverse(int patch_count, std::span<const PatchOverla
         laplacian(overlap.second, overlap.second) += overlap.count;
     }
     const Eigen::Index rest = patch_count - 1;
-    const Eigen::LLT<Eigen::MatrixXd> factor(laplacian.bottomRightCorner(rest, rest));
-    if (factor.info() != Eigen::Success)
+    const Eigen::LDLT<Eigen::MatrixXd> factor(laplacian.bottomRightCorner(rest, rest));
+    if (!(factor.vectorD().minCoeff() > 1e-9 * factor.vectorD().maxCoeff()))
         throw InvalidInput(
             join("registration: the overlaps do not link all ", patch_count, " patches"));
     return factor.solve(Eigen::MatrixXd::Identity(rest, rest));
