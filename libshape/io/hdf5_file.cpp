@@ -171,7 +171,7 @@ Encoded encode(std::span<const std::string> values, const std::string& name)
     std::size_t size = 1;
     for (const std::string& text : values) {
         if (text.find('\0') != std::string::npos || !is_utf8(text) || text.size() > longest_string)
-            throw InvalidInput(join(name, ": ", quoted(text),
+            throw InvalidInput(join(name, ": ", in_quotes(text),
                                     " must be UTF-8 without NUL, at most ", longest_string,
                                     " bytes"));
         size = std::max(size, text.size());

@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "libshape/mesh/points.h"
+#include "libshape/linalg/dense.h"
 
 // The part of HDF5 that the files of this library use. Internal to io/; docs/formats.md says what
 // is written and what is refused.

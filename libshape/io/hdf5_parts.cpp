@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/version.h"
 
 namespace shape {
 namespace {
@@ -42,7 +43,7 @@ Hdf5Content begin_content(FileKind kind)
 {
     return {{{"format", std::string(format_name(kind))},
              {"format_version", format_version},
-             {"program_version", std::string("libshape " SHAPE_VERSION)}},
+             {"program_version", join("libshape ", version())}},
             {}};
 }
 
