@@ -202,7 +202,7 @@ class AsciiBody
 {
 public:
     explicit AsciiBody(LineReader& reader, std::size_t size)
-        : reader_(reader), remaining_(static_cast<std::int64_t>(size - reader.offset()))
+        : reader_(reader), remaining_(static_cast<std::int64_t>(size - reader.offset()) + 1)
     {
     }
 
@@ -231,7 +231,7 @@ public:
 
 private:
     LineReader& reader_;
-    std::int64_t remaining_;
+    std::int64_t remaining_; ///< One more than there is: the last line may lack its end.
 };
 
 /// Values of a binary body in either order of bytes.
@@ -325,14 +325,14 @@ private:
 template <class Body>
 void check_counts(const Header& header, const Body& body)
 {
-    std::int64_t remaining = body.remaining() + 1; // the last line may lack its end
+    std::int64_t remaining = body.remaining();
     for (const Element& element : header.elements) {
         std::int64_t least = 0;
         for (const Property& property : element.properties)
             least += Body::least_size(property.count_type.value_or(property.type));
         if (element.count > 0 && element.count > remaining / least)
             body.fail(join(element.count, " of element ", in_quotes(element.name),
-                           " cannot stand in the remaining ", remaining - 1, " bytes"));
+                           " cannot stand in the remaining ", remaining, " bytes"));
         remaining -= element.count * least;
     }
 }

@@ -144,6 +144,11 @@ TEST(CollectionFile, NeverGivesWrongValuesOfADamagedFile)
     const std::string bytes = test::read_bytes(directory / "c.h5");
     Random random(4);
     int refused = 0;
+    const auto open_files = [] {
+        const std::filesystem::directory_iterator descriptors("/proc/self/fd");
+        return std::distance(begin(descriptors), end(descriptors));
+    };
+    const auto open_before = open_files();
     for (int round = 0; round < 600; ++round) {
         std::string damaged = bytes;
         // Half of the flips hit the first 4 KiB, where most of the structure stands.
@@ -158,6 +163,7 @@ TEST(CollectionFile, NeverGivesWrongValuesOfADamagedFile)
         }
     }
     EXPECT_GT(refused, 300);
+    EXPECT_EQ(open_files(), open_before);
 }
 
 TEST(CollectionFile, IsReadByH5py)

@@ -35,7 +35,8 @@ std::vector<std::string> TemporaryDirectory::names() const
 
 void write_bytes(const std::filesystem::path& path, std::string_view bytes)
 {
-    std::ofstream out(path, std::ios::binary | std::ios::trunc);
+    std::filesystem::remove(path); // a new file: some file systems sync one that is overwritten
+    std::ofstream out(path, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (!out.flush())
         throw std::runtime_error("cannot write " + path.string());
