@@ -148,7 +148,8 @@ TEST(MeshFile, TakesItsFormatFromTheEndingInAnyCase)
     EXPECT_EQ(mesh_format("a.OBJ"), MeshFormat::Obj);
     EXPECT_EQ(mesh_format("a.b.Ply"), MeshFormat::Ply);
     EXPECT_EQ(mesh_format("dir.obj/a.off"), MeshFormat::Off);
-    for (const char* name : {"a.stl", "a", ".obj", "a.obj.gz", "a.obj "}) {
+    EXPECT_EQ(mesh_format(".off"), MeshFormat::Off);
+    for (const char* name : {"a.stl", "a", "obj", "a.obj.gz", "a.obj ", ""}) {
         const std::string message =
             test::message_of<InvalidInput>([&] { (void)mesh_format(name); });
         EXPECT_NE(message.find(".obj, .ply or .off"), std::string::npos) << message;
