@@ -34,7 +34,7 @@ struct RenderOptions
     Eigen::Vector2d centre =
         Eigen::Vector2d::Zero(); ///< Of the image, in view coordinates [length].
     double pixel_size = 0.01;    ///< [length], > 0.
-    double crease_angle = 100.0;  ///< Edges that bend more are drawn sharp [deg].
+    double crease_angle = 100.0; ///< Edges that bend more are drawn sharp [deg].
     Colour background{255, 255, 255};
     Colour surface{214, 198, 184};      ///< Used where vertex_colours is empty.
     std::vector<Colour> vertex_colours; ///< Empty, or one per vertex.
