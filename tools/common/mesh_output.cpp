@@ -77,8 +77,8 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
     if (names_a_file(path)) {
         format_ = format_of(path);
         if (names.size() + further_files.size() > 1)
-            throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '", path.string(),
-                                  "' names one file, give a directory"));
+            throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '",
+                                  path.string(), "' names one file, give a directory"));
         if (!arguments.format.empty() && mesh_format("." + arguments.format) != format_)
             throw UsageError(join("--format ", arguments.format, " contradicts the ending of '",
                                   path.string(), "'"));
