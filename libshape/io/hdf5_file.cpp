@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
@@ -263,14 +264,58 @@ void write_attribute(hid_t file, const std::string& name, const Hdf5Value& value
     attribute.close();
 }
 
-/// The bytes of the file. They are made in memory, so that no error of the disk meets HDF5, which
-/// does not report all of them.
-std::string make_image(const Hdf5Content& content)
+/// The bytes of an HDF5 file made in memory.
+class Image
+{
+public:
+    Image() = default;
+    ~Image() { std::free(bytes_); }
+    Image(const Image&) = delete;
+    Image& operator=(const Image&) = delete;
+
+    [[nodiscard]] std::string_view bytes() const { return {static_cast<char*>(bytes_), size_}; }
+
+    void set_size(std::size_t size) { size_ = size; }
+
+    /// Makes a file with this access list live in memory, and leave its bytes here when it closes.
+    /// (H5Fget_file_image() gives bytes before that, with a wrong checksum of the superblock.)
+    void receive(hid_t access)
+    {
+        using Operation = H5FD_file_image_op_t;
+        H5FD_file_image_callbacks_t calls{};
+        calls.image_malloc = [](std::size_t size, Operation, void*) { return std::malloc(size); };
+        calls.image_memcpy = [](void* to, const void* from, std::size_t size, Operation, void*) {
+            return std::memcpy(to, from, size);
+        };
+        calls.image_realloc = [](void* bytes, std::size_t size, Operation, void*) {
+            return std::realloc(bytes, size);
+        };
+        calls.image_free = [](void* bytes, Operation operation, void* image) -> herr_t {
+            if (operation == H5FD_FILE_IMAGE_OP_FILE_CLOSE)
+                static_cast<Image*>(image)->bytes_ = bytes;
+            else
+                std::free(bytes);
+            return 0;
+        };
+        calls.udata_copy = [](void* image) { return image; };
+        calls.udata_free = [](void*) -> herr_t { return 0; };
+        calls.udata = this;
+        checked(H5Pset_fapl_core(access, std::size_t{4} << 20, false));
+        checked(H5Pset_file_image_callbacks(access, &calls));
+    }
+
+private:
+    void* bytes_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+/// Makes the file in memory: thus no error of the disk meets HDF5, which does not report them all.
+void make_image(const Hdf5Content& content, Image& image)
 {
     static std::atomic<unsigned> counter{0};
     const std::string unique = join("/dev/null/shape-", counter++); // no such file can exist
     const Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    checked(H5Pset_fapl_core(access, std::size_t{4} << 20, false));
+    image.receive(access);
     checked(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST));
     Id file(H5Fcreate(unique.c_str(), H5F_ACC_TRUNC, make_creation_list(H5P_FILE_CREATE), access),
             H5Fclose);
@@ -279,10 +324,8 @@ std::string make_image(const Hdf5Content& content)
     for (const Hdf5Dataset& dataset : content.datasets)
         write_dataset(file, dataset);
     checked(H5Fflush(file, H5F_SCOPE_GLOBAL));
-    std::string image(static_cast<std::size_t>(checked(H5Fget_file_image(file, nullptr, 0))), '\0');
-    checked(H5Fget_file_image(file, image.data(), image.size()));
+    image.set_size(static_cast<std::size_t>(checked(H5Fget_file_image(file, nullptr, 0))));
     file.close();
-    return image;
 }
 
 Id open_file(const std::filesystem::path& path)
@@ -347,7 +390,9 @@ void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content)
         throw FileError(join("cannot write ", path.string(), ": ", cause));
     };
     try {
-        write_file_atomically(path, make_image(content), [&](const auto& temporary) {
+        Image image;
+        make_image(content, image);
+        write_file_atomically(path, image.bytes(), [&](const auto& temporary) {
             if (!holds(temporary, content))
                 fail("what was read back differs");
         });

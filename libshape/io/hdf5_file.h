@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "libshape/linalg/dense.h"
-#include "libshape/mesh/points.h"
 
 // The part of HDF5 that the files of this library use. Internal to io/; docs/formats.md says what
 // is written and what is refused.

@@ -1,4 +1,5 @@
-# cmake -DBUILD=<build> -DSOURCE=<source> -DVERSION=<version> ... -P install_and_use.cmake
+# cmake -DBUILD=<build> -DSOURCE=<source> -DVERSION=<version>
+#       -DGENERATOR=... -DCOMPILER=... -DFLAGS=... -P install_and_use.cmake
 #
 # Installs into a fresh prefix, builds the project in consumer/ against it and runs that.
 cmake_minimum_required(VERSION 3.25)
@@ -24,7 +25,7 @@ foreach(file IN LISTS configuration)
 endforeach()
 
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/packaging/consumer -B ${work}/build -G ${GENERATOR}
-    -DCMAKE_PREFIX_PATH=${work}/prefix -DCMAKE_BUILD_TYPE=Release -DWANTED_VERSION=${VERSION}
+    -DCMAKE_PREFIX_PATH=${work}/prefix -DWANTED_VERSION=${VERSION}
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS})
 run(${CMAKE_COMMAND} --build ${work}/build)
 run(${work}/build/consumer)
