@@ -79,7 +79,7 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
         if (names.size() + further_files.size() > 1)
             throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '",
                                   path.string(), "' names one file, give a directory"));
-        if (!arguments.format.empty() && mesh_format("." + arguments.format) != format_)
+        if (!arguments.format.empty() && mesh_format("x." + arguments.format) != format_)
             throw UsageError(join("--format ", arguments.format, " contradicts the ending of '",
                                   path.string(), "'"));
         check_output(session, path, inputs);
