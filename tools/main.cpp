@@ -11,6 +11,7 @@
 #include "libshape/base/version.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
+#include "tools/common/help.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/session.h"
 
@@ -77,6 +78,7 @@ int run(int argc, char** argv)
                      "shape");
     program.set_version_flag("--version", join("shape ", version()));
     program.footer(program_footer);
+    program.formatter(std::make_shared<HelpFormatter>()); // subcommands inherit it
     program.require_subcommand(1);
     std::map<const CLI::App*, Run> runs;
     for (const Command& entry : commands) {

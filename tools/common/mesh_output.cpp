@@ -66,7 +66,7 @@ CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
                     "One mesh: a file (.obj .ply .off) or a directory; several: a directory.\n"
                     "A missing directory is made, its parent must exist")
         ->required()
-        ->option_text("PATH");
+        ->option_text("PATH REQUIRED");
 }
 
 MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& arguments,
