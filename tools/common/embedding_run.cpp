@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -121,12 +122,12 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
 }
 
 Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
-                     const Topology& topology, const std::vector<Points>& references,
+                     const Topology& topology, std::vector<Points> references,
                      const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
 {
     if (arguments.strict)
         refuse_infeasible(topology, targets);
-    const Embedder embedder(topology, references, arguments.options);
+    const Embedder embedder(topology, std::move(references), arguments.options);
     const Progress progress = session.progress();
     Json embeddings = Json::array();
     std::vector<std::string> rows{table_head()};
