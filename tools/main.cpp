@@ -89,6 +89,9 @@ int run(int argc, char** argv)
     try {
         if (argc < 2)
             throw UsageError("name a command; `shape --help` lists them");
+        const std::string first = argv[1];
+        if (!first.starts_with('-') && program.get_subcommand_no_throw(first) == nullptr)
+            throw UsageError(join("no command '", first, "'; `shape --help` lists them"));
         program.parse(argc, argv);
         if (session.threads > 0)
             set_thread_count(static_cast<int>(session.threads));

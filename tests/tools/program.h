@@ -25,9 +25,9 @@ struct Outcome
 /// How the program is run.
 struct Launch
 {
-    int interrupt_after_ms = 0;           ///< > 0: SIGINT is sent then.
-    bool close_stdout = false;            ///< stdout is a pipe that nobody reads.
-    std::vector<std::string> environment; ///< NAME=VALUE, added to that of the test.
+    int interrupt_after_ms = 0;                ///< > 0: SIGINT is sent then.
+    bool close_stdout = false;                 ///< stdout is a pipe that nobody reads.
+    std::vector<std::string> environment = {}; ///< NAME=VALUE, added to that of the test.
 };
 
 /// Runs the program in a folder; ends it after a minute.

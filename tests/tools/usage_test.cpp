@@ -111,8 +111,12 @@ TEST_P(WrongUsageTest, EndsWithCodeTwoAndOneLine)
     EXPECT_TRUE(folder.content() == before) << "a file was made or changed";
 }
 
-INSTANTIATE_TEST_SUITE_P(Usage, WrongUsageTest, testing::ValuesIn(wrong_usages()),
-                         [](const auto& info) { return info.param.name; });
+std::string case_name(const testing::TestParamInfo<WrongUsage>& wrong)
+{
+    return wrong.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Usage, WrongUsageTest, testing::ValuesIn(wrong_usages()), case_name);
 
 TEST(Help, ListsEveryCommand)
 {
