@@ -214,7 +214,7 @@ void run(const Session& session, const Arguments& arguments)
         inputs.emplace_back(arguments.scores_file);
     MeshOutput output(session, arguments.output, names(targets), inputs);
     session.print_figures(embed_and_write(session, arguments.embedding, model.topology,
-                                          model.reference_points, targets, output));
+                                          {model.reference_points}, targets, output));
 }
 
 } // namespace

@@ -86,7 +86,7 @@ void run(const Session& session, const Arguments& arguments)
                            }});
     MeshOutput output(session, arguments.output, names(targets), input_files(arguments.meshes));
     session.print_figures(embed_and_write(session, arguments.embedding, collection.topology,
-                                          collection.points.front(), targets, output));
+                                          collection.points, targets, output));
 }
 
 } // namespace
