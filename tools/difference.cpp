@@ -65,7 +65,7 @@ Json apply(const Session& session, const Arguments& arguments, const DifferenceV
     const EmbeddingTarget target{
         "applied", [&] { return apply_difference(difference, arguments.amount, size); }};
     return embed_and_write(session, arguments.embedding, difference.topology,
-                           difference.reference_points, {target}, output);
+                           {difference.reference_points}, {target}, output);
 }
 
 void run(const Session& session, const Arguments& arguments)

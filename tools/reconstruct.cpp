@@ -77,7 +77,7 @@ void run(const Session& session, const Arguments& arguments)
     if (!arguments.lengths.empty())
         point.edge_lengths = read_lengths(arguments.lengths, references.topology);
     session.print_figures(embed_and_write(session, arguments.embedding, references.topology,
-                                          references.points.front(),
+                                          references.points,
                                           {{"reconstructed", [&point] { return point; }}}, output));
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -108,8 +109,9 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
                {{"preview", EmbeddingQuality::Preview}, {"fine", EmbeddingQuality::Fine}})
         ->group("Embedding");
     add_number(command, "--smoothness", options.smoothness,
-               "Weight of the dihedral angles [rad] against the relative lengths, > 0\n"
-               "(default: 0.01); of the method dihedral",
+               join("Weight of the dihedral angles [rad] against the relative lengths, > 0\n"
+                    "(default: ",
+                    options.smoothness, "); of the method dihedral"),
                Sign::Positive)
         ->group("Embedding");
     command
@@ -120,12 +122,12 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
 }
 
 Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
-                     const Topology& topology, const Points& reference,
+                     const Topology& topology, std::vector<Points> references,
                      const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
 {
     if (arguments.strict)
         refuse_infeasible(topology, targets);
-    const Embedder embedder(topology, reference, arguments.options);
+    const Embedder embedder(topology, std::move(references), arguments.options);
     const Progress progress = session.progress();
     Json embeddings = Json::array();
     std::vector<std::string> rows{table_head()};

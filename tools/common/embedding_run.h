@@ -35,11 +35,12 @@ struct EmbeddingTarget
 
 /// Embeds all targets and writes them, target i into output i; prints a table of what they are
 /// worth and warns of infeasible ones.
+/// @param references  As Embedder takes them.
 /// @return The fields `outputs` and `embeddings`.
 /// @throws NumericalError if a target is infeasible and `strict` is set; InvalidInput and
 ///     NumericalError of the embedder, naming the target.
 [[nodiscard]] Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
-                                   const Topology& topology, const Points& reference,
+                                   const Topology& topology, std::vector<Points> references,
                                    const std::vector<EmbeddingTarget>& targets, MeshOutput& output);
 
 /// "frame_0007": a name with a number of at least four digits.
