@@ -103,7 +103,7 @@ Run set_up_interpolate(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_mesh_output(command, arguments->output);
-    CLI::Option_group* blends = command.add_option_group("Blends", "Exactly one of");
+    CLI::Option_group* blends = command.add_option_group("Blends", "exactly one of");
     blends
         ->add_option("--weights", arguments->weights,
                      "One weight a mesh; they sum to 1 (within 1e-9) and lie in [0, 1]. Repeat\n"

@@ -11,6 +11,7 @@
 #include "libshape/base/version.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
+#include "tools/common/help.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/session.h"
 
@@ -77,6 +78,7 @@ int run(int argc, char** argv)
                      "shape");
     program.set_version_flag("--version", join("shape ", version()));
     program.footer(program_footer);
+    program.formatter(std::make_shared<HelpFormatter>()); // subcommands inherit it
     program.require_subcommand(1);
     std::map<const CLI::App*, Run> runs;
     for (const Command& entry : commands) {
@@ -87,6 +89,9 @@ int run(int argc, char** argv)
     try {
         if (argc < 2)
             throw UsageError("name a command; `shape --help` lists them");
+        const std::string first = argv[1];
+        if (!first.starts_with('-') && program.get_subcommand_no_throw(first) == nullptr)
+            throw UsageError(join("no command '", first, "'; `shape --help` lists them"));
         program.parse(argc, argv);
         if (session.threads > 0)
             set_thread_count(static_cast<int>(session.threads));

@@ -149,6 +149,8 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& rhs) const
     if (rhs.rows() != f.size)
         throw InvalidInput(
             join("solve: the right-hand side has ", rhs.rows(), " rows, the matrix ", f.size));
+    if (f.factor->minor < f.factor->n)
+        throw NumericalError("solve: the last factorisation failed");
     Eigen::MatrixXd solution(rhs.rows(), rhs.cols());
     if (rhs.cols() == 0)
         return solution;

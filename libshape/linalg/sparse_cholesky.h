@@ -41,6 +41,7 @@ public:
     /// Solves A X = B for all columns of B at once; #rows by k, any k.
     /// Safe to call concurrently.
     /// @throws InvalidInput if B has another number of rows.
+    /// @throws NumericalError if the last refactor() failed.
     [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs) const;
 
     [[nodiscard]] Eigen::Index size() const;

@@ -16,7 +16,7 @@ foreach(row IN LISTS rows)
     list(GET cells 2 includes)
     list(GET cells 3 third_party)
     string(REGEX MATCHALL "[a-z_]+" may_include_${module} "${includes}")
-    string(REGEX MATCHALL "[A-Za-z_.]+" third_party_${module} "${third_party}")
+    string(REGEX MATCHALL "[A-Za-z0-9_.]+" third_party_${module} "${third_party}")
     set(level_${module} ${level})
     foreach(other IN LISTS may_include_${module})
         # Within a floor the table runs from the bottom up, so rows above are already known.
