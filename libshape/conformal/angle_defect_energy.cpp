@@ -12,6 +12,7 @@ namespace shape {
 namespace {
 
 using std::numbers::pi;
+constexpr double two_pi_remainder = 2.4492935982947064e-16; // 2 pi minus 2.0 * pi
 
 /// zeta(2), zeta(4), ..., zeta(36).
 constexpr std::array<double, 18> even_zeta{
@@ -104,7 +105,7 @@ std::array<double, 3> scaled_sides(const IntrinsicTriangulation& t, const Eigen:
 }
 
 double angle_defect_energy(const IntrinsicTriangulation& t, const Eigen::VectorXd& u,
-                           const Eigen::VectorXd& targets, int removed_vertex)
+                           int removed_vertex)
 {
     const auto face_count = static_cast<std::size_t>(t.face_count());
     const double of_faces = parallel_sum(face_count, 4096, [&](std::size_t begin, std::size_t end) {
@@ -122,12 +123,12 @@ double angle_defect_energy(const IntrinsicTriangulation& t, const Eigen::VectorX
     double of_vertices = 0.0;
     for (int v = 0; v < t.vertex_count(); ++v)
         if (v != removed_vertex)
-            of_vertices += targets[v] * u[v];
-    return of_faces + of_vertices;
+            of_vertices += u[v];
+    return of_faces + 2.0 * pi * of_vertices;
 }
 
 AngleDefects measure_angle_defects(const IntrinsicTriangulation& t, const Eigen::VectorXd& u,
-                                   const Eigen::VectorXd& targets, int removed_vertex)
+                                   int removed_vertex)
 {
     std::vector<TriangleAngles> faces(static_cast<std::size_t>(t.face_count()));
     parallel_for(faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -135,7 +136,9 @@ AngleDefects measure_angle_defects(const IntrinsicTriangulation& t, const Eigen:
             if (!has_vertex(t, static_cast<int>(f), removed_vertex))
                 faces[f] = triangle_angles(scaled_sides(t, u, static_cast<int>(f)));
     });
-    AngleDefects result{targets, Eigen::VectorXd::Zero(t.edge_count()), {}};
+    AngleDefects result{Eigen::VectorXd::Constant(t.vertex_count(), 2.0 * pi),
+                        Eigen::VectorXd::Zero(t.edge_count()),
+                        {}};
     for (int f = 0; f < t.face_count(); ++f) {
         const TriangleAngles& face = faces[static_cast<std::size_t>(f)];
         for (int c = 0; c < 3; ++c) {
@@ -148,6 +151,8 @@ AngleDefects measure_angle_defects(const IntrinsicTriangulation& t, const Eigen:
         if (face.broken)
             result.broken_faces.push_back(f);
     }
+    // 2 pi is larger than the double: over many vertices that adds up to a cone.
+    result.defects.array() += two_pi_remainder;
     if (removed_vertex >= 0)
         result.defects[removed_vertex] = 0.0;
     return result;

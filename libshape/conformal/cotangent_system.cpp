@@ -86,6 +86,8 @@ void CotangentSystem::factor(const Eigen::VectorXd& edge_weights)
         if (const int entry = s.edge_entries[static_cast<std::size_t>(e)]; entry >= 0)
             values[entry] -= edge_weights[e];
     }
+    if (s.vertices.empty())
+        return;
     double shift = 0.0;
     for (double wanted = 1e-12; wanted < 1e3; wanted *= 100.0) {
         for (const int entry : s.diagonal_entries)
@@ -111,8 +113,10 @@ Eigen::MatrixXd CotangentSystem::solve(const Eigen::MatrixXd& rhs) const
     Eigen::MatrixXd b(size, rhs.cols());
     for (Eigen::Index r = 0; r < size; ++r)
         b.row(r) = rhs.row(s.vertices[static_cast<std::size_t>(r)]);
-    const Eigen::MatrixXd x = s.factor->solve(b);
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rhs.rows(), rhs.cols());
+    if (size == 0)
+        return result;
+    const Eigen::MatrixXd x = s.factor->solve(b);
     for (Eigen::Index r = 0; r < size; ++r)
         result.row(s.vertices[static_cast<std::size_t>(r)]) = x.row(r);
     return result;

@@ -15,7 +15,7 @@ namespace shape {
 class CotangentSystem
 {
 public:
-    /// @param is_free  #V; rows and columns of the other vertices are left out. At least one.
+    /// @param is_free  #V; rows and columns of the other vertices are left out. May be none.
     CotangentSystem(const IntrinsicTriangulation& triangulation, std::vector<char> is_free);
     ~CotangentSystem();
     CotangentSystem(CotangentSystem&&) noexcept;

@@ -2,76 +2,132 @@
 
 #include "libshape/conformal/scale_factors.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstdio>
-#include <numbers>
+#include <cstdlib>
+#include <utility>
 
 #include "libshape/conformal/angle_defect_energy.h"
 
 namespace shape {
 namespace {
 
-/// A triangulation that breaks cannot be solved: nothing is gained by solving it precisely.
+/// What breaks cannot be solved on these edges: nothing is gained by solving it precisely.
 constexpr double broken_tolerance = 1e-5;
+
+/// Limit of a change of u: broken faces have no curvature, where they are many steps are wild.
+constexpr double largest_step = 20.0;
+
+/// Cosine of the angle opposite side a, as the algebra has it where lengths break the inequality.
+double algebraic_cosine(double log_a, double log_b, double log_c)
+{
+    return 0.5 * (std::exp(log_b - log_c) + std::exp(log_c - log_b) -
+                  std::exp(2.0 * log_a - log_b - log_c));
+}
+
+bool is_delaunay(const IntrinsicTriangulation& t, const Eigen::VectorXd& u, int edge)
+{
+    const auto cosine = [&](int h) {
+        return algebraic_cosine(t.scaled_log_length(edge, u),
+                                t.scaled_log_length(t.edge(Topology::next(h)), u),
+                                t.scaled_log_length(t.edge(Topology::previous(h)), u));
+    };
+    const int h = t.halfedge(edge);
+    return cosine(h) + cosine(t.opposite(h)) >= -1e-12;
+}
+
+/// Flips edges that may until all of them are Delaunay. Returns whether there were any.
+bool make_delaunay(IntrinsicTriangulation& t, const Eigen::VectorXd& u,
+                   const std::vector<char>& may_flip)
+{
+    std::vector<int> stack;
+    for (int e = 0; e < t.edge_count(); ++e)
+        if (may_flip[static_cast<std::size_t>(e)])
+            stack.push_back(e);
+    bool any = false;
+    while (!stack.empty()) {
+        const int e = stack.back();
+        stack.pop_back();
+        if (!t.is_flippable(e) || is_delaunay(t, u, e))
+            continue;
+        t.flip(e);
+        any = true;
+        for (const int h : {t.halfedge(e), t.opposite(t.halfedge(e))})
+            for (const int side : {Topology::next(h), Topology::previous(h)})
+                if (may_flip[static_cast<std::size_t>(t.edge(side))])
+                    stack.push_back(t.edge(side));
+    }
+    return any;
+}
+
+/// A place on the energy: edges, factors and derivatives there.
+struct Place
+{
+    IntrinsicTriangulation triangulation;
+    Eigen::VectorXd u;
+    AngleDefects angles;
+    double residual = 0.0;
+    bool flipped = false; ///< The edges are others than at the place before.
+};
+
+Place go_to(const IntrinsicTriangulation& t, Eigen::VectorXd u, const ScaleFactorProblem& problem)
+{
+    Place place{t, std::move(u), {}, 0.0, false};
+    place.flipped = make_delaunay(place.triangulation, place.u, problem.may_flip);
+    place.angles = measure_angle_defects(place.triangulation, place.u, problem.removed_vertex);
+    for (Eigen::Index v = 0; v < place.u.size(); ++v)
+        if (!problem.is_free[static_cast<std::size_t>(v)])
+            place.angles.defects[v] = 0.0;
+    place.residual = place.angles.defects.lpNorm<Eigen::Infinity>();
+    return place;
+}
 
 } // namespace
 
-ScaleFactors solve_scale_factors(const IntrinsicTriangulation& t, const Eigen::VectorXd& initial,
-                                 const std::vector<char>& is_free, int removed_vertex,
-                                 CotangentSystem& system, const ScaleFactorOptions& options)
+ScaleFactors solve_scale_factors(IntrinsicTriangulation triangulation,
+                                 const Eigen::VectorXd& initial, const ScaleFactorProblem& problem,
+                                 const ScaleFactorOptions& options)
 {
-    const Eigen::VectorXd targets =
-        Eigen::VectorXd::Constant(t.vertex_count(), 2.0 * std::numbers::pi);
-    const Eigen::VectorXd mask =
-        Eigen::Map<const Eigen::Matrix<char, Eigen::Dynamic, 1>>(is_free.data(), t.vertex_count())
-            .cast<double>();
-    const auto measure = [&](const Eigen::VectorXd& u) {
-        AngleDefects state = measure_angle_defects(t, u, targets, removed_vertex);
-        state.defects.array() *= mask.array();
-        return state;
-    };
+    Place place = go_to(triangulation, initial, problem);
+    CotangentSystem system(place.triangulation, problem.is_free);
     const bool verbose = std::getenv("CONF_VERBOSE");
-
-    ScaleFactors result;
-    result.u = initial;
-    AngleDefects state = measure(initial);
-    double residual = state.defects.lpNorm<Eigen::Infinity>();
-    while (residual > (state.broken_faces.empty() ? options.tolerance : broken_tolerance) &&
-           result.iterations < options.max_iterations) {
-        system.factor(state.edge_weights);
-        const Eigen::VectorXd step = -system.solve(state.defects);
-        const double slope = state.defects.dot(step);
-        ++result.iterations;
-        // The energy is convex along the step: while its slope is negative it has only fallen.
-        double length = 1.0;
-        Eigen::VectorXd u;
-        AngleDefects next;
-        double next_residual = 0.0;
-        int evals=0;
-        for (;; length *= 0.5) {
-            u = result.u + length * step;
-            next = measure(u);
-            next_residual = next.defects.lpNorm<Eigen::Infinity>();
-            ++evals;
-            if (next.defects.dot(step) <= 0.1 * std::abs(slope) || length < 1e-10)
-                break;
+    int iterations = 0;
+    while (iterations < options.max_iterations &&
+           place.residual >
+               (place.angles.broken_faces.empty() ? options.tolerance : broken_tolerance)) {
+        system.factor(place.angles.edge_weights);
+        const Eigen::VectorXd step = -system.solve(place.angles.defects);
+        const double slope = place.angles.defects.dot(step);
+        ++iterations;
+        // The energy is convex: where its slope along the step is still negative it has only
+        // fallen. A small overshoot is let through, else the last steps would be halved.
+        double length = std::min(1.0, largest_step / step.lpNorm<Eigen::Infinity>());
+        Place next = go_to(place.triangulation, place.u + length * step, problem);
+        while (next.angles.defects.dot(step) > 0.1 * std::abs(slope) && length > 1e-10) {
+            length *= 0.5;
+            next = go_to(place.triangulation, place.u + length * step, problem);
         }
-        if (verbose) std::printf("  it %d res %.3e -> %.3e step %.3g len %.3g broken %zu evals %d\n", result.iterations, residual, next_residual, step.lpNorm<Eigen::Infinity>(), length, next.broken_faces.size(), evals);
-        const bool at_rounding = residual < 1e-10 && next_residual > 0.5 * residual;
-        if (!at_rounding || next_residual < residual) {
-            result.u = std::move(u);
-            state = std::move(next);
-            residual = next_residual;
-        }
+        if (verbose)
+            std::printf("  it %d res %.3e -> %.3e step %.3g len %.3g broken %zu flipped %d\n",
+                        iterations, place.residual, next.residual, step.lpNorm<Eigen::Infinity>(),
+                        length, next.angles.broken_faces.size(), next.flipped);
+        const bool at_rounding = place.residual < 1e-10 && next.residual > 0.5 * place.residual;
+        if (at_rounding && next.residual >= place.residual)
+            break;
+        place = std::move(next);
+        if (place.flipped)
+            system = CotangentSystem(place.triangulation, problem.is_free);
         if (at_rounding)
             break;
     }
-    result.residual = residual;
-    result.converged = residual <= 1e-12 && state.broken_faces.empty();
-    result.broken_faces = std::move(state.broken_faces);
-    result.edge_weights = std::move(state.edge_weights);
-    return result;
+    return {std::move(place.triangulation),
+            std::move(place.u),
+            place.residual,
+            iterations,
+            std::move(place.angles.broken_faces),
+            std::move(place.angles.edge_weights),
+            std::move(system)};
 }
 
 } // namespace shape

@@ -13,7 +13,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/angle_defect_energy.h"
-#include "libshape/conformal/scale_factors.h"
+#include "libshape/conformal/flat_metric.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
@@ -104,37 +104,6 @@ int choose_removed_vertex(const Topology& topology, const Eigen::VectorXd& lengt
     return best;
 }
 
-/// Half-edges around the disc that is left without the star of a vertex, in order.
-std::vector<int> link_of(const IntrinsicTriangulation& t, int vertex_halfedge)
-{
-    std::vector<int> link;
-    for (const int h : t.ring(vertex_halfedge))
-        link.push_back(t.opposite(Topology::next(h)));
-    std::reverse(link.begin(), link.end());
-    return link;
-}
-
-bool adjacent(const IntrinsicTriangulation& t, const std::vector<int>& ring, int vertex)
-{
-    return std::any_of(ring.begin(), ring.end(), [&](int h) { return t.target(h) == vertex; });
-}
-
-/// Flips the edge if the triangulation stays one without loops and double edges.
-bool flip_within_complex(IntrinsicTriangulation& t, int edge)
-{
-    if (!t.is_flippable(edge))
-        return false;
-    const int h = t.halfedge(edge);
-    const int o = t.opposite(h);
-    const int c = t.source(Topology::previous(h));
-    const int d = t.source(Topology::previous(o));
-    if (c == d || t.ring(h).size() <= 3 || t.ring(o).size() <= 3 ||
-        adjacent(t, t.ring(Topology::previous(h)), d))
-        return false;
-    t.flip(edge);
-    return true;
-}
-
 } // namespace
 
 std::string why_not_spherical(const Topology& topology)
@@ -154,53 +123,21 @@ SphereMap map_to_sphere(const Topology& topology, const Eigen::VectorXd& lengths
 {
     if (const std::string reason = why_not_spherical(topology); !reason.empty())
         throw InvalidInput(reason);
-    IntrinsicTriangulation t(topology, lengths);
     const int vertex_count = topology.vertex_count();
     SphereMap map;
     map.removed_vertex = options.removed_vertex >= 0 ? options.removed_vertex
                                                      : choose_removed_vertex(topology, lengths);
     const int v0 = map.removed_vertex;
-
-    std::vector<int> link;
-    Eigen::VectorXd u;
-    ScaleFactors solution;
-    std::optional<CotangentSystem> system;
-    std::vector<char> once(static_cast<std::size_t>(t.edge_count()), 0);
-    for (;; ++map.flip_rounds) {
-        link = link_of(t, t.first_halfedges()[static_cast<std::size_t>(v0)]);
-        std::vector<char> is_free(static_cast<std::size_t>(vertex_count), 1);
-        is_free[static_cast<std::size_t>(v0)] = 0;
-        double mean = 0.0;
-        if (u.size() == 0)
-            u = Eigen::VectorXd::Zero(vertex_count);
-        for (const int h : t.ring(t.first_halfedges()[static_cast<std::size_t>(v0)])) {
-            u[t.target(h)] = -2.0 * t.log_lengths()[t.edge(h)];
-            mean += u[t.target(h)] / static_cast<double>(link.size());
-            is_free[static_cast<std::size_t>(t.target(h))] = 0;
-        }
-        if (map.flip_rounds == 0)
-            for (int v = 0; v < vertex_count; ++v)
-                if (is_free[static_cast<std::size_t>(v)])
-                    u[v] = mean;
-        system.emplace(t, is_free);
-        solution = solve_scale_factors(t, u, is_free, v0, *system);
-        map.newton_steps += solution.iterations;
-        u = solution.u;
-        if (solution.broken_faces.empty() || map.flip_rounds == options.max_flip_rounds)
-            break;
-        for (const int f : solution.broken_faces) {
-            const std::array<double, 3> sides = scaled_sides(t, u, f);
-            const auto longest = std::max_element(sides.begin(), sides.end()) - sides.begin();
-            const int e = t.edge(3 * f + static_cast<int>(longest));
-            const std::array<double, 3> a = triangle_angles(sides).angles;
-            if (*std::max_element(a.begin(), a.end()) < pi || once[e])
-                continue; // mended by a flip before
-            if (flip_within_complex(t, e)) once[e]=1;
-        }
-    }
-    map.angle_residual = solution.residual;
-    system->factor(solution.edge_weights);
-    const PlanarLayout layout = lay_out_disc(t, u, link, solution.edge_weights, *system);
+    const FlatMetric flat =
+        flatten_punctured_sphere(IntrinsicTriangulation(topology, lengths), v0);
+    const IntrinsicTriangulation& t = flat.triangulation;
+    const PlanarLayout& layout = flat.layout;
+    const Eigen::VectorXd& u = flat.u;
+    const std::vector<int>& link = flat.boundary;
+    map.newton_steps = flat.newton_steps;
+    map.flip_rounds = flat.rounds;
+    map.angle_residual = flat.angle_residual;
+    map.broken = flat.broken_faces.size();
 
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(vertex_count);
     double area = 0.0;

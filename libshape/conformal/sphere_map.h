@@ -40,6 +40,7 @@ struct SphereMap
     std::vector<int> reversed_faces; ///< Faces of the mesh that are clockwise on the sphere.
     int newton_steps = 0;           ///< In all rounds.
     int flip_rounds = 0;
+    std::size_t broken = 0;
     int removed_vertex = -1;
 };
 
