@@ -61,6 +61,7 @@ public:
             newton_steps += solution.iterations;
             t_ = solution.triangulation;
             u_ = solution.u;
+            find_boundary(); // flips renumber half-edges
             const bool done = round == options.max_rounds || !repair(solution.broken_faces);
             if (!done) {
                 fix_boundary();
@@ -75,31 +76,38 @@ public:
     }
 
 private:
-    /// Finds the boundary of the disc, and makes its vertices the fixed ones.
-    void fix_boundary()
+    void find_boundary()
     {
         boundary_.clear();
+        const std::vector<int> first = t_.first_halfedges();
+        if (removed_ >= 0) {
+            star_ = t_.ring(first[static_cast<std::size_t>(removed_)]);
+            for (const int h : star_)
+                boundary_.push_back(t_.opposite(Topology::next(h)));
+            std::reverse(boundary_.begin(), boundary_.end());
+            return;
+        }
+        int start = 0;
+        while (t_.opposite(start) >= 0)
+            ++start;
+        for (int h = start; boundary_.empty() || h != start;) {
+            boundary_.push_back(h);
+            h = t_.ring(first[static_cast<std::size_t>(t_.target(h))]).front();
+        }
+    }
+
+    /// Makes the vertices of the boundary the fixed ones.
+    void fix_boundary()
+    {
+        find_boundary();
         problem_.removed_vertex = removed_;
         problem_.is_free.assign(static_cast<std::size_t>(t_.vertex_count()), 1);
         problem_.may_flip = released_;
-        if (removed_ >= 0) {
+        if (removed_ >= 0)
             problem_.is_free[static_cast<std::size_t>(removed_)] = 0;
-            star_ = t_.ring(t_.first_halfedges()[static_cast<std::size_t>(removed_)]);
-            for (const int h : star_) {
-                u_[t_.target(h)] = -2.0 * t_.log_lengths()[t_.edge(h)];
-                boundary_.push_back(t_.opposite(Topology::next(h)));
-                problem_.may_flip[static_cast<std::size_t>(t_.edge(h))] = 0;
-            }
-            std::reverse(boundary_.begin(), boundary_.end());
-        } else {
-            const std::vector<int> first = t_.first_halfedges();
-            int start = 0;
-            while (t_.opposite(start) >= 0)
-                ++start;
-            for (int h = start; boundary_.empty() || h != start;) {
-                boundary_.push_back(h);
-                h = t_.ring(first[static_cast<std::size_t>(t_.target(h))]).front();
-            }
+        for (const int h : star_) {
+            u_[t_.target(h)] = -2.0 * t_.log_lengths()[t_.edge(h)];
+            problem_.may_flip[static_cast<std::size_t>(t_.edge(h))] = 0;
         }
         for (const int h : boundary_) {
             problem_.is_free[static_cast<std::size_t>(t_.source(h))] = 0;

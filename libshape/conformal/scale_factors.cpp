@@ -34,7 +34,7 @@ bool is_delaunay(const IntrinsicTriangulation& t, const Eigen::VectorXd& u, int 
                                 t.scaled_log_length(t.edge(Topology::previous(h)), u));
     };
     const int h = t.halfedge(edge);
-    return cosine(h) + cosine(t.opposite(h)) >= -1e-12;
+    return !(cosine(h) + cosine(t.opposite(h)) < -1e-12);
 }
 
 /// Flips edges that may until all of them are Delaunay. Returns whether there were any.
