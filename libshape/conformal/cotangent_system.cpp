@@ -15,8 +15,8 @@ struct CotangentSystem::State
     std::vector<int> vertices; // of each row
     std::vector<int> rows;     // of each vertex, -1 if it is not free
     Edges edge_vertices;
-    SparseMatrix matrix;             // lower triangle
-    std::vector<int> edge_entries;   // place of each edge's entry in the matrix, -1 if it has none
+    SparseMatrix matrix;           // lower triangle
+    std::vector<int> edge_entries; // place of each edge's entry in the matrix, -1 if it has none
     std::vector<int> diagonal_entries;
     std::optional<SparseCholesky> factor;
 };

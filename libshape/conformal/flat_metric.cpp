@@ -3,10 +3,8 @@
 #include "libshape/conformal/flat_metric.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
+#include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -37,11 +35,16 @@ bool flip_within_complex(IntrinsicTriangulation& t, int edge)
     return true;
 }
 
+/// Rounds after which all edges are released.
+constexpr int local_rounds = 20;
+
 class Flattening
 {
 public:
     Flattening(IntrinsicTriangulation t, int removed_vertex, const Eigen::VectorXd& factors)
-        : t_(std::move(t)), u_(factors), removed_(removed_vertex),
+        : t_(std::move(t)),
+          u_(factors),
+          removed_(removed_vertex),
           released_(static_cast<std::size_t>(t_.edge_count()), 0)
     {
         fix_boundary();
@@ -62,7 +65,7 @@ public:
             t_ = solution.triangulation;
             u_ = solution.u;
             find_boundary(); // flips renumber half-edges
-            const bool done = round == options.max_rounds || !repair(solution.broken_faces);
+            const bool done = round == options.max_rounds || !repair(solution.broken_faces, round);
             if (!done) {
                 fix_boundary();
                 continue;
@@ -70,8 +73,17 @@ public:
             solution.system.factor(solution.edge_weights);
             PlanarLayout layout =
                 lay_out_disc(t_, u_, boundary_, solution.edge_weights, solution.system);
-            return {t_,       u_,           boundary_, std::move(layout), solution.residual,
-                    newton_steps, round, std::move(solution.broken_faces)};
+            const bool all_released =
+                std::all_of(released_.begin(), released_.end(), [](char r) { return r != 0; });
+            return {t_,
+                    u_,
+                    boundary_,
+                    std::move(layout),
+                    solution.residual,
+                    newton_steps,
+                    round,
+                    all_released,
+                    std::move(solution.broken_faces)};
         }
     }
 
@@ -117,48 +129,62 @@ private:
 
     /// Prepares the next round: flips in the star of the removed vertex, releases more edges.
     /// Returns whether anything changed.
-    bool repair(const std::vector<int>& broken_faces)
+    bool repair(std::vector<int> broken_faces, int round)
     {
-        bool changed = false;
-        const auto release = [&](int edge) {
-            char& released = released_[static_cast<std::size_t>(edge)];
-            changed |= !released;
-            released = 1;
-        };
+        const std::vector<char> released_before = released_;
+        bool flipped = false;
+        if (round == local_rounds && !broken_faces.empty())
+            std::fill(released_.begin(), released_.end(), static_cast<char>(1));
+        // Mending the worse half often mends the others.
+        std::sort(broken_faces.begin(), broken_faces.end(), [&](int f, int g) {
+            return std::pair(-excess(f), f) < std::pair(-excess(g), g);
+        });
+        broken_faces.resize((broken_faces.size() + 1) / 2);
         std::vector<int> link_edges;
-        for (const int h : boundary_)
-            link_edges.push_back(t_.edge(h));
-        std::sort(link_edges.begin(), link_edges.end());
-        const auto on_link = [&](int e) {
-            return std::binary_search(link_edges.begin(), link_edges.end(), e);
-        };
-        std::vector<int> to_star;
         for (const int f : broken_faces) {
             const std::array<double, 3> sides = scaled_sides(t_, u_, f);
             const auto longest = std::max_element(sides.begin(), sides.end()) - sides.begin();
             const int e = t_.edge(3 * f + static_cast<int>(longest));
-            if (removed_ >= 0 && on_link(e))
-                to_star.push_back(e);
+            if (is_boundary(e))
+                link_edges.push_back(e);
             else if (!released_[static_cast<std::size_t>(e)])
-                release(e);
+                released_[static_cast<std::size_t>(e)] = 1;
             else
-                for (int c = 0; c < 3; ++c)
-                    for (const int h : t_.ring(3 * f + c)) {
-                        release(t_.edge(h));
-                        release(t_.edge(Topology::next(h)));
-                    }
+                release_around(f);
         }
-        if (removed_ < 0)
-            return changed;
         // Reflex vertices leave the link if they may, vertices that break a link edge join it.
         const Eigen::VectorXd defects = measure_angle_defects(t_, u_, removed_).defects;
         for (const int h : star_)
             if (released_[static_cast<std::size_t>(t_.edge(h))] &&
                 defects[t_.target(h)] < std::numbers::pi - 1e-9)
-                changed |= flip_within_complex(t_, t_.edge(h));
-        for (const int e : to_star)
-            changed |= flip_within_complex(t_, e);
-        return changed;
+                flipped |= flip_within_complex(t_, t_.edge(h));
+        if (removed_ >= 0)
+            for (const int e : link_edges)
+                flipped |= flip_within_complex(t_, e);
+        return flipped || released_ != released_before;
+    }
+
+    /// How much longer the longest side is than the others together, in logarithms.
+    [[nodiscard]] double excess(int face) const
+    {
+        std::array<double, 3> sides = scaled_sides(t_, u_, face);
+        std::sort(sides.begin(), sides.end());
+        return sides[2] - sides[1] - std::log1p(std::exp(sides[0] - sides[1]));
+    }
+
+    [[nodiscard]] bool is_boundary(int edge) const
+    {
+        return std::any_of(boundary_.begin(), boundary_.end(),
+                           [&](int h) { return t_.edge(h) == edge; });
+    }
+
+    /// Releases the edges of all faces that touch a face.
+    void release_around(int face)
+    {
+        for (int c = 0; c < 3; ++c)
+            for (const int h : t_.ring(3 * face + c))
+                for (const int side : {h, Topology::next(h), Topology::previous(h)})
+                    released_[static_cast<std::size_t>(t_.edge(side))] = 1;
     }
 
     IntrinsicTriangulation t_;

@@ -20,6 +20,7 @@ struct FlatMetric
     double angle_residual = 0.0;          ///< max |2 pi - angle sum| inside [rad].
     int newton_steps = 0;                 ///< In all rounds.
     int rounds = 0;                       ///< Repairs of the triangulation.
+    bool all_released = false;            ///< Every edge was allowed to flip.
     std::vector<int> broken_faces;        ///< Not empty only if repair came to no end.
 
     [[nodiscard]] bool converged() const { return broken_faces.empty() && angle_residual <= 1e-10; }
@@ -35,7 +36,7 @@ struct FlatMetricOptions
 /// Where no solution exists with the edges as they are (some face breaks its triangle inequality at
 /// the minimiser of the convex energy), the longest edges of those faces are allowed to flip in
 /// Penner coordinates; they flip where they are not Delaunay. If that does not do, the faces around
-/// follow, ring by ring, in the end all.
+/// follow, ring by ring, and after 20 rounds all.
 ///
 /// @param factors  #V; those of boundary vertices are kept, others ignored.
 /// @throws InvalidInput if factors has another size.

@@ -12,7 +12,9 @@ namespace shape {
 
 IntrinsicTriangulation::IntrinsicTriangulation(const Topology& topology,
                                                const Eigen::VectorXd& lengths)
-    : vertex_count_(topology.vertex_count()), faces_(topology.faces()), edges_(topology.face_edges())
+    : vertex_count_(topology.vertex_count()),
+      faces_(topology.faces()),
+      edges_(topology.face_edges())
 {
     if (lengths.size() != topology.edge_count())
         throw InvalidInput(join("lengths has ", lengths.size(), " entries, the topology ",

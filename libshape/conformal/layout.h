@@ -32,7 +32,8 @@ struct PlanarLayout
 /// @param boundary  Half-edges around the disc, which lies on their left; their sources are the
 ///     vertices that `system` holds fixed.
 /// @param edge_weights  Half cotangent sums at u; `system` is factored with them.
-/// @return Counter-clockwise; 0 at vertices that are neither free nor on the boundary.
+/// @return Counter-clockwise, 0 about the middle of the vertices; without meaning at vertices that
+///     are neither free nor on the boundary.
 [[nodiscard]] PlanarLayout lay_out_disc(const IntrinsicTriangulation& triangulation,
                                         const Eigen::VectorXd& u, const std::vector<int>& boundary,
                                         const Eigen::VectorXd& edge_weights,

@@ -140,10 +140,13 @@ SpherePoints project_to_sphere(const PlanarLayout& layout, const StereographicFr
     for (Eigen::Index v = 0; v < count; ++v) {
         const Complex z = layout.positions[v];
         const Complex r = layout.remainders[v];
-        const Quad x = (static_cast<Quad>(z.real()) + r.real() - frame.centre.real()) / frame.height;
-        const Quad y = (static_cast<Quad>(z.imag()) + r.imag() - frame.centre.imag()) / frame.height;
+        const Quad x =
+            (static_cast<Quad>(z.real()) + r.real() - frame.centre.real()) / frame.height;
+        const Quad y =
+            (static_cast<Quad>(z.imag()) + r.imag() - frame.centre.imag()) / frame.height;
         const Quad norm = x * x + y * y;
-        const std::array<Quad, 3> p{2 * x / (1 + norm), 2 * y / (1 + norm), (1 - norm) / (1 + norm)};
+        const std::array<Quad, 3> p{2 * x / (1 + norm), 2 * y / (1 + norm),
+                                    (1 - norm) / (1 + norm)};
         for (int k = 0; k < 3; ++k) {
             const Quad coordinate = p[static_cast<std::size_t>(k)];
             sphere.points(v, k) = static_cast<double>(coordinate);

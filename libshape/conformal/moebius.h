@@ -21,7 +21,7 @@ struct StereographicFrame
 struct MoebiusBalance
 {
     StereographicFrame frame;
-    double residual = 0.0; ///< |sum_i w_i p_i| over points p_i on the unit sphere, sum_i w_i = 1.
+    double residual = 0.0; ///< |sum_i w_i p_i|, p_i on the unit sphere, sum_i w_i = 1.
     int iterations = 0;    ///< Newton steps.
 };
 
@@ -30,17 +30,21 @@ struct SpherePoints
 {
     Points points;
     Points remainders;
+
+    [[nodiscard]] Eigen::RowVector3d difference(int from, int to) const
+    {
+        return (points.row(to) - points.row(from)) + (remainders.row(to) - remainders.row(from));
+    }
 };
 
 /// Finds the frame in which the weighted mean of the points on the sphere is 0 (Springborn 2005;
-/// Baden, Crane, Kazhdan 2018): Newton's method on the convex energy sum_i w_i log(cosh-like
-/// distance), in hyperbolic space. Unique up to rotations of the sphere.
+/// Baden, Crane, Kazhdan 2018): Newton's method in hyperbolic space on the convex
+/// energy sum_i w_i (distance to p_i, at infinity, up to a constant). Unique up to rotations of the sphere.
 ///
 /// @param weights  #V, > 0; no one may reach half of their sum.
 /// @param infinite_vertex  Its position is the point at infinity.
 [[nodiscard]] MoebiusBalance balance_on_sphere(const Eigen::VectorXcd& positions,
-                                               const Eigen::VectorXd& weights,
-                                               int infinite_vertex);
+                                               const Eigen::VectorXd& weights, int infinite_vertex);
 
 /// Inverse stereographic projection. The plane's origin goes to (0, 0, 1), its infinity to
 /// (0, 0, -1); counter-clockwise stays counter-clockwise, seen from outside.

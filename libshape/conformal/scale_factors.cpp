@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
 
 #include "libshape/conformal/angle_defect_energy.h"
@@ -91,7 +89,6 @@ ScaleFactors solve_scale_factors(IntrinsicTriangulation triangulation,
 {
     Place place = go_to(triangulation, initial, problem);
     CotangentSystem system(place.triangulation, problem.is_free);
-    const bool verbose = std::getenv("CONF_VERBOSE");
     int iterations = 0;
     while (iterations < options.max_iterations &&
            place.residual >
@@ -108,10 +105,6 @@ ScaleFactors solve_scale_factors(IntrinsicTriangulation triangulation,
             length *= 0.5;
             next = go_to(place.triangulation, place.u + length * step, problem);
         }
-        if (verbose)
-            std::printf("  it %d res %.3e -> %.3e step %.3g len %.3g broken %zu flipped %d\n",
-                        iterations, place.residual, next.residual, step.lpNorm<Eigen::Infinity>(),
-                        length, next.angles.broken_faces.size(), next.flipped);
         const bool at_rounding = place.residual < 1e-10 && next.residual > 0.5 * place.residual;
         if (at_rounding && next.residual >= place.residual)
             break;

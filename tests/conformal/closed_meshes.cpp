@@ -108,8 +108,8 @@ TestMesh with_slivers(const TestMesh& mesh, double share, double degrees, unsign
         const Eigen::RowVector3d middle = mesh.points.row(a) + 0.5 * side;
         Eigen::RowVector3d inwards = mesh.points.row(c) - middle;
         inwards -= inwards.dot(side) / side.squaredNorm() * side;
-        added.push_back(middle + 0.5 * side.norm() * std::tan(degrees * pi / 180.0) *
-                                     inwards.normalized());
+        added.push_back(middle +
+                        0.5 * side.norm() * std::tan(degrees * pi / 180.0) * inwards.normalized());
         const int p = old_count + static_cast<int>(added.size()) - 1;
         faces.insert(faces.end(), {{a, b, p}, {b, c, p}, {c, a, p}});
     }
