@@ -6,6 +6,11 @@
 #include <numbers>
 
 namespace shape {
+namespace {
+
+__extension__ using Wide = unsigned __int128; // no warning about what is not ISO C++
+
+} // namespace
 
 std::uint64_t Random::bits()
 {
@@ -16,9 +21,15 @@ std::uint64_t Random::bits()
     return z ^ (z >> 31);
 }
 
-double Random::uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
+double Random::uniform()
+{
+    return static_cast<double>(bits() >> 11) * 0x1.0p-53;
+}
 
-double Random::uniform(double low, double high) { return low + (high - low) * uniform(); }
+double Random::uniform(double low, double high)
+{
+    return low + (high - low) * uniform();
+}
 
 double Random::normal()
 {
@@ -29,7 +40,7 @@ double Random::normal()
 std::uint64_t Random::index(std::uint64_t count)
 {
     // Multiply-shift; the bias is below 2^-64 * count.
-    return static_cast<std::uint64_t>((static_cast<unsigned __int128>(bits()) * count) >> 64);
+    return static_cast<std::uint64_t>((static_cast<Wide>(bits()) * count) >> 64);
 }
 
 } // namespace shape

@@ -14,7 +14,7 @@ namespace shape {
 struct TriangleViolation
 {
     int face = -1;
-    double excess = 0.0; ///< longest / (sum of the others) - 1  [1], >= 0.
+    double excess = 0.0; ///< longest / (sum of the others) - 1  [1], >= 0; infinite if sum <= 0.
 };
 
 /// An interior vertex whose face angles close to no spherical polygon: one angle exceeds the sum
@@ -22,7 +22,7 @@ struct TriangleViolation
 struct VertexViolation
 {
     int vertex = -1;
-    double excess = 0.0; ///< largest angle - sum of the others [rad], > 0.
+    double excess = 0.0; ///< largest angle - sum of the others [rad], > 1e-12 (rounding).
 };
 
 /// What keeps a length vector from being that of a mesh. Necessary conditions: a vector that
@@ -30,7 +30,7 @@ struct VertexViolation
 struct Admissibility
 {
     std::vector<TriangleViolation> triangles; ///< Worst first.
-    std::vector<VertexViolation> vertices;    ///< Worst first. Vertices of broken triangles are left out.
+    std::vector<VertexViolation> vertices;    ///< Worst first; none of a broken triangle.
 
     [[nodiscard]] bool admissible() const { return triangles.empty() && vertices.empty(); }
 };
@@ -39,7 +39,7 @@ struct Admissibility
 /// unit sphere also needs no side longer than pi, which face angles never exceed; sums beyond 2 pi
 /// are fine, the link may wind.
 /// @param lengths  #E [length], finite.
-/// @throws InvalidInput if lengths has another size.
+/// @throws InvalidInput if lengths has another size or an entry that is not finite.
 [[nodiscard]] Admissibility check_admissibility(const Topology& topology,
                                                 const Eigen::VectorXd& lengths);
 
@@ -49,7 +49,9 @@ struct Admissibility
 
 /// The largest step t in [0, limit] such that lengths + s * direction keeps every triangle
 /// inequality for all s in [0, t); limit if none breaks before.
-/// @param lengths  Keeps every inequality itself; otherwise 0 is returned.
+/// @param lengths  #E; keeps every inequality itself, otherwise 0 is returned.
+/// @param direction  #E.
+/// @throws InvalidInput if one has another size or an entry that is not finite.
 [[nodiscard]] double feasible_step(const Topology& topology, const Eigen::VectorXd& lengths,
                                    const Eigen::VectorXd& direction, double limit);
 

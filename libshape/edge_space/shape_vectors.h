@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "libshape/linalg/dense.h"
 #include "libshape/mesh/collection.h"
-#include "libshape/mesh/points.h"
 
 namespace shape {
 
@@ -43,6 +43,7 @@ struct ShapeVectors
 /// moves by a multiple of 2 pi to within pi of that mean; all other angles, and all columns whose
 /// mean is elsewhere, stay as measured. Thus 170 and -170 degrees blend to 180, while 100 and -100
 /// blend through flat: a surface bends through flat, it does not pass through itself.
+/// A column without a mean (its unit vectors cancel) stays as measured.
 /// @param angles  N by #E [rad] in (-pi, pi].
 [[nodiscard]] RowMatrix unify_branches(RowMatrix angles);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/embedding/report.h"
@@ -30,7 +31,7 @@ struct EmbeddingOptions
 {
     EmbeddingMethod method = EmbeddingMethod::Dihedral;
     EmbeddingQuality quality = EmbeddingQuality::Fine;
-    double smoothness = 1e-2; ///< Weight mu of the dihedral term against the length term; > 0.
+    double smoothness = 5e-3; ///< Weight mu of the dihedral term against the length term; > 0.
 };
 
 /// A mesh and what it is worth.
@@ -45,10 +46,11 @@ struct Embedding
 class Embedder
 {
 public:
-    /// @param reference  A mesh of the topology, or a typical one: fixes the gauge (results are
-    ///     rotated to align with it) and nothing else.
-    /// @throws InvalidInput if an option is out of its range or reference has another size.
-    Embedder(const Topology& topology, const Points& reference,
+    /// @param references  Meshes of the topology near the points to come, at least one: the inputs of
+    ///     a blend, the reference mesh of a model. Results are aligned with the first.
+    /// @throws InvalidInput if an option is out of its range, there is no reference, or one has
+    ///     another size or edges of length 0.
+    Embedder(const Topology& topology, std::vector<Points> references,
              const EmbeddingOptions& options = {});
     ~Embedder();
     Embedder(Embedder&&) noexcept;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "libshape/model/difference.h"
 #include "libshape/model/shape_model.h"
@@ -21,8 +22,12 @@ enum class FileKind
 [[nodiscard]] FileKind file_kind(const std::filesystem::path& path);
 
 /// Written and checked as write_collection().
-void write_model(const std::filesystem::path& path, const ShapeModel& model);
-void write_difference(const std::filesystem::path& path, const DifferenceVector& difference);
+/// @param asked  What the model was fitted, or the difference taken with; kept as attributes.
+/// @throws InvalidInput if a value is one that the readers refuse; FileError if it cannot be written.
+void write_model(const std::filesystem::path& path, const ShapeModel& model,
+                 const std::optional<ModelOptions>& asked = {});
+void write_difference(const std::filesystem::path& path, const DifferenceVector& difference,
+                      const std::optional<DifferenceOptions>& asked = {});
 
 /// @throws as read_collection().
 [[nodiscard]] ShapeModel read_model(const std::filesystem::path& path);

@@ -8,38 +8,72 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-extern "C" void openblas_set_num_threads(int); // cblas.h of OpenBLAS declares it, that of others not
+extern "C" void openblas_set_num_threads(
+    int); // cblas.h of OpenBLAS declares it, that of others not
 
 namespace shape {
+namespace {
+
+/// A view, nothing is copied.
+cholmod_dense dense_view(const Eigen::MatrixXd& matrix)
+{
+    cholmod_dense view{};
+    view.nrow = static_cast<std::size_t>(matrix.rows());
+    view.ncol = static_cast<std::size_t>(matrix.cols());
+    view.nzmax = static_cast<std::size_t>(matrix.size());
+    view.d = view.nrow;
+    view.x = const_cast<double*>(matrix.data());
+    view.xtype = CHOLMOD_REAL;
+    view.dtype = CHOLMOD_DOUBLE;
+    return view;
+}
+
+void start_quietly(cholmod_common& common)
+{
+    cholmod_start(&common);
+    common.print = 0;
+    common.error_handler = nullptr;
+    common.try_catch = 1;
+}
+
+/// What one solve needs of its own, so that solves may run concurrently.
+struct Workspace
+{
+    cholmod_common common{};
+    cholmod_dense* y = nullptr;
+    cholmod_dense* e = nullptr;
+
+    Workspace() { start_quietly(common); }
+    Workspace(const Workspace&) = delete;
+    Workspace& operator=(const Workspace&) = delete;
+    ~Workspace()
+    {
+        cholmod_free_dense(&y, &common);
+        cholmod_free_dense(&e, &common);
+        cholmod_finish(&common);
+    }
+};
+
+} // namespace
 
 struct SparseCholesky::Factor
 {
-    mutable cholmod_common common{};
+    cholmod_common common{};
     cholmod_factor* factor = nullptr;
     Eigen::Index size = 0;
     Eigen::Index entries = 0;
-    // Workspaces of cholmod_solve2, kept so that repeated solves allocate nothing.
-    mutable cholmod_dense* solution = nullptr;
-    mutable cholmod_dense* scratch_y = nullptr;
-    mutable cholmod_dense* scratch_e = nullptr;
 
     Factor()
     {
         // Bits must not depend on the machine's thread count.
         openblas_set_num_threads(1);
-        cholmod_start(&common);
+        start_quietly(common);
         common.supernodal = CHOLMOD_SUPERNODAL;
-        common.print = 0;
-        common.error_handler = nullptr;
-        common.try_catch = 1;
     }
     Factor(const Factor&) = delete;
     Factor& operator=(const Factor&) = delete;
     ~Factor()
     {
-        cholmod_free_dense(&solution, &common);
-        cholmod_free_dense(&scratch_y, &common);
-        cholmod_free_dense(&scratch_e, &common);
         cholmod_free_factor(&factor, &common);
         cholmod_finish(&common);
     }
@@ -71,8 +105,8 @@ struct SparseCholesky::Factor
             throw NumericalError(join("sparse Cholesky factorisation: the matrix of size ", size,
                                       " is not positive definite (pivot ", factor->minor, ")"));
         if (common.status < CHOLMOD_OK)
-            throw NumericalError(join("sparse Cholesky factorisation failed (CHOLMOD status ",
-                                      common.status, ")"));
+            throw NumericalError(
+                join("sparse Cholesky factorisation failed (CHOLMOD status ", common.status, ")"));
     }
 };
 
@@ -86,8 +120,7 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, Ordering ordering)
     f.size = matrix.rows();
     f.entries = matrix.nonZeros();
     f.common.nmethods = 1;
-    f.common.method[0].ordering =
-        ordering == Ordering::MinimumDegree ? CHOLMOD_AMD : CHOLMOD_METIS;
+    f.common.method[0].ordering = ordering == Ordering::MinimumDegree ? CHOLMOD_AMD : CHOLMOD_METIS;
     cholmod_sparse a = Factor::view(matrix);
     f.factor = cholmod_analyze(&a, &f.common);
     if (f.factor == nullptr)
@@ -112,28 +145,34 @@ void SparseCholesky::refactor(const SparseMatrix& matrix)
 
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& rhs) const
 {
-    Factor& f = *factor_;
+    const Factor& f = *factor_;
     if (rhs.rows() != f.size)
         throw InvalidInput(
             join("solve: the right-hand side has ", rhs.rows(), " rows, the matrix ", f.size));
-    cholmod_dense b{};
-    b.nrow = static_cast<std::size_t>(rhs.rows());
-    b.ncol = static_cast<std::size_t>(rhs.cols());
-    b.nzmax = static_cast<std::size_t>(rhs.size());
-    b.d = b.nrow;
-    b.x = const_cast<double*>(rhs.data());
-    b.xtype = CHOLMOD_REAL;
-    b.dtype = CHOLMOD_DOUBLE;
-    if (!cholmod_solve2(CHOLMOD_A, f.factor, &b, nullptr, &f.solution, nullptr, &f.scratch_y,
-                        &f.scratch_e, &f.common))
-        throw NumericalError(join("sparse back-substitution failed (CHOLMOD status ",
-                                  f.common.status, ")"));
-    return Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(f.solution->x), rhs.rows(),
-                                             rhs.cols());
+    if (f.factor->minor < f.factor->n)
+        throw NumericalError("solve: the last factorisation failed");
+    Eigen::MatrixXd solution(rhs.rows(), rhs.cols());
+    if (rhs.cols() == 0)
+        return solution;
+    Workspace workspace;
+    cholmod_dense b = dense_view(rhs);
+    cholmod_dense x = dense_view(solution);
+    cholmod_dense* target = &x; // of the right size: CHOLMOD fills it in place
+    if (!cholmod_solve2(CHOLMOD_A, f.factor, &b, nullptr, &target, nullptr, &workspace.y,
+                        &workspace.e, &workspace.common))
+        throw NumericalError(
+            join("sparse back-substitution failed (CHOLMOD status ", workspace.common.status, ")"));
+    return solution;
 }
 
-Eigen::Index SparseCholesky::size() const { return factor_->size; }
+Eigen::Index SparseCholesky::size() const
+{
+    return factor_->size;
+}
 
-std::size_t SparseCholesky::nonzeros() const { return static_cast<std::size_t>(factor_->common.lnz); }
+std::size_t SparseCholesky::nonzeros() const
+{
+    return static_cast<std::size_t>(factor_->common.lnz);
+}
 
 } // namespace shape

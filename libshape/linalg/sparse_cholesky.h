@@ -25,7 +25,7 @@ class SparseCholesky
 {
 public:
     /// @param matrix  Square; only its lower triangle is read.
-    /// @throws InvalidInput if matrix is not square.
+    /// @throws InvalidInput if matrix is not square, empty or not compressed.
     /// @throws NumericalError if it is not numerically positive definite.
     explicit SparseCholesky(const SparseMatrix& matrix,
                             Ordering ordering = Ordering::NestedDissection);
@@ -39,7 +39,9 @@ public:
     void refactor(const SparseMatrix& matrix);
 
     /// Solves A X = B for all columns of B at once; #rows by k, any k.
+    /// Safe to call concurrently.
     /// @throws InvalidInput if B has another number of rows.
+    /// @throws NumericalError if the last refactor() failed.
     [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs) const;
 
     [[nodiscard]] Eigen::Index size() const;

@@ -2,10 +2,15 @@
 
 #include "libshape/linalg/symmetric_eigen.h"
 
-#include <Eigen/Eigenvalues>
 #include <Spectra/MatOp/DenseSymMatProd.h>
 #include <Spectra/SymEigsSolver.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -23,6 +28,43 @@ Eigenpairs full_decomposition(const Eigen::MatrixXd& matrix, Eigen::Index count)
             solver.eigenvectors().rightCols(count).rowwise().reverse()};
 }
 
+std::optional<Eigenpairs> lanczos(const Eigen::MatrixXd& matrix, Eigen::Index count,
+                                  Eigen::Index subspace)
+{
+    try {
+        Spectra::DenseSymMatProd<double> product(matrix);
+        Spectra::SymEigsSolver<Spectra::DenseSymMatProd<double>> solver(product, count, subspace);
+        solver.init(); // Spectra's own fixed seed
+        solver.compute(Spectra::SortRule::LargestAlge, 100, 1e-13);
+        if (solver.info() == Spectra::CompInfo::Successful)
+            return Eigenpairs{solver.eigenvalues(), solver.eigenvectors()};
+    } catch (const std::runtime_error&) {
+        // A Krylov space that ends early, as that of a matrix of low rank, may break it down.
+    }
+    return std::nullopt;
+}
+
+/// Whether these are the largest eigenpairs indeed. Lanczos from one start vector may miss copies
+/// of a multiple eigenvalue, or return vectors that are not orthonormal. With V of eigenvectors,
+/// A - V (Lambda - lambda_k) V^T has the wanted eigenvalues lowered to lambda_k: if a Cholesky
+/// factorisation finds it below lambda_k + tolerance, no larger one is left.
+bool are_largest(const Eigenpairs& pairs, const Eigen::MatrixXd& matrix)
+{
+    const Eigen::MatrixXd& v = pairs.vectors;
+    const double lowest = pairs.values.minCoeff();
+    const double scale = pairs.values.cwiseAbs().maxCoeff();
+    const double tolerance =
+        4.0 * static_cast<double>(matrix.rows()) * std::numeric_limits<double>::epsilon() * scale;
+    const auto a = matrix.selfadjointView<Eigen::Lower>();
+    if (!v.allFinite() || !(v.transpose() * v).isIdentity(1e-11) ||
+        !((a * v - v * pairs.values.asDiagonal()).cwiseAbs().maxCoeff() <= 1e-11 * scale))
+        return false;
+    const Eigen::VectorXd lowered = pairs.values.array() - lowest;
+    Eigen::MatrixXd rest = v * lowered.asDiagonal() * v.transpose() - matrix;
+    rest.diagonal().array() += lowest + tolerance;
+    return Eigen::LLT<Eigen::MatrixXd>(rest).info() == Eigen::Success;
+}
+
 } // namespace
 
 Eigenpairs largest_eigenpairs(const Eigen::MatrixXd& matrix, int count)
@@ -36,17 +78,21 @@ Eigenpairs largest_eigenpairs(const Eigen::MatrixXd& matrix, int count)
     if (!matrix.allFinite())
         throw InvalidInput("eigenvalues: the matrix has an entry that is not finite");
 
+    // Tolerances want entries of about 1; a power of two costs no bit.
+    int exponent = 0;
+    std::frexp(matrix.cwiseAbs().maxCoeff(), &exponent);
+    exponent = std::clamp(exponent, -1000, 1000);
+    const Eigen::MatrixXd scaled = std::ldexp(1.0, -exponent) * matrix;
+
     // Lanczos needs room for its subspace; close to full size the direct method is quicker too.
     const Eigen::Index subspace = std::max<Eigen::Index>(2 * count + 1, 20);
-    if (subspace >= size)
-        return full_decomposition(matrix, count);
-    Spectra::DenseSymMatProd<double> product(matrix);
-    Spectra::SymEigsSolver<Spectra::DenseSymMatProd<double>> solver(product, count, subspace);
-    solver.init(); // Spectra's own fixed seed
-    solver.compute(Spectra::SortRule::LargestAlge, 1000, 1e-13);
-    if (solver.info() != Spectra::CompInfo::Successful)
-        return full_decomposition(matrix, count);
-    return {solver.eigenvalues(), solver.eigenvectors()};
+    std::optional<Eigenpairs> pairs;
+    if (subspace < size)
+        pairs = lanczos(scaled, count, subspace);
+    if (!pairs || !are_largest(*pairs, scaled))
+        pairs = full_decomposition(scaled, count);
+    pairs->values *= std::ldexp(1.0, exponent);
+    return *pairs;
 }
 
 } // namespace shape

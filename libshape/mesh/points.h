@@ -15,9 +15,6 @@ using Faces = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// Undirected edges, #E by 2 vertex indices, the lower index first.
 using Edges = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
-/// Row-major matrix; used where a row is one mesh or one mode.
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 /// Length of the diagonal of the axis-aligned bounding box [length]; 0 for no points.
 [[nodiscard]] inline double bounding_box_diagonal(const Points& points)
 {

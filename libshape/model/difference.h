@@ -16,7 +16,7 @@ namespace shape {
 struct DifferenceVector
 {
     Topology topology;
-    Points reference_points;              ///< #V by 3 [length].
+    Points reference_points; ///< #V by 3 [length].
     Scale scale = Scale::Unit;
     Eigen::VectorXd mean_edge_lengths;    ///< #E; mean of the `from` members of the pairs.
     Eigen::VectorXd mean_dihedral_angles; ///< #E [rad].
@@ -24,7 +24,7 @@ struct DifferenceVector
     Eigen::VectorXd dihedral_angles;      ///< #E [rad].
     double from_size = 0.0;               ///< Mean size of the `from` members [length].
     double to_size = 0.0;                 ///< Mean size of the `to` members [length].
-    std::vector<std::string> pairs;       ///< Values of the pairing label, one a pair.
+    std::vector<std::string> pairs;       ///< Values of the pairing label, one a pair, sorted.
 };
 
 struct DifferenceOptions
@@ -44,6 +44,7 @@ struct DifferenceOptions
 
 /// mean(from) + amount * difference, in units of length.
 /// @param size  Sum of the edge lengths at amount 0 [length]; ignored for Scale::None.
+/// @throws InvalidInput if amount is not finite or size is not > 0.
 [[nodiscard]] ShapePoint apply_difference(const DifferenceVector& difference, double amount,
                                           double size);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/linalg/dense.h"
 #include "libshape/mesh/collection.h"
 
 namespace shape {
@@ -16,17 +17,17 @@ namespace shape {
 struct ShapeModel
 {
     Topology topology;
-    Points reference_points;                  ///< #V by 3 [length]; the first mesh of the collection.
-    Scale scale = Scale::Unit;                ///< Whether lengths below are unit-sum.
-    Eigen::VectorXd mean_edge_lengths;        ///< #E.
-    Eigen::VectorXd mean_dihedral_angles;     ///< #E [rad].
-    RowMatrix mode_edge_lengths;              ///< K by #E, orthonormal rows.
-    RowMatrix mode_dihedral_angles;           ///< K by #E [rad per unit of score].
-    Eigen::VectorXd variances;                ///< K, descending, divisor N - 1.
-    double total_variance = 0.0;              ///< Of all modes, kept or not.
-    RowMatrix scores;                         ///< N by K, coordinates along the modes.
-    Eigen::VectorXd sizes;                    ///< N sums of edge lengths [length].
-    std::vector<std::string> names;           ///< N.
+    Points reference_points;              ///< #V by 3 [length]; the first mesh of the collection.
+    Scale scale = Scale::Unit;            ///< Whether lengths below are unit-sum.
+    Eigen::VectorXd mean_edge_lengths;    ///< #E.
+    Eigen::VectorXd mean_dihedral_angles; ///< #E [rad].
+    RowMatrix mode_edge_lengths;          ///< K by #E, orthonormal rows.
+    RowMatrix mode_dihedral_angles;       ///< K by #E [rad per unit of score].
+    Eigen::VectorXd variances;            ///< K, descending, divisor N - 1.
+    double total_variance = 0.0;          ///< Of all modes, kept or not.
+    RowMatrix scores;                     ///< N by K, coordinates along the modes.
+    Eigen::VectorXd sizes;                ///< N sums of edge lengths [length].
+    std::vector<std::string> names;       ///< N.
     Labels labels;
 
     [[nodiscard]] int mode_count() const { return static_cast<int>(variances.size()); }
@@ -42,7 +43,7 @@ struct ModelOptions
 
 /// Fits a model: PCA of the length vectors through the N by N Gram matrix; never an #E by #E one.
 /// The sign of a mode makes the entry of largest magnitude of its length part positive (the first
-/// of equals).
+/// of equals). Modes that are rounding (variance below 1e-12 times the largest) are left out.
 /// @throws InvalidInput if the collection has fewer than 2 meshes, modes is not in [0, N - 1],
 ///     variance is not in (0, 1], or all meshes are equal.
 [[nodiscard]] ShapeModel fit_model(const Collection& collection, const ModelOptions& options = {});
@@ -77,6 +78,7 @@ struct FeasibleRange
 
 /// @param mode  Index in [0, K).
 /// @param limit  Where the search ends, in standard deviations; > 0.
+/// @throws InvalidInput if mode or limit is out of its range.
 [[nodiscard]] FeasibleRange feasible_range(const ShapeModel& model, int mode, double limit = 10.0);
 
 } // namespace shape

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/edge_space/admissibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/mesh/edge_lengths.h"
+
+namespace shape {
+namespace {
+
+constexpr double angle_rounding = 1e-12; ///< [rad]
+
+void check_size(const Topology& topology, const Eigen::VectorXd& lengths, const char* argument)
+{
+    if (lengths.size() != topology.edge_count())
+        throw InvalidInput(join(argument, " has ", lengths.size(), " entries, the topology ",
+                                topology.edge_count(), " edges"));
+    for (Eigen::Index e = 0; e < lengths.size(); ++e)
+        if (!std::isfinite(lengths[e]))
+            throw InvalidInput(
+                join(argument, " of edge ", e, " is ", lengths[e], ", must be finite"));
+}
+
+/// Lengths of the sides of a face.
+Eigen::Vector3d sides(const Topology& topology, const Eigen::VectorXd& lengths, int face)
+{
+    return lengths(topology.face_edges().row(face));
+}
+
+template <class Violation>
+void sort_worst_first(std::vector<Violation>& violations)
+{
+    std::stable_sort(violations.begin(), violations.end(),
+                     [](const Violation& a, const Violation& b) { return a.excess > b.excess; });
+}
+
+} // namespace
+
+Admissibility check_admissibility(const Topology& topology, const Eigen::VectorXd& lengths)
+{
+    check_size(topology, lengths, "lengths");
+    Admissibility result;
+    std::vector<char> broken(static_cast<std::size_t>(topology.vertex_count()), 0);
+    for (int f = 0; f < topology.face_count(); ++f) {
+        const Eigen::Vector3d side = sides(topology, lengths, f);
+        const double longest = side.maxCoeff();
+        const double others = side.sum() - longest;
+        if (longest < others)
+            continue;
+        result.triangles.push_back(
+            {f, others > 0.0 ? longest / others - 1.0 : std::numeric_limits<double>::infinity()});
+        for (const int v : topology.faces().row(f))
+            broken[static_cast<std::size_t>(v)] = 1;
+    }
+    const Points angles = corner_angles(topology, lengths);
+    for (int v = 0; v < topology.vertex_count(); ++v) {
+        if (topology.is_boundary_vertex(v) || broken[static_cast<std::size_t>(v)])
+            continue;
+        double largest = 0.0;
+        double sum = 0.0;
+        for (const int h : topology.outgoing(v)) {
+            const double angle = angles(h / 3, h % 3);
+            largest = std::max(largest, angle);
+            sum += angle;
+        }
+        if (const double excess = largest - (sum - largest); excess > angle_rounding)
+            result.vertices.push_back({v, excess});
+    }
+    sort_worst_first(result.triangles);
+    sort_worst_first(result.vertices);
+    return result;
+}
+
+std::string describe(const Admissibility& admissibility, const Topology& topology,
+                     const Eigen::VectorXd& lengths)
+{
+    std::string text;
+    if (!admissibility.triangles.empty()) {
+        const int face = admissibility.triangles.front().face;
+        const Eigen::Vector3d side = sides(topology, lengths, face);
+        const auto corners = topology.faces().row(face);
+        text = join(admissibility.triangles.size(), " of ", topology.face_count(),
+                    " faces break the triangle inequality, worst face ", face, " (vertices ",
+                    corners[0], ", ", corners[1], ", ", corners[2], ") with sides ", side[0], ", ",
+                    side[1], ", ", side[2]);
+    }
+    if (!admissibility.vertices.empty()) {
+        const VertexViolation& worst = admissibility.vertices.front();
+        text += join(text.empty() ? "" : "; ", admissibility.vertices.size(), " of ",
+                     topology.vertex_count(),
+                     " vertices have a face angle larger than the sum of their others, worst "
+                     "vertex ",
+                     worst.vertex, " by ", worst.excess, " rad");
+    }
+    return text;
+}
+
+double feasible_step(const Topology& topology, const Eigen::VectorXd& lengths,
+                     const Eigen::VectorXd& direction, double limit)
+{
+    check_size(topology, lengths, "lengths");
+    check_size(topology, direction, "direction");
+    double step = limit;
+    for (int f = 0; f < topology.face_count(); ++f) {
+        const Eigen::Vector3d side = sides(topology, lengths, f);
+        const Eigen::Vector3d change = sides(topology, direction, f);
+        for (int c = 0; c < 3; ++c) {
+            // Slack of the inequality "side c is shorter than the two others": linear in the step.
+            const double slack = side.sum() - 2.0 * side[c];
+            const double slope = change.sum() - 2.0 * change[c];
+            if (slack <= 0.0)
+                return 0.0;
+            if (slope < 0.0)
+                step = std::min(step, slack / -slope);
+        }
+    }
+    return step;
+}
+
+} // namespace shape

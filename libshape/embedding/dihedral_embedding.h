@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
+
+namespace shape {
+
+struct DihedralEmbeddingOptions
+{
+    double smoothness = 5e-3;   ///< mu of length_dihedral_energy.h; > 0.
+    int local_global_steps = 3; ///< Wedge steps after the linear start; >= 0.
+    int max_iterations = 120;   ///< Quasi-Newton steps in all; 0 stops after the wedge steps.
+    /// Converged once 5 steps together lower E by <= decrease_tolerance * E.
+    double decrease_tolerance = 2e-3;
+};
+
+struct DihedralEmbedding
+{
+    Points points;            ///< #V by 3 [length], centroid at 0.
+    double energy = 0.0;      ///< E of length_dihedral_energy.h.
+    int iterations = 0;       ///< Quasi-Newton steps.
+    int back_substitutions = 0; ///< With the factor of the vertex Laplacian, three right-hand sides.
+    int repaired_folds = 0;   ///< Regions that were turned back (fold_repair.h).
+    bool converged = false;
+};
+
+/// Our embedding: the closed mesh nearest to wanted lengths and dihedral angles.
+///
+/// 1. Frames: every face laid out by lengths and angles, oriented patch by patch, transitions
+///    trusted by how well the walks around their ends close (patch_frames.h, closure.h).
+/// 2. Positions: one Laplace solve; then wedge steps, each rotating every two-triangle wedge to its
+///    best fit and solving again.
+/// 3. Folds that this start left are turned back (fold_repair.h).
+/// 4. Quasi-Newton steps on the energy, preconditioned by the same factor (minimize.h); folds once
+///    more where any are left.
+///
+/// What depends on topology and references alone is kept: patches and the factor of the Laplacian
+/// weighted by 1 / l^2.
+class DihedralEmbedder
+{
+public:
+    /// @param references  At least one mesh of the topology; its lengths weight the Laplacian, all
+    ///     of them serve the repair of folds.
+    /// @throws InvalidInput if there is none, or one has another size or edges of length 0.
+    DihedralEmbedder(const Topology& topology, std::vector<Points> references);
+    ~DihedralEmbedder();
+    DihedralEmbedder(DihedralEmbedder&&) noexcept;
+    DihedralEmbedder& operator=(DihedralEmbedder&&) noexcept;
+
+    /// Lengths that break a triangle inequality are taken as they are: the nearest mesh results.
+    /// @throws InvalidInput if target or options break a rule.
+    [[nodiscard]] DihedralEmbedding embed(const ShapePoint& target,
+                                          const DihedralEmbeddingOptions& options = {}) const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace shape

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/embedder.h"
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/embedding/closure.h"
+#include "libshape/embedding/closure_embedding.h"
+#include "libshape/embedding/dihedral_embedding.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/edge_lengths.h"
+
+namespace shape {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start)
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// E of Rojas 2014, eq. 3, from the residuals' rotation angles.
+double closure_energy(const Topology& topology, const ShapePoint& target)
+{
+    const Points residuals = closure_residuals(
+        topology, corner_angles(topology, target.edge_lengths), target.dihedral_angles);
+    return (4.0 * (1.0 - residuals.rowwise().norm().array().cos())).sum();
+}
+
+} // namespace
+
+struct Embedder::State
+{
+    Topology topology;
+    Points reference;
+    EmbeddingOptions options;
+    std::optional<DihedralEmbedder> dihedral;
+    double setup_seconds = 0.0;
+};
+
+Embedder::Embedder(const Topology& topology, std::vector<Points> references,
+                   const EmbeddingOptions& options)
+{
+    const auto start = std::chrono::steady_clock::now();
+    if (references.empty())
+        throw InvalidInput("the embedding needs at least one reference mesh");
+    for (const Points& reference : references)
+        if (reference.rows() != topology.vertex_count())
+            throw InvalidInput(join("reference has ", reference.rows(), " rows, the topology ",
+                                    topology.vertex_count(), " vertices"));
+    if (!(options.smoothness > 0.0))
+        throw InvalidInput(join("smoothness is ", options.smoothness, ", must be > 0"));
+    state_ = std::make_unique<State>(State{topology, references.front(), options, {}, 0.0});
+    if (options.method == EmbeddingMethod::Dihedral)
+        state_->dihedral.emplace(topology, std::move(references));
+    state_->setup_seconds = seconds_since(start);
+}
+
+Embedder::~Embedder() = default;
+Embedder::Embedder(Embedder&&) noexcept = default;
+Embedder& Embedder::operator=(Embedder&&) noexcept = default;
+
+Embedding Embedder::embed(const ShapePoint& target) const
+{
+    const auto start = std::chrono::steady_clock::now();
+    const State& s = *state_;
+    Embedding embedding;
+    int iterations = 0;
+    bool converged = false;
+    double energy = 0.0;
+    if (s.options.method == EmbeddingMethod::Closure) {
+        ClosureEmbedding closed = embed_by_closure(s.topology, target);
+        embedding.points = std::move(closed.points);
+        iterations = closed.solution.iterations;
+        converged = closed.solution.converged;
+        energy = closed.solution.energy;
+    } else {
+        DihedralEmbeddingOptions options{.smoothness = s.options.smoothness};
+        if (s.options.quality == EmbeddingQuality::Preview)
+            options.max_iterations = 8;
+        DihedralEmbedding nearest = s.dihedral->embed(target, options);
+        embedding.points = std::move(nearest.points);
+        iterations = nearest.iterations;
+        converged = nearest.converged;
+    }
+    embedding.points = best_rigid_motion(embedding.points, s.reference)(embedding.points);
+    embedding.points.rowwise() -= Eigen::RowVector3d(embedding.points.colwise().mean());
+    const double seconds = seconds_since(start);
+    if (s.options.method != EmbeddingMethod::Closure)
+        energy = closure_energy(s.topology, target);
+    embedding.report = measure_embedding(s.topology, embedding.points, target);
+    embedding.report.closure_energy = energy;
+    embedding.report.iterations = iterations;
+    embedding.report.converged = converged;
+    embedding.report.seconds = seconds;
+    embedding.report.setup_seconds = s.setup_seconds;
+    return embedding;
+}
+
+double Embedder::setup_seconds() const { return state_->setup_seconds; }
+
+} // namespace shape

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/gauss_newton.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "libshape/base/error.h"
+#include "libshape/mesh/dihedral_angles.h"
+
+namespace shape {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Vertices of an edge's wedge: its ends, then those opposite on the left and on the right (-1).
+std::array<int, 4> wedge_of(const Topology& topology, int edge)
+{
+    const int left = topology.edge_halfedges()(edge, 0);
+    const int right = topology.edge_halfedges()(edge, 1);
+    return {topology.source(left), topology.target(left),
+            topology.source(Topology::previous(left)),
+            right < 0 ? -1 : topology.source(Topology::previous(right))};
+}
+
+} // namespace
+
+/// Gradient and Gauss-Newton matrix J^T J (the factor 2 of both left out).
+struct GaussNewton::Linearisation
+{
+    SparseMatrix matrix;
+    VectorXd gradient;
+};
+
+GaussNewton::GaussNewton(const Topology& topology, std::vector<int> vertices)
+    : topology_(topology), vertices_(std::move(vertices))
+{
+    std::sort(vertices_.begin(), vertices_.end());
+    std::vector<int> row(static_cast<std::size_t>(topology.vertex_count()), -1);
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
+        row[static_cast<std::size_t>(vertices_[i])] = static_cast<int>(i);
+
+    for (const int v : vertices_)
+        for (const int h : topology.outgoing(v))
+            for (const int side : {h, Topology::next(h), Topology::previous(h)})
+                edges_.push_back(topology.edge(side));
+    std::sort(edges_.begin(), edges_.end());
+    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+
+    std::vector<std::pair<int, int>> blocks; // column, row
+    for (const int e : edges_) {
+        std::array<int, 4> wedge = wedge_of(topology, e);
+        for (int& v : wedge)
+            v = v < 0 ? -1 : row[static_cast<std::size_t>(v)];
+        wedges_.push_back(wedge);
+        for (const int i : wedge)
+            for (const int j : wedge)
+                if (i >= j && j >= 0)
+                    blocks.emplace_back(j, i);
+    }
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+
+    const auto size = static_cast<int>(vertices_.size());
+    block_begin_.assign(static_cast<std::size_t>(size) + 1, 0);
+    for (const auto& [column, block_row] : blocks) {
+        ++block_begin_[static_cast<std::size_t>(column) + 1];
+        block_row_.push_back(block_row);
+    }
+    for (std::size_t j = 0; j < static_cast<std::size_t>(size); ++j)
+        block_begin_[j + 1] += block_begin_[j];
+
+    pattern_.resize(3 * size, 3 * size);
+    pattern_.resizeNonZeros(9 * static_cast<Eigen::Index>(blocks.size()));
+    int entry = 0;
+    for (int j = 0; j < size; ++j)
+        for (int c = 0; c < 3; ++c) {
+            pattern_.outerIndexPtr()[3 * j + c] = entry;
+            for (int k = block_begin_[static_cast<std::size_t>(j)];
+                 k < block_begin_[static_cast<std::size_t>(j) + 1]; ++k)
+                for (int r = 0; r < 3; ++r)
+                    pattern_.innerIndexPtr()[entry++] =
+                        3 * block_row_[static_cast<std::size_t>(k)] + r;
+        }
+    pattern_.outerIndexPtr()[3 * size] = entry;
+    std::fill_n(pattern_.valuePtr(), entry, 0.0);
+}
+
+double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd& points,
+                             Linearisation* linearisation) const
+{
+    const ShapePoint& target = energy.target();
+    const double mu = energy.smoothness();
+    const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
+    // Adds g g^T-like blocks: J^T J of one residual whose derivatives by the wedge's vertices are g.
+    const auto add = [&](const std::array<int, 4>& rows, const std::array<Vector3d, 4>& g,
+                         double weight, double residual) {
+        for (std::size_t a = 0; a < 4; ++a) {
+            if (rows[a] < 0)
+                continue;
+            linearisation->gradient.segment<3>(3 * rows[a]) += weight * residual * g[a];
+            for (std::size_t b = 0; b < 4; ++b) {
+                const int i = rows[a];
+                const int j = rows[b];
+                if (j < 0 || i < j)
+                    continue;
+                const auto j_begin = block_begin_[static_cast<std::size_t>(j)];
+                const auto j_end = block_begin_[static_cast<std::size_t>(j) + 1];
+                const auto k = std::lower_bound(block_row_.begin() + j_begin,
+                                                block_row_.begin() + j_end, i) -
+                               block_row_.begin();
+                double* values = linearisation->matrix.valuePtr() + 9 * j_begin + 3 * (k - j_begin);
+                for (int c = 0; c < 3; ++c, values += 3 * (j_end - j_begin))
+                    for (int r = 0; r < 3; ++r)
+                        values[r] += weight * g[a][r] * g[b][c];
+            }
+        }
+    };
+    if (linearisation != nullptr) {
+        linearisation->matrix = pattern_;
+        linearisation->gradient = VectorXd::Zero(pattern_.rows());
+    }
+    double sum = 0.0;
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+        const int e = edges_[i];
+        const std::array<int, 4> wedge = wedge_of(topology_, e);
+        const Vector3d a = point(wedge[0]);
+        const Vector3d axis = point(wedge[1]) - a;
+        const double length = axis.norm();
+        const double strain = length / target.edge_lengths[e] - 1.0;
+        sum += strain * strain;
+        const Vector3d along =
+            length > 0.0 ? Vector3d(axis / length) : Vector3d(Vector3d::Zero());
+        if (linearisation != nullptr) {
+            const Vector3d pull = along / target.edge_lengths[e];
+            add(wedges_[i], {-pull, pull, Vector3d::Zero(), Vector3d::Zero()}, 1.0, strain);
+        }
+        if (wedge[3] < 0)
+            continue;
+        const Vector3d c = point(wedge[2]) - a;
+        const Vector3d d = point(wedge[3]) - a;
+        Vector3d left = axis.cross(c);
+        Vector3d right = d.cross(axis);
+        const double angle = std::atan2(axis.dot(left.cross(right)), length * left.dot(right));
+        const double bend = wrapped_angle(angle - target.dihedral_angles[e]);
+        sum += mu * bend * bend;
+        if (linearisation == nullptr || left.squaredNorm() == 0.0 || right.squaredNorm() == 0.0)
+            continue;
+        left /= left.squaredNorm();
+        right /= right.squaredNorm();
+        const double left_foot = c.dot(along);
+        const double right_foot = d.dot(along);
+        add(wedges_[i],
+            {(length - left_foot) * left + (length - right_foot) * right,
+             left_foot * left + right_foot * right, -length * left, -length * right},
+            mu, bend);
+    }
+    return sum;
+}
+
+GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, VectorXd points,
+                                        const GaussNewtonOptions& options) const
+{
+    GaussNewtonResult result{std::move(points), 0.0, 0, false};
+    Linearisation linear;
+    result.value = evaluate(energy, result.points, &linear);
+    if (!std::isfinite(result.value))
+        throw NumericalError("Gauss-Newton: the energy is not finite at the start");
+    constexpr double least_damping = 1e-9;
+    constexpr double most_damping = 1e6;
+    double damping = 1e-4;
+    std::optional<SparseCholesky> factor;
+    while (!result.converged && result.iterations < options.max_iterations) {
+        ++result.iterations;
+        SparseMatrix damped = linear.matrix;
+        damped.diagonal() *= 1.0 + damping;
+        damped.diagonal().array() += 1e-12 * damped.diagonal().mean();
+        if (factor)
+            factor->refactor(damped);
+        else
+            factor.emplace(damped, vertices_.size() > 4000 ? Ordering::NestedDissection
+                                                           : Ordering::MinimumDegree);
+        const VectorXd step = factor->solve(linear.gradient);
+        VectorXd next = result.points;
+        for (std::size_t i = 0; i < vertices_.size(); ++i)
+            next.segment<3>(3 * vertices_[i]) -= step.segment<3>(3 * static_cast<Eigen::Index>(i));
+        const double value = evaluate(energy, next, nullptr);
+        if (value < result.value) {
+            result.converged = result.value - value <= options.decrease_tolerance * value;
+            result.points = std::move(next);
+            result.value = evaluate(energy, result.points, &linear);
+            damping = std::max(0.2 * damping, least_damping);
+        } else {
+            damping *= 10.0;
+            if (damping > most_damping) { // no step is short enough: a minimum up to rounding
+                result.converged = true;
+            }
+        }
+    }
+    return result;
+}
+
+} // namespace shape

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/edge_space/admissibility.h"
+#include "libshape/mesh/defects.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+
+namespace shape {
+namespace {
+
+/// The smallest value that at least share * #values are not above.
+double quantile(std::vector<double> values, double share)
+{
+    if (values.empty())
+        return 0.0;
+    const auto rank = static_cast<std::ptrdiff_t>(
+        std::ceil(share * static_cast<double>(values.size()))) - 1;
+    const auto nth = values.begin() + std::max<std::ptrdiff_t>(rank, 0);
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
+}
+
+} // namespace
+
+EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
+                                  const ShapePoint& target)
+{
+    if (target.edge_lengths.size() != topology.edge_count() ||
+        target.dihedral_angles.size() != topology.edge_count())
+        throw InvalidInput(join("target has ", target.edge_lengths.size(), " lengths and ",
+                                target.dihedral_angles.size(), " dihedral angles, the topology ",
+                                topology.edge_count(), " edges"));
+    constexpr double degrees = 180.0 / std::numbers::pi;
+    constexpr double fold = 150.0;       // [deg]
+    constexpr double exact_limit = 1e-6; // [1]
+    const Eigen::VectorXd difference = edge_lengths(topology, points) - target.edge_lengths;
+    const Eigen::VectorXd angles = dihedral_angles(topology, points);
+    EmbeddingReport report;
+    report.edge_rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.size())) /
+                      target.edge_lengths.mean();
+    std::vector<double> relative;
+    std::vector<double> drift;
+    std::vector<char> inverted(static_cast<std::size_t>(topology.face_count()), 0);
+    double drift_squares = 0.0;
+    for (int e = 0; e < topology.edge_count(); ++e) {
+        relative.push_back(std::abs(difference[e]) / target.edge_lengths[e]);
+        if (topology.is_boundary_edge(e))
+            continue;
+        drift.push_back(degrees * std::abs(wrapped_angle(angles[e] - target.dihedral_angles[e])));
+        drift_squares += drift.back() * drift.back();
+        if (drift.back() > fold)
+            for (const int h : {topology.edge_halfedges()(e, 0), topology.edge_halfedges()(e, 1)})
+                inverted[static_cast<std::size_t>(h / 3)] = 1;
+    }
+    for (const Defect& defect :
+         find_degenerate_geometry(topology.faces(), points, topology.face_count()))
+        if (defect.face >= 0)
+            inverted[static_cast<std::size_t>(defect.face)] = 1;
+    report.inverted_faces = static_cast<int>(std::count(inverted.begin(), inverted.end(), 1));
+    report.edge_max = *std::max_element(relative.begin(), relative.end());
+    report.edge_p999 = quantile(relative, 0.999);
+    report.edge_p99 = quantile(std::move(relative), 0.99);
+    if (!drift.empty()) {
+        report.dihedral_rms_deg = std::sqrt(drift_squares / static_cast<double>(drift.size()));
+        report.dihedral_max_deg = *std::max_element(drift.begin(), drift.end());
+        report.dihedral_p99_deg = quantile(std::move(drift), 0.99);
+    }
+    const Admissibility admissibility = check_admissibility(topology, target.edge_lengths);
+    report.reason = describe(admissibility, topology, target.edge_lengths);
+    report.status = !admissibility.admissible()    ? EmbeddingStatus::Infeasible
+                    : report.edge_max <= exact_limit ? EmbeddingStatus::Exact
+                                                     : EmbeddingStatus::Approximate;
+    return report;
+}
+
+const char* name(EmbeddingStatus status)
+{
+    switch (status) {
+    case EmbeddingStatus::Exact:
+        return "exact";
+    case EmbeddingStatus::Approximate:
+        return "approximate";
+    case EmbeddingStatus::Infeasible:
+        return "infeasible";
+    }
+    return "";
+}
+
+} // namespace shape

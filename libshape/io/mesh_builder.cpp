@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/mesh_builder.h"
+
+#include <cmath>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+
+namespace shape {
+
+MeshBuilder::MeshBuilder(std::filesystem::path path, const MeshReadOptions& options, Fail fail)
+    : path_(std::move(path)), options_(options), fail_(std::move(fail))
+{
+}
+
+void MeshBuilder::check_limit(std::string_view what, std::int64_t count, std::int64_t limit) const
+{
+    if (count > limit)
+        throw LimitExceeded(
+            join(path_.string(), ": the mesh has ", count, " ", what, "; the limit is ", limit));
+}
+
+void MeshBuilder::reserve(std::int64_t vertices, std::int64_t faces)
+{
+    check_limit("vertices", vertices, vertex_limit);
+    check_limit("faces", faces, face_limit);
+    coordinates_.reserve(static_cast<std::size_t>(3 * vertices));
+    corners_.reserve(static_cast<std::size_t>(3 * faces));
+}
+
+void MeshBuilder::add_vertex(double x, double y, double z)
+{
+    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
+        fail_(join("vertex ", vertex_count(), " has a coordinate that is not finite (", x, ", ", y,
+                   ", ", z, ")"));
+    coordinates_.insert(coordinates_.end(), {x, y, z});
+    check_limit("vertices", vertex_count(), vertex_limit);
+}
+
+void MeshBuilder::add_polygon(std::span<const std::int64_t> corners)
+{
+    if (corners.size() < 3)
+        fail_(join("a face has ", corners.size(), " corners; it needs at least 3"));
+    if (corners.size() > 3 && !options_.triangulate)
+        fail_(join("a face has ", corners.size(),
+                   " corners; only triangles are read unless polygons are to be triangulated"));
+    for (const std::int64_t v : corners)
+        if (v < 0 || v >= vertex_count())
+            fail_(join("a face names vertex ", v, " (counted from 0); there are ", vertex_count(),
+                       " vertices before it"));
+    for (std::size_t i = 2; i < corners.size(); ++i)
+        corners_.insert(corners_.end(),
+                        {static_cast<int>(corners[0]), static_cast<int>(corners[i - 1]),
+                         static_cast<int>(corners[i])});
+    check_limit("faces", face_count(), face_limit);
+}
+
+std::int64_t MeshBuilder::vertex_count() const
+{
+    return static_cast<std::int64_t>(coordinates_.size() / 3);
+}
+
+std::int64_t MeshBuilder::face_count() const
+{
+    return static_cast<std::int64_t>(corners_.size() / 3);
+}
+
+NamedMesh MeshBuilder::finish() const
+{
+    if (coordinates_.empty() || corners_.empty())
+        throw InvalidInput(join(path_.string(), ": the file has ", vertex_count(), " vertices and ",
+                                face_count(), " faces; a mesh needs some of both"));
+    return {path_.stem().string(), path_.string(),
+            Eigen::Map<const Points>(coordinates_.data(), vertex_count(), 3),
+            Eigen::Map<const Faces>(corners_.data(), face_count(), 3)};
+}
+
+} // namespace shape

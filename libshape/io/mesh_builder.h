@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "libshape/io/mesh_file.h"
+
+namespace shape {
+
+/// Takes the vertices and polygons of a file in their order and applies the rules that all formats
+/// share. Internal to the readers.
+class MeshBuilder
+{
+public:
+    static constexpr std::int64_t vertex_limit = 20'000'000;
+    static constexpr std::int64_t face_limit = 40'000'000;
+    static constexpr std::int64_t corner_limit = 1024;
+
+    /// Throws InvalidInput with a rule and the present place in the file.
+    using Fail = std::function<void(std::string_view rule)>;
+
+    MeshBuilder(std::filesystem::path path, const MeshReadOptions& options, Fail fail);
+
+    void reserve(std::int64_t vertices, std::int64_t faces);
+    void add_vertex(double x, double y, double z);
+
+    /// @param corners  Vertex indices from 0, in range of the vertices added so far.
+    void add_polygon(std::span<const std::int64_t> corners);
+
+    [[nodiscard]] std::int64_t vertex_count() const;
+    [[nodiscard]] std::int64_t face_count() const;
+
+    [[nodiscard]] NamedMesh finish() const;
+
+private:
+    void check_limit(std::string_view what, std::int64_t count, std::int64_t limit) const;
+
+    std::filesystem::path path_;
+    MeshReadOptions options_;
+    Fail fail_;
+    std::vector<double> coordinates_;
+    std::vector<int> corners_;
+};
+
+} // namespace shape

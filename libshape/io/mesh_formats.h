@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "libshape/io/mesh_file.h"
+
+// Readers and writers of the formats, from and to memory. Internal to mesh_file.cpp: the writers
+// trust their arguments.
+
+namespace shape {
+
+/// @param path  For messages and the name of the mesh.
+/// @throws as read_mesh().
+[[nodiscard]] NamedMesh parse_obj(std::string_view content, const std::filesystem::path& path,
+                                  const MeshReadOptions& options);
+[[nodiscard]] NamedMesh parse_ply(std::string_view content, const std::filesystem::path& path,
+                                  const MeshReadOptions& options);
+[[nodiscard]] NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
+                                  const MeshReadOptions& options);
+
+[[nodiscard]] std::string print_obj(const Points& points, const Faces& faces);
+[[nodiscard]] std::string print_ply(const Points& points, const Faces& faces);
+[[nodiscard]] std::string print_off(const Points& points, const Faces& faces);
+
+/// Appends the shortest digits that give the number back.
+void append_number(std::string& text, double value);
+void append_number(std::string& text, int value);
+
+/// Appends the numbers of a row to `start`, one blank between all, and ends the line.
+template <class Row>
+void append_line(std::string& text, std::string_view start, const Row& row)
+{
+    text += start;
+    for (const auto value : row) {
+        if (!text.ends_with('\n'))
+            text += ' ';
+        append_number(text, value);
+    }
+    text += '\n';
+}
+
+} // namespace shape

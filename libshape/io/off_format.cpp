@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+
+#include <vector>
+
+#include "libshape/base/format.h"
+#include "libshape/io/line_reader.h"
+#include "libshape/io/mesh_builder.h"
+#include "libshape/io/mesh_formats.h"
+
+namespace shape {
+namespace {
+
+/// Bytes of the shortest line of a vertex ("0 0 0") and of a face ("3 0 0 0"), with its line end.
+constexpr std::int64_t vertex_bytes = 6;
+constexpr std::int64_t face_bytes = 8;
+
+std::int64_t parse_count(LineReader& reader, std::string_view what)
+{
+    const std::int64_t count = reader.integer(what);
+    if (count < 0)
+        reader.fail(join(what, " is ", count, ", must be at least 0"));
+    return count;
+}
+
+void next_line(LineReader& reader, std::string_view what, std::int64_t index, std::int64_t count)
+{
+    if (!reader.next_line())
+        reader.fail(join("the file ends before ", what, " ", index, " of ", count));
+}
+
+} // namespace
+
+NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
+                    const MeshReadOptions& options)
+{
+    LineReader reader(content, path.string(), '#');
+    MeshBuilder mesh(path, options, [&](std::string_view rule) { reader.fail(rule); });
+    if (!reader.next_line())
+        reader.fail("there is nothing but comments");
+    const std::string_view keyword = reader.token();
+    if (keyword != "OFF")
+        reader.fail(join("starts with ", in_quotes(keyword),
+                         "; must start with OFF (variants such as COFF and NOFF are not read)"));
+    // The counts stand on the header line or on the next one.
+    if (reader.line_done() && !reader.next_line())
+        reader.fail("the counts are missing");
+    const std::int64_t vertices = parse_count(reader, "vertex count");
+    const std::int64_t faces = parse_count(reader, "face count");
+    if (!reader.line_done())
+        (void)parse_count(reader, "edge count"); // nobody keeps it right
+    reader.finish_line();
+    const auto size = static_cast<std::int64_t>(content.size() - reader.offset()) + 1;
+    if (vertices > size / vertex_bytes || faces > size / face_bytes ||
+        vertices * vertex_bytes + faces * face_bytes > size)
+        reader.fail(join(vertices, " vertices and ", faces, " faces cannot stand in the remaining ",
+                         size - 1, " bytes"));
+    mesh.reserve(vertices, faces);
+
+    for (std::int64_t v = 0; v < vertices; ++v) {
+        next_line(reader, "vertex", v, vertices);
+        const double x = reader.number("coordinate x");
+        const double y = reader.number("coordinate y");
+        const double z = reader.number("coordinate z");
+        reader.finish_line();
+        mesh.add_vertex(x, y, z);
+    }
+    std::vector<std::int64_t> corners;
+    for (std::int64_t f = 0; f < faces; ++f) {
+        next_line(reader, "face", f, faces);
+        const std::int64_t count = reader.integer("corner count");
+        if (count < 0 || count > MeshBuilder::corner_limit)
+            reader.fail(join("corner count is ", count, ", must be in [3, ",
+                             MeshBuilder::corner_limit, "]"));
+        corners.clear();
+        for (std::int64_t c = 0; c < count; ++c)
+            corners.push_back(reader.integer("vertex index"));
+        mesh.add_polygon(corners);
+        for (std::string_view colour = reader.token(); !colour.empty(); colour = reader.token())
+            if (!spelled_number(colour))
+                reader.fail(join("colour is ", in_quotes(colour), ", must be a finite number"));
+    }
+    if (reader.next_line())
+        reader.fail(
+            join("there are more lines than ", vertices, " vertices and ", faces, " faces"));
+    return mesh.finish();
+}
+
+std::string print_off(const Points& points, const Faces& faces)
+{
+    std::string text = join("OFF\n", points.rows(), " ", faces.rows(), " 0\n");
+    text.reserve(static_cast<std::size_t>(points.rows() * 64 + faces.rows() * 24));
+    for (const auto& row : points.rowwise())
+        append_line(text, "", row);
+    for (const auto& row : faces.rowwise())
+        append_line(text, "3", row);
+    return text;
+}
+
+} // namespace shape

@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: MIT
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <vector>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/line_reader.h"
+#include "libshape/io/mesh_builder.h"
+#include "libshape/io/mesh_formats.h"
+
+namespace shape {
+namespace {
+
+enum class Scalar
+{
+    Int8,
+    Uint8,
+    Int16,
+    Uint16,
+    Int32,
+    Uint32,
+    Float32,
+    Float64,
+};
+
+constexpr std::array<std::array<std::string_view, 2>, 8> scalar_names = {{{"char", "int8"},
+                                                                          {"uchar", "uint8"},
+                                                                          {"short", "int16"},
+                                                                          {"ushort", "uint16"},
+                                                                          {"int", "int32"},
+                                                                          {"uint", "uint32"},
+                                                                          {"float", "float32"},
+                                                                          {"double", "float64"}}};
+constexpr std::array<std::int64_t, 8> scalar_sizes = {1, 1, 2, 2, 4, 4, 4, 8};
+
+std::int64_t size_of(Scalar type)
+{
+    return scalar_sizes[static_cast<std::size_t>(type)];
+}
+
+bool is_integer(Scalar type)
+{
+    return type < Scalar::Float32;
+}
+
+struct Property
+{
+    std::string name;
+    Scalar type = Scalar::Int8;
+    std::optional<Scalar> count_type; ///< Of a list.
+    int coordinate = -1;              ///< 0, 1, 2 for x, y, z of a vertex.
+    bool is_corners = false;          ///< The list of the vertices of a face.
+};
+
+struct Element
+{
+    std::string name;
+    std::int64_t count = 0;
+    std::vector<Property> properties;
+
+    [[nodiscard]] bool is_vertex() const { return name == "vertex"; }
+    [[nodiscard]] bool is_face() const { return name == "face"; }
+};
+
+enum class Encoding
+{
+    Ascii,
+    LittleEndian,
+    BigEndian,
+};
+
+struct Header
+{
+    Encoding encoding = Encoding::Ascii;
+    std::vector<Element> elements;
+};
+
+Encoding parse_encoding(LineReader& reader)
+{
+    if (!reader.next_line() || reader.token() != "format")
+        reader.fail("must be 'format <encoding> 1.0'");
+    const std::string_view name = reader.word("the encoding");
+    const std::string_view version = reader.word("the version");
+    if (version != "1.0")
+        reader.fail(join("version is ", in_quotes(version), ", must be 1.0"));
+    reader.finish_line();
+    if (name == "ascii")
+        return Encoding::Ascii;
+    if (name == "binary_little_endian")
+        return Encoding::LittleEndian;
+    if (name == "binary_big_endian")
+        return Encoding::BigEndian;
+    reader.fail(join("encoding is ", in_quotes(name),
+                     ", must be ascii, binary_little_endian or binary_big_endian"));
+}
+
+Scalar parse_scalar(const LineReader& reader, std::string_view name)
+{
+    for (std::size_t i = 0; i < scalar_names.size(); ++i)
+        if (name == scalar_names[i][0] || name == scalar_names[i][1])
+            return static_cast<Scalar>(i);
+    reader.fail(join("unknown type ", in_quotes(name)));
+}
+
+Element parse_element(LineReader& reader, const std::vector<Element>& before)
+{
+    Element element;
+    element.name = reader.word("the name of the element");
+    element.count = reader.integer("the count of the element");
+    reader.finish_line();
+    const auto is_named = [](std::string_view name) {
+        return [name](const Element& e) { return e.name == name; };
+    };
+    if (element.count < 0)
+        reader.fail(join("the count of the element is ", element.count, ", must be at least 0"));
+    if (std::any_of(before.begin(), before.end(), is_named(element.name)))
+        reader.fail(join("element ", in_quotes(element.name), " is declared twice"));
+    if (element.is_face() && std::none_of(before.begin(), before.end(), is_named("vertex")))
+        reader.fail("element 'face' stands before element 'vertex'");
+    return element;
+}
+
+Property parse_property(LineReader& reader, const Element& element)
+{
+    Property property;
+    std::string_view type = reader.word("the type of the property");
+    if (type == "list") {
+        property.count_type = parse_scalar(reader, reader.word("the type of the list's count"));
+        if (!is_integer(*property.count_type))
+            reader.fail("the count of a list must have an integer type");
+        type = reader.word("the type of the list's items");
+    }
+    property.type = parse_scalar(reader, type);
+    property.name = reader.word("the name of the property");
+    reader.finish_line();
+    for (const Property& other : element.properties)
+        if (other.name == property.name)
+            reader.fail(join("property ", in_quotes(property.name), " is declared twice"));
+    const std::size_t axis = std::string_view("xyz").find(property.name);
+    if (element.is_vertex() && property.name.size() == 1 && axis != std::string_view::npos)
+        property.coordinate = static_cast<int>(axis);
+    property.is_corners =
+        element.is_face() && (property.name == "vertex_indices" || property.name == "vertex_index");
+    if (property.coordinate >= 0 && property.count_type)
+        reader.fail(join("property ", in_quotes(property.name), " must be no list"));
+    if (property.is_corners && (!property.count_type || !is_integer(property.type)))
+        reader.fail(join("property ", in_quotes(property.name), " must be a list of integers"));
+    return property;
+}
+
+/// What a mesh needs must be declared, once.
+void check_header(const LineReader& reader, const Header& header)
+{
+    int coordinates = 0;
+    int corner_lists = 0;
+    for (const Element& element : header.elements) {
+        if (element.properties.empty() && element.count > 0)
+            reader.fail(join("element ", in_quotes(element.name), " has no properties"));
+        for (const Property& property : element.properties) {
+            coordinates += property.coordinate >= 0 ? 1 : 0;
+            corner_lists += property.is_corners ? 1 : 0;
+        }
+    }
+    if (coordinates != 3)
+        reader.fail("the header declares no element 'vertex' with x, y and z");
+    if (corner_lists != 1)
+        reader.fail("the header must declare an element 'face' with one list 'vertex_indices'");
+}
+
+Header parse_header(LineReader& reader)
+{
+    if (!reader.next_line() || reader.line() != "ply")
+        reader.fail("must be 'ply'; is this a PLY file?");
+    Header header;
+    header.encoding = parse_encoding(reader);
+    while (reader.next_line()) {
+        const std::string_view keyword = reader.token();
+        if (keyword == "end_header") {
+            reader.finish_line();
+            check_header(reader, header);
+            return header;
+        }
+        if (keyword == "element")
+            header.elements.push_back(parse_element(reader, header.elements));
+        else if (keyword == "property" && header.elements.empty())
+            reader.fail("a property stands before the first element");
+        else if (keyword == "property")
+            header.elements.back().properties.push_back(
+                parse_property(reader, header.elements.back()));
+        else if (keyword != "comment" && keyword != "obj_info")
+            reader.fail(join("unknown header line ", in_quotes(keyword)));
+    }
+    reader.fail("the header has no end_header");
+}
+
+/// Values of an ascii body: one line an element.
+class AsciiBody
+{
+public:
+    explicit AsciiBody(LineReader& reader, std::size_t size)
+        : reader_(reader), remaining_(static_cast<std::int64_t>(size - reader.offset()) + 1)
+    {
+    }
+
+    [[nodiscard]] std::int64_t remaining() const { return remaining_; }
+    static std::int64_t least_size(Scalar) { return 2; } ///< A digit and what ends it.
+
+    void begin(const Element& element, std::int64_t index)
+    {
+        if (!reader_.next_line())
+            fail(join("the file ends before ", element.name, " ", index, " of ", element.count));
+    }
+    double number(Scalar) { return reader_.number("coordinate"); }
+    std::int64_t integer(Scalar) { return reader_.integer("entry of a list"); }
+    void skip(Scalar, std::int64_t count)
+    {
+        for (; count > 0; --count)
+            (void)reader_.word("a property");
+    }
+    void end() { reader_.finish_line(); }
+    void finish()
+    {
+        if (reader_.next_line())
+            fail("there are more lines than the header declares");
+    }
+    [[noreturn]] void fail(std::string_view rule) const { reader_.fail(rule); }
+
+private:
+    LineReader& reader_;
+    std::int64_t remaining_; ///< One more than there is: the last line may lack its end.
+};
+
+/// Values of a binary body in either order of bytes.
+class BinaryBody
+{
+public:
+    BinaryBody(std::string_view content, std::size_t offset, std::string path, bool swap)
+        : content_(content), offset_(offset), path_(std::move(path)), swap_(swap)
+    {
+    }
+
+    [[nodiscard]] std::int64_t remaining() const
+    {
+        return static_cast<std::int64_t>(content_.size() - offset_);
+    }
+    static std::int64_t least_size(Scalar type) { return size_of(type); }
+
+    void begin(const Element& element, std::int64_t index)
+    {
+        if (remaining() == 0)
+            fail(join("the file ends before ", element.name, " ", index, " of ", element.count));
+    }
+    double number(Scalar type)
+    {
+        switch (type) {
+            case Scalar::Float32:
+                return take<float>();
+            case Scalar::Float64:
+                return take<double>();
+            default:
+                return static_cast<double>(integer(type));
+        }
+    }
+    std::int64_t integer(Scalar type)
+    {
+        switch (type) {
+            case Scalar::Int8:
+                return take<std::int8_t>();
+            case Scalar::Uint8:
+                return take<std::uint8_t>();
+            case Scalar::Int16:
+                return take<std::int16_t>();
+            case Scalar::Uint16:
+                return take<std::uint16_t>();
+            case Scalar::Int32:
+                return take<std::int32_t>();
+            case Scalar::Uint32:
+                return take<std::uint32_t>();
+            default:
+                fail("an integer has a type that is none");
+        }
+    }
+    void skip(Scalar type, std::int64_t count)
+    {
+        if (count > remaining() / size_of(type))
+            fail("the file ends within an element");
+        offset_ += static_cast<std::size_t>(count * size_of(type));
+    }
+    void end() {}
+    void finish() const
+    {
+        if (remaining() > 0)
+            fail(join("there are ", remaining(), " bytes more than the header declares"));
+    }
+    [[noreturn]] void fail(std::string_view rule) const
+    {
+        throw InvalidInput(join(path_, ": byte ", offset_, ": ", rule));
+    }
+
+private:
+    template <class Value>
+    Value take()
+    {
+        if (remaining() < static_cast<std::int64_t>(sizeof(Value)))
+            fail("the file ends within an element");
+        std::array<char, sizeof(Value)> bytes;
+        std::memcpy(bytes.data(), content_.data() + offset_, sizeof(Value));
+        if (swap_)
+            std::reverse(bytes.begin(), bytes.end());
+        offset_ += sizeof(Value);
+        return std::bit_cast<Value>(bytes);
+    }
+
+    std::string_view content_;
+    std::size_t offset_;
+    std::string path_;
+    bool swap_;
+};
+
+/// Counts are believed only if the rest of the file can hold so many elements.
+template <class Body>
+void check_counts(const Header& header, const Body& body)
+{
+    std::int64_t remaining = body.remaining();
+    for (const Element& element : header.elements) {
+        std::int64_t least = 0;
+        for (const Property& property : element.properties)
+            least += Body::least_size(property.count_type.value_or(property.type));
+        if (element.count > 0 && element.count > remaining / least)
+            body.fail(join(element.count, " of element ", in_quotes(element.name),
+                           " cannot stand in the remaining ", remaining, " bytes"));
+        remaining -= element.count * least;
+    }
+}
+
+template <class Body>
+void parse_body(const Header& header, Body& body, MeshBuilder& mesh)
+{
+    check_counts(header, body);
+    for (const Element& element : header.elements)
+        mesh.reserve(element.is_vertex() ? element.count : 0,
+                     element.is_face() ? element.count : 0);
+    std::array<double, 3> point{};
+    std::vector<std::int64_t> corners;
+    for (const Element& element : header.elements)
+        for (std::int64_t i = 0; i < element.count; ++i) {
+            body.begin(element, i);
+            for (const Property& property : element.properties) {
+                const std::int64_t count =
+                    property.count_type ? body.integer(*property.count_type) : 1;
+                if (count < 0)
+                    body.fail(join("a list has ", count, " entries"));
+                if (property.coordinate >= 0) {
+                    point[static_cast<std::size_t>(property.coordinate)] =
+                        body.number(property.type);
+                } else if (property.is_corners) {
+                    if (count > MeshBuilder::corner_limit)
+                        body.fail(join("a face has ", count, " corners; the limit is ",
+                                       MeshBuilder::corner_limit));
+                    corners.resize(static_cast<std::size_t>(count));
+                    for (std::int64_t& corner : corners)
+                        corner = body.integer(property.type);
+                } else {
+                    body.skip(property.type, count);
+                }
+            }
+            if (element.is_vertex())
+                mesh.add_vertex(point[0], point[1], point[2]);
+            else if (element.is_face())
+                mesh.add_polygon(corners);
+            body.end();
+        }
+    body.finish();
+}
+
+} // namespace
+
+NamedMesh parse_ply(std::string_view content, const std::filesystem::path& path,
+                    const MeshReadOptions& options)
+{
+    LineReader reader(content, path.string());
+    const Header header = parse_header(reader);
+    const auto parse = [&](auto body) {
+        MeshBuilder mesh(path, options, [&](std::string_view rule) { body.fail(rule); });
+        parse_body(header, body, mesh);
+        return mesh.finish();
+    };
+    if (header.encoding == Encoding::Ascii)
+        return parse(AsciiBody(reader, content.size()));
+    const bool is_native =
+        (header.encoding == Encoding::LittleEndian) == (std::endian::native == std::endian::little);
+    return parse(BinaryBody(content, reader.offset(), path.string(), !is_native));
+}
+
+std::string print_ply(const Points& points, const Faces& faces)
+{
+    static_assert(std::endian::native == std::endian::little, "values are written as they are");
+    std::string text =
+        join("ply\nformat binary_little_endian 1.0\nelement vertex ", points.rows(),
+             "\nproperty double x\nproperty double y\nproperty double z\n", "element face ",
+             faces.rows(), "\nproperty list uchar int vertex_indices\nend_header\n");
+    const auto append_bytes = [&](const void* bytes, std::size_t size) {
+        text.append(static_cast<const char*>(bytes), size);
+    };
+    text.reserve(text.size() + static_cast<std::size_t>(points.rows() * 24 + faces.rows() * 13));
+    append_bytes(points.data(), static_cast<std::size_t>(points.size()) * sizeof(double));
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+        text += '\3';
+        append_bytes(faces.data() + 3 * f, 3 * sizeof(int));
+    }
+    return text;
+}
+
+} // namespace shape

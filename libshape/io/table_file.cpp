@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/table_file.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/input_file.h"
+#include "libshape/io/line_reader.h"
+#include "libshape/io/mesh_formats.h"
+#include "libshape/io/output_file.h"
+
+namespace shape {
+namespace {
+
+constexpr std::uint64_t largest_file = std::uint64_t{2} << 30;
+
+using Row = std::vector<std::string>;
+
+/// Splits CSV into rows; knows the line for messages.
+class CsvParser
+{
+public:
+    CsvParser(std::string_view content, std::string path) : rest_(content), path_(std::move(path))
+    {
+        if (rest_.starts_with("\xEF\xBB\xBF"))
+            rest_.remove_prefix(3);
+        while (rest_.ends_with('\n')) // blank lines at the end, too
+            rest_.remove_suffix(rest_.ends_with("\r\n") ? 2 : 1);
+        if (rest_.find('\0') != std::string_view::npos || !is_utf8(rest_))
+            throw InvalidInput(path_ + ": the file is not UTF-8 text");
+    }
+
+    [[nodiscard]] bool done() const { return rest_.empty(); }
+
+    /// The next row; `line` is where it starts.
+    Row row()
+    {
+        line_ = next_line_;
+        Row cells;
+        do
+            cells.push_back(rest_.starts_with('"') ? quoted_cell() : plain_cell());
+        while (take(","));
+        if (!take("\n") && !take("\r\n") && !done())
+            fail(rest_.starts_with('\r') ? "a CR ends no line; lines must end with LF or CRLF"
+                                         : "text follows a closing quote");
+        ++next_line_;
+        return cells;
+    }
+
+    [[noreturn]] void fail(std::string_view rule) const
+    {
+        throw InvalidInput(join(path_, ": line ", line_, ": ", rule));
+    }
+
+private:
+    bool take(std::string_view text)
+    {
+        const bool is_there = rest_.starts_with(text);
+        if (is_there)
+            rest_.remove_prefix(text.size());
+        return is_there;
+    }
+
+    std::string plain_cell()
+    {
+        const std::size_t end = std::min(rest_.find_first_of(",\r\n"), rest_.size());
+        std::string cell(rest_.substr(0, end));
+        if (cell.find('"') != std::string::npos)
+            fail(join("a quote stands within the unquoted cell ", in_quotes(cell)));
+        rest_.remove_prefix(end);
+        return cell;
+    }
+
+    std::string quoted_cell()
+    {
+        rest_.remove_prefix(1);
+        std::string cell;
+        for (;;) {
+            const std::size_t end = rest_.find('"');
+            if (end == std::string_view::npos)
+                fail("a quote is not closed");
+            cell += rest_.substr(0, end);
+            rest_.remove_prefix(end + 1);
+            if (!take("\""))
+                break;
+            cell += '"';
+        }
+        next_line_ += static_cast<std::size_t>(std::count(cell.begin(), cell.end(), '\n'));
+        return cell;
+    }
+
+    std::string_view rest_;
+    std::string path_;
+    std::size_t line_ = 1;
+    std::size_t next_line_ = 1;
+};
+
+void check_columns(const Row& columns, const std::string& place)
+{
+    std::set<std::string> seen;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        if (columns[c].empty())
+            throw InvalidInput(join(place, "column ", c + 1, " has no name"));
+        if (!seen.insert(columns[c]).second)
+            throw InvalidInput(join(place, "column name ", in_quotes(columns[c]), " occurs twice"));
+    }
+}
+
+void append_row(std::string& text, const Row& cells)
+{
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+        text += c == 0 ? "" : ",";
+        const std::string& cell = cells[c];
+        // A lone empty cell must not become a blank line.
+        const bool is_plain = cell.find_first_of(",\"\r\n") == std::string::npos &&
+                              !(cell.empty() && cells.size() == 1);
+        if (is_plain) {
+            text += cell;
+            continue;
+        }
+        text += '"';
+        for (const char character : cell)
+            text.append(character == '"' ? 2 : 1, character);
+        text += '"';
+    }
+    text += '\n';
+}
+
+} // namespace
+
+Table read_table(const std::filesystem::path& path)
+{
+    const std::string content = read_file(path, largest_file);
+    CsvParser parser(content, path.string());
+    if (parser.done())
+        throw InvalidInput(path.string() + ": the file is empty; a table needs a header row");
+    Table table;
+    table.columns = parser.row();
+    check_columns(table.columns, path.string() + ": line 1: ");
+    while (!parser.done()) {
+        Row row = parser.row();
+        if (row.size() != table.columns.size())
+            parser.fail(join("has ", row.size(), " cells, the header has ", table.columns.size()));
+        table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
+void write_table(const std::filesystem::path& path, const Table& table)
+{
+    check_columns(table.columns, "table: ");
+    std::string text;
+    append_row(text, table.columns);
+    for (std::size_t r = 0; r < table.rows.size(); ++r) {
+        if (table.rows[r].size() != table.columns.size())
+            throw InvalidInput(join("table: row ", r, " has ", table.rows[r].size(),
+                                    " cells, must have ", table.columns.size()));
+        append_row(text, table.rows[r]);
+    }
+    write_file_atomically(path, text);
+}
+
+std::string print_number(double value)
+{
+    std::string text;
+    append_number(text, value);
+    return text;
+}
+
+double parse_number(const std::string& cell, const std::string& place)
+{
+    const std::optional<double> value = spelled_number(cell);
+    if (!value)
+        throw InvalidInput(join(place, ": ", in_quotes(cell), " is no finite number"));
+    return *value;
+}
+
+Labels read_labels(const std::filesystem::path& path, const std::vector<std::string>& names)
+{
+    const Table table = read_table(path);
+    const auto fail = [&](const auto&... parts) {
+        throw InvalidInput(join(path.string(), ": ", parts...));
+    };
+    if (table.columns.front() != "mesh")
+        fail("the first column is ", in_quotes(table.columns.front()), ", must be 'mesh'");
+    std::map<std::string, const Row*> row_of;
+    for (const std::string& name : names)
+        row_of[name] = nullptr;
+    for (const Row& row : table.rows) {
+        const auto found = row_of.find(row.front());
+        if (found == row_of.end())
+            fail("mesh ", in_quotes(row.front()), " is not in the collection");
+        if (found->second != nullptr)
+            fail("mesh ", in_quotes(row.front()), " occurs twice");
+        found->second = &row;
+    }
+    Labels labels;
+    for (std::size_t c = 1; c < table.columns.size(); ++c)
+        labels.push_back({table.columns[c], {}});
+    for (const std::string& name : names) {
+        const Row* row = row_of[name];
+        if (row == nullptr)
+            fail("mesh ", in_quotes(name), " is missing");
+        for (std::size_t c = 1; c < row->size(); ++c)
+            labels[c - 1].values.push_back((*row)[c]);
+    }
+    return labels;
+}
+
+} // namespace shape

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/model/difference.h"
+
+#include <cmath>
+#include <map>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/statistics/mean.h"
+
+namespace shape {
+namespace {
+
+/// Members of one group: value of the pairing label -> index of the mesh.
+using Group = std::map<std::string, std::size_t>;
+
+Group find_group(const Collection& collection, const LabelColumn& pair_by, const std::string& label,
+                 const std::string& value)
+{
+    const LabelColumn& column = find_label(collection.labels, label);
+    Group group;
+    for (std::size_t i = 0; i < collection.size(); ++i) {
+        if (column.values[i] != value)
+            continue;
+        const auto [member, is_new] = group.try_emplace(pair_by.values[i], i);
+        if (!is_new)
+            throw InvalidInput(join("difference: ", pair_by.name, " '", pair_by.values[i],
+                                    "' occurs twice among ", label, " = '", value,
+                                    "': ", collection.names[member->second], " and ",
+                                    collection.names[i]));
+    }
+    if (group.empty())
+        throw InvalidInput(join("difference: no mesh has ", label, " = '", value, "'"));
+    return group;
+}
+
+/// The `from` members of all pairs, then the `to` members in the same order.
+Collection pair_up(const Collection& collection, const Group& from, const Group& to,
+                   std::vector<std::string>& pairs)
+{
+    Collection paired{collection.topology, {}, {}, {}};
+    const auto append = [&](std::size_t mesh) {
+        paired.names.push_back(collection.names[mesh]);
+        paired.points.push_back(collection.points[mesh]);
+    };
+    for (const auto& [value, mesh] : from)
+        if (to.contains(value)) {
+            pairs.push_back(value);
+            append(mesh);
+        }
+    for (const std::string& value : pairs)
+        append(to.at(value));
+    return paired;
+}
+
+} // namespace
+
+DifferenceVector mean_difference(const Collection& collection, const DifferenceOptions& options)
+{
+    const LabelColumn& pair_by = find_label(collection.labels, options.pair_by);
+    const Group from = find_group(collection, pair_by, options.from_label, options.from_value);
+    const Group to = find_group(collection, pair_by, options.to_label, options.to_value);
+    std::vector<std::string> pairs;
+    const Collection paired = pair_up(collection, from, to, pairs);
+    if (pairs.empty())
+        throw InvalidInput(join("difference: no ", options.pair_by, " has both ",
+                                options.from_label, " = '", options.from_value, "' and ",
+                                options.to_label, " = '", options.to_value, "'"));
+
+    const ShapeVectors vectors = encode(paired, options.scale);
+    const auto count = static_cast<Eigen::Index>(pairs.size());
+    const auto mean_change = [&](const RowMatrix& rows) {
+        return mean_of_rows(rows.bottomRows(count) - rows.topRows(count));
+    };
+    return {.topology = paired.topology,
+            .reference_points = paired.points.front(),
+            .scale = options.scale,
+            .mean_edge_lengths = mean_of_rows(vectors.edge_lengths.topRows(count)),
+            .mean_dihedral_angles = mean_of_rows(vectors.dihedral_angles.topRows(count)),
+            .edge_lengths = mean_change(vectors.edge_lengths),
+            .dihedral_angles = mean_change(vectors.dihedral_angles),
+            .from_size = vectors.sizes.head(count).mean(),
+            .to_size = vectors.sizes.tail(count).mean(),
+            .pairs = std::move(pairs)};
+}
+
+ShapePoint apply_difference(const DifferenceVector& difference, double amount, double size)
+{
+    if (!std::isfinite(amount))
+        throw InvalidInput(join("difference: amount is ", amount, ", must be finite"));
+    if (difference.scale == Scale::Unit && !(size > 0.0 && std::isfinite(size)))
+        throw InvalidInput(join("difference: size is ", size, ", must be > 0 and finite"));
+    const double factor = difference.scale == Scale::Unit ? size : 1.0;
+    return {factor * (difference.mean_edge_lengths + amount * difference.edge_lengths),
+            difference.mean_dihedral_angles + amount * difference.dihedral_angles};
+}
+
+} // namespace shape

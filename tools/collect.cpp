@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "libshape/base/format.h"
+#include "libshape/io/collection_file.h"
+#include "tools/commands.h"
+#include "tools/common/mesh_input.h"
+#include "tools/common/output_rules.h"
+#include "tools/common/session.h"
+
+namespace shape::tools {
+namespace {
+
+struct Arguments
+{
+    MeshInput meshes;
+    std::string output;
+};
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_ending("-o", arguments.output, ".h5");
+    check_output(session, arguments.output, input_files(arguments.meshes));
+    const Collection collection = read_meshes(session, arguments.meshes);
+    write_collection(arguments.output, collection);
+    session.message(join(arguments.output, ": ", collection.size(), " meshes of ",
+                         collection.topology.vertex_count(), " vertices"));
+    session.print_figures({{"outputs", {arguments.output}},
+                           {"meshes", collection.size()},
+                           {"vertices", collection.topology.vertex_count()},
+                           {"edges", collection.topology.edge_count()},
+                           {"faces", collection.topology.face_count()}});
+}
+
+} // namespace
+
+Run set_up_collect(CLI::App& command)
+{
+    command.description(
+        "Check that meshes are in correspondence (one triangulation, the same vertex and face\n"
+        "order) and write them, with edge lengths, dihedral angles and labels, as one collection.");
+    command.footer("Example:\n  shape collect faces/ -o faces.h5 --labels faces/labels.csv");
+    const auto arguments = std::make_shared<Arguments>();
+    add_mesh_input(command, arguments->meshes);
+    add_labels(command, arguments->meshes);
+    add_output_file(command, arguments->output, "Collection to write (.h5)");
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools

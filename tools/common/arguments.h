@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace shape::tools {
+
+/// Arguments that do not go together, or that cannot be read: exit code 2.
+class UsageError : public std::runtime_error
+{
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// Which numbers an option takes.
+enum class Sign
+{
+    Any,
+    Positive,
+};
+
+/// Adds an option that takes one finite decimal number. (CLI11 alone would take nan, inf and 0x10.)
+CLI::Option* add_number(CLI::App& command, const std::string& name, double& value,
+                        const std::string& description, Sign sign = Sign::Any);
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<double>& value,
+                        const std::string& description, Sign sign = Sign::Any);
+
+/// Adds an option that takes one decimal integer in [low, high].
+CLI::Option* add_integer(CLI::App& command, const std::string& name, std::int64_t& value,
+                         const std::string& description, std::int64_t low,
+                         std::int64_t high = std::numeric_limits<std::int64_t>::max());
+
+/// Adds an option that takes one of the named values.
+template <class T>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, T& value,
+                        const std::string& description,
+                        const std::vector<std::pair<std::string, T>>& choices)
+{
+    std::vector<std::string> names;
+    for (const auto& choice : choices)
+        names.push_back(choice.first);
+    const auto choose = [&value, choices](const std::string& text) {
+        for (const auto& choice : choices)
+            if (choice.first == text)
+                value = choice.second;
+    };
+    return command.add_option_function<std::string>(name, choose, description)
+        ->check(CLI::IsMember(names))
+        ->option_text(CLI::detail::join(names, "|"));
+}
+
+/// The finite number that the text spells; `place` starts the message.
+/// @throws UsageError if it is none.
+[[nodiscard]] double read_number(const std::string& text, const std::string& place);
+
+/// The numbers of "n1,n2,...".
+/// @throws UsageError as read_number().
+[[nodiscard]] std::vector<double> read_numbers(const std::string& text, const std::string& place);
+
+/// The pieces of a text between separators; one more than there are separators.
+[[nodiscard]] std::vector<std::string> split(const std::string& text, char separator);
+
+} // namespace shape::tools

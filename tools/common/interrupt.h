@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+namespace shape::tools {
+
+/// From now on SIGINT and SIGTERM ask the work to stop (a second one ends the process at once), and
+/// a closed pipe is an error of writing instead of the end of the process.
+void catch_signals();
+
+/// @throws Interrupted if a signal has asked the work to stop.
+void throw_if_interrupted();
+
+} // namespace shape::tools

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "libshape/mesh/collection.h"
+
+namespace CLI {
+class App;
+}
+
+namespace shape::tools {
+
+class Session;
+
+/// The arguments that name meshes, wherever a command takes MESHES.
+struct MeshInput
+{
+    std::vector<std::string> paths; ///< Files, directories and collection files, in any mix.
+    bool triangulate = false;       ///< Split polygons as fans.
+    std::string labels;             ///< CSV file with labels; empty: those of the collections.
+};
+
+/// Adds MESHES (or an option of another name that takes them) and --triangulate.
+void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name = "MESHES");
+
+/// Adds --labels.
+void add_labels(CLI::App& command, MeshInput& input);
+
+/// Whether a path has the ending of a collection file.
+[[nodiscard]] bool is_collection_file(const std::filesystem::path& path);
+
+/// The files behind the arguments: a directory becomes its mesh files in natural name order (s2
+/// before s10).
+/// @throws FileError if a path does not exist; InvalidInput if a directory holds no mesh file.
+[[nodiscard]] std::vector<std::filesystem::path> mesh_files(const MeshInput& input);
+
+/// All files that reading the input opens: mesh_files() and the file of labels.
+[[nodiscard]] std::vector<std::filesystem::path> input_files(const MeshInput& input);
+
+/// The meshes of one file: a mesh, or the members of a collection with their labels.
+struct FileContent
+{
+    std::vector<NamedMesh> meshes;
+    Labels labels;
+};
+[[nodiscard]] FileContent read_mesh_file(const std::filesystem::path& path, bool triangulate);
+
+/// Reads everything and checks that it is in correspondence. Without a file of labels a mesh keeps
+/// those of its collection file; where others have a label that it lacks, its value is empty.
+[[nodiscard]] Collection read_meshes(const Session& session, const MeshInput& input);
+
+} // namespace shape::tools

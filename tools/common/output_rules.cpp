@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/common/output_rules.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "tools/common/arguments.h"
+#include "tools/common/session.h"
+
+namespace shape::tools {
+
+namespace fs = std::filesystem;
+
+CLI::Option* add_output_file(CLI::App& command, std::string& path, const std::string& description)
+{
+    return command.add_option("-o,--output", path, description)
+        ->required()
+        ->option_text("FILE REQUIRED");
+}
+
+void check_output(const Session& session, const fs::path& output,
+                  const std::vector<fs::path>& inputs)
+{
+    if (output.empty())
+        throw UsageError("the name of an output is empty");
+    const fs::path directory = output.has_parent_path() ? output.parent_path() : fs::path(".");
+    if (!fs::is_directory(directory))
+        throw FileError(
+            join(output.string(), ": the directory ", directory.string(), " does not exist"));
+    if (access(directory.c_str(), W_OK | X_OK) != 0)
+        throw FileError(join(output.string(), ": cannot write into ", directory.string(), ": ",
+                             std::strerror(errno)));
+    if (!fs::exists(fs::symlink_status(output)))
+        return;
+    for (const fs::path& input : inputs)
+        if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
+            throw UsageError(join(output.string(), ": the output is an input of the run"));
+    if (!fs::is_regular_file(output))
+        throw FileError(join(output.string(), ": exists and is no regular file"));
+    if (!session.force)
+        throw FileError(join(output.string(), ": exists; --force overwrites it"));
+}
+
+void check_ending(const std::string& option, const fs::path& path, const std::string& ending)
+{
+    if (path.extension() != ending)
+        throw UsageError(join(option, ": '", path.string(), "' must end in ", ending));
+}
+
+} // namespace shape::tools

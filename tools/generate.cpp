@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/random.h"
+#include "libshape/io/model_file.h"
+#include "libshape/io/table_file.h"
+#include "libshape/model/shape_model.h"
+#include "tools/commands.h"
+#include "tools/common/arguments.h"
+#include "tools/common/embedding_run.h"
+#include "tools/common/mesh_output.h"
+#include "tools/common/session.h"
+
+namespace shape::tools {
+namespace {
+
+constexpr std::int64_t most_meshes = 1'000'000;
+
+struct Arguments
+{
+    std::string model;
+    bool mean = false;
+    std::int64_t mode = 0;
+    std::string sigma;
+    std::string scores;
+    std::string scores_file;
+    std::int64_t samples = 0;
+    std::optional<double> size;
+    MeshOutputArguments output;
+    EmbeddingArguments embedding;
+};
+
+/// A point of the model and the name of its mesh.
+struct ModelPoint
+{
+    std::string name;
+    Eigen::VectorXd scores; ///< Coordinates along the modes.
+    double size = 0.0;      ///< [length]
+};
+
+Eigen::VectorXd standard_deviations(const ShapeModel& model)
+{
+    return model.variances.cwiseSqrt();
+}
+
+double size_of(const ShapeModel& model, const Arguments& arguments)
+{
+    return arguments.size.value_or(model.mean_size());
+}
+
+/// The N equally spaced values of "A:B:N", or the one of "A" [standard deviations].
+std::vector<double> sigma_values(const std::string& text)
+{
+    const std::vector<std::string> parts = split(text, ':');
+    if (parts.size() == 1)
+        return {read_number(parts[0], "--sigma")};
+    if (parts.size() != 3)
+        throw UsageError(join("--sigma: '", text, "' must be A:B:N or one number"));
+    const double from = read_number(parts[0], "--sigma");
+    const double to = read_number(parts[1], "--sigma");
+    const double count = read_number(parts[2], "--sigma");
+    if (count != std::floor(count) || count < 2 || count > static_cast<double>(most_meshes))
+        throw UsageError(join("--sigma: the number of steps ", parts[2],
+                              " must be an integer in [2, ", most_meshes, "]"));
+    std::vector<double> values;
+    for (double i = 0; i < count; ++i)
+        values.push_back(from + (to - from) * i / (count - 1.0));
+    return values;
+}
+
+/// "mode01_-2.00": two decimals, or as many as it takes to tell the values apart.
+std::vector<std::string> mode_names(std::int64_t mode, const std::vector<double>& sigmas)
+{
+    for (int decimals = 2;; ++decimals) {
+        std::vector<std::string> names;
+        for (const double sigma : sigmas) {
+            char name[400];
+            const double value = std::abs(sigma) < 0.5 * std::pow(10.0, -decimals) ? 0.0 : sigma;
+            std::snprintf(name, sizeof name, "mode%02d_%.*f", static_cast<int>(mode), decimals,
+                          value);
+            names.emplace_back(name);
+        }
+        const bool distinct = std::set(names.begin(), names.end()).size() == names.size();
+        if (distinct || decimals == 17)
+            return names; // values equal to the last bit are refused as outputs of one name
+    }
+}
+
+std::vector<ModelPoint> mode_points(const ShapeModel& model, const Arguments& arguments)
+{
+    if (arguments.mode > model.mode_count())
+        throw InvalidInput(join("--mode: ", arguments.mode, " is out of range, ", arguments.model,
+                                " has modes 1 to ", model.mode_count()));
+    const std::vector<double> sigmas = sigma_values(arguments.sigma);
+    const std::vector<std::string> names = mode_names(arguments.mode, sigmas);
+    std::vector<ModelPoint> points;
+    for (std::size_t i = 0; i < sigmas.size(); ++i) {
+        Eigen::VectorXd scores = Eigen::VectorXd::Zero(arguments.mode);
+        scores[arguments.mode - 1] = sigmas[i] * std::sqrt(model.variances[arguments.mode - 1]);
+        points.push_back({names[i], scores, size_of(model, arguments)});
+    }
+    return points;
+}
+
+ModelPoint point_of_scores(const ShapeModel& model, const Arguments& arguments)
+{
+    const std::vector<double> sigmas = read_numbers(arguments.scores, "--scores");
+    const auto count = static_cast<Eigen::Index>(sigmas.size());
+    if (count > model.mode_count())
+        throw InvalidInput(join("--scores: ", count, " scores, but ", arguments.model, " has ",
+                                model.mode_count(), " modes"));
+    const Eigen::VectorXd scores = Eigen::Map<const Eigen::VectorXd>(sigmas.data(), count)
+                                       .cwiseProduct(standard_deviations(model).head(count));
+    return {"scores", scores, size_of(model, arguments)};
+}
+
+/// Where each score stands in the table: column of pc1, pc2, ...
+std::vector<std::size_t> score_columns(const Table& table, const std::string& file, int modes)
+{
+    std::vector<std::size_t> columns;
+    for (;;) {
+        const std::string wanted = join("pc", columns.size() + 1);
+        const auto found = std::find(table.columns.begin(), table.columns.end(), wanted);
+        if (found == table.columns.end())
+            break;
+        columns.push_back(static_cast<std::size_t>(found - table.columns.begin()));
+    }
+    if (table.columns.front() != "mesh" || columns.empty())
+        throw InvalidInput(join(file,
+                                ": the first column must be `mesh`, scores stand in the "
+                                "columns pc1, pc2, ..."));
+    if (columns.size() > static_cast<std::size_t>(modes))
+        throw InvalidInput(
+            join(file, ": scores for ", columns.size(), " modes, the model has ", modes));
+    return columns;
+}
+
+std::vector<ModelPoint> points_of_file(const ShapeModel& model, const Arguments& arguments)
+{
+    const std::string& file = arguments.scores_file;
+    const Table table = read_table(file);
+    const std::vector<std::size_t> columns = score_columns(table, file, model.mode_count());
+    const auto size = std::find(table.columns.begin(), table.columns.end(), "size");
+    const bool has_sizes = size != table.columns.end() && !arguments.size;
+    const auto size_column = static_cast<std::size_t>(size - table.columns.begin());
+    std::vector<ModelPoint> points;
+    for (const std::vector<std::string>& row : table.rows) {
+        const std::string place = join(file, ": mesh ", row.front());
+        const auto number = [&](std::size_t column) {
+            return parse_number(row[column], join(place, ", column ", table.columns[column]));
+        };
+        Eigen::VectorXd scores(static_cast<Eigen::Index>(columns.size()));
+        for (Eigen::Index k = 0; k < scores.size(); ++k)
+            scores[k] = number(columns[static_cast<std::size_t>(k)]);
+        points.push_back(
+            {row.front(), scores, has_sizes ? number(size_column) : size_of(model, arguments)});
+        if (!(points.back().size > 0.0))
+            throw InvalidInput(join(place, ": the size ", points.back().size, " must be > 0"));
+    }
+    if (points.empty())
+        throw InvalidInput(join(file, ": the table has no rows"));
+    return points;
+}
+
+/// Independent standard normal scores: sample i is the same whatever their number.
+std::vector<ModelPoint> sampled_points(const ShapeModel& model, const Arguments& arguments,
+                                       std::int64_t seed)
+{
+    Random random(static_cast<std::uint64_t>(seed));
+    const Eigen::VectorXd deviations = standard_deviations(model);
+    std::vector<ModelPoint> points;
+    for (std::int64_t i = 0; i < arguments.samples; ++i) {
+        Eigen::VectorXd scores(model.mode_count());
+        for (Eigen::Index k = 0; k < scores.size(); ++k)
+            scores[k] = deviations[k] * random.normal();
+        points.push_back({numbered_name("sample", static_cast<std::size_t>(i)), scores,
+                          size_of(model, arguments)});
+    }
+    return points;
+}
+
+std::vector<ModelPoint> wanted_points(const Session& session, const ShapeModel& model,
+                                      const Arguments& arguments)
+{
+    if (arguments.mode > 0)
+        return mode_points(model, arguments);
+    if (!arguments.scores.empty())
+        return {point_of_scores(model, arguments)};
+    if (!arguments.scores_file.empty())
+        return points_of_file(model, arguments);
+    if (arguments.samples > 0)
+        return sampled_points(model, arguments, session.seed);
+    return {{"mean", Eigen::VectorXd(), size_of(model, arguments)}};
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    const ShapeModel model = read_model(arguments.model);
+    if (arguments.size && model.scale == Scale::None)
+        throw UsageError(join("--size: ", arguments.model,
+                              " was made with --scale none, size is part of its modes"));
+    std::vector<EmbeddingTarget> targets;
+    for (const ModelPoint& point : wanted_points(session, model, arguments))
+        targets.push_back(
+            {point.name, [&model, point] { return model_point(model, point.scores, point.size); }});
+    std::vector<std::filesystem::path> inputs{arguments.model};
+    if (!arguments.scores_file.empty())
+        inputs.emplace_back(arguments.scores_file);
+    MeshOutput output(session, arguments.output, names(targets), inputs);
+    session.print_figures(embed_and_write(session, arguments.embedding, model.topology,
+                                          {model.reference_points}, targets, output));
+}
+
+} // namespace
+
+Run set_up_generate(CLI::App& command)
+{
+    command.description(
+        "Make meshes from points of a model: its mean, points along a mode, given scores, or\n"
+        "seeded samples. Choose exactly one of --mean, --mode, --scores, --scores-file, --sample.");
+    command.footer(
+        "Examples:\n"
+        "  shape generate model.h5 -o mean.ply --mean\n"
+        "  shape generate model.h5 -o mode1/ --mode 1 --sigma -2:2:5");
+    const auto arguments = std::make_shared<Arguments>();
+    command.add_option("MODEL", arguments->model, "Model made by `shape stats` (.h5)")
+        ->required()
+        ->option_text("REQUIRED");
+    add_mesh_output(command, arguments->output);
+    CLI::Option_group* points = command.add_option_group("Points", "exactly one of");
+    points->add_flag("--mean", arguments->mean, "The mean (mean.ply)");
+    CLI::Option* mode = add_integer(
+        *points, "--mode", arguments->mode,
+        "Points along mode K, [1, number of modes]; needs --sigma. Names: mode01_-2.00.ply", 1,
+        std::numeric_limits<int>::max());
+    points
+        ->add_option("--scores", arguments->scores,
+                     "One point, scores of the first modes in standard deviations, any sign;\n"
+                     "the others are 0 (scores.ply)")
+        ->option_text("s1,s2,...");
+    points
+        ->add_option("--scores-file", arguments->scores_file,
+                     "One mesh a row of a CSV file as `shape project` writes it: `mesh` is the\n"
+                     "name, pc1, pc2, ... are coordinates along the modes (not standard\n"
+                     "deviations), `size` is used if it is there and --size is not given")
+        ->option_text("FILE");
+    add_integer(*points, "--sample", arguments->samples,
+                "N independent samples with normal scores (see --seed), [1, 1000000]\n"
+                "(sample_0000.ply, ...)",
+                1, most_meshes);
+    points->require_option(1);
+    CLI::Option* sigma =
+        command
+            .add_option("--sigma", arguments->sigma,
+                        "N equally spaced values from A to B in standard deviations, both ends\n"
+                        "included, N in [2, 1000000]; or one value")
+            ->option_text("A:B:N");
+    mode->needs(sigma);
+    sigma->needs(mode);
+    add_number(command, "--size", arguments->size,
+               "Sum of the edge lengths of the model's mean [unit of the input], > 0\n"
+               "(default: the mean size of the meshes of the model)",
+               Sign::Positive);
+    add_embedding_options(command, arguments->embedding);
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "libshape/base/format.h"
+#include "libshape/io/model_file.h"
+#include "libshape/model/shape_model.h"
+#include "tools/commands.h"
+#include "tools/common/arguments.h"
+#include "tools/common/interrupt.h"
+#include "tools/common/mesh_input.h"
+#include "tools/common/model_tables.h"
+#include "tools/common/output_rules.h"
+#include "tools/common/session.h"
+
+namespace shape::tools {
+namespace {
+
+struct Arguments
+{
+    MeshInput meshes;
+    std::string output;
+    std::int64_t modes = 0;
+    double variance = 1.0;
+    Scale scale = Scale::Unit;
+};
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_ending("-o", arguments.output, ".h5");
+    check_output(session, arguments.output, input_files(arguments.meshes));
+    const Collection collection = read_meshes(session, arguments.meshes);
+    const ShapeModel model = fit_model(collection, {.modes = static_cast<int>(arguments.modes),
+                                                    .variance = arguments.variance,
+                                                    .scale = arguments.scale});
+    throw_if_interrupted();
+    write_model(arguments.output, model);
+    session.message(join(arguments.output, ": ", model.mode_count(), " modes of ",
+                         collection.size(), " meshes\n", mode_table(model)));
+    session.print_figures({{"outputs", {arguments.output}},
+                           {"meshes", collection.size()},
+                           {"vertices", model.topology.vertex_count()},
+                           {"edges", model.topology.edge_count()},
+                           {"scale", name(model.scale)},
+                           {"mean_size", model.mean_size()},
+                           {"total_variance", model.total_variance},
+                           {"modes", mode_figures(model)}});
+}
+
+} // namespace
+
+Run set_up_stats(CLI::App& command)
+{
+    command.description(
+        "Fit a statistical model of meshes in correspondence: the mean edge lengths, the "
+        "principal\n"
+        "modes with their variances (divisor N - 1), and the scores of the meshes.");
+    command.footer("Example:\n  shape stats faces.h5 -o model.h5 --variance 0.95");
+    const auto arguments = std::make_shared<Arguments>();
+    add_mesh_input(command, arguments->meshes);
+    add_labels(command, arguments->meshes);
+    add_output_file(command, arguments->output, "Model to write (.h5)");
+    CLI::Option* modes =
+        add_integer(command, "--modes", arguments->modes,
+                    "Number of modes to keep, [1, N - 1] (default: all with any variance)", 1,
+                    std::numeric_limits<int>::max());
+    add_number(command, "--variance", arguments->variance,
+               "Keep the fewest modes with this share of the total variance, (0, 1]",
+               Sign::Positive)
+        ->excludes(modes);
+    add_choice(
+        command, "--scale", arguments->scale,
+        "unit: lengths are divided by their sum, size is kept apart (default); none: lengths\n"
+        "stay as they are, size is part of the shape",
+        {{"unit", Scale::Unit}, {"none", Scale::None}});
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools
