@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -64,61 +65,33 @@ Eigen::VectorXd factors_on_sphere(const FlatMetric& flat, const StereographicFra
     return factors;
 }
 
-void measure(const Topology& topology, const Eigen::VectorXd& lengths,
-             const IntrinsicTriangulation& t, SphereMap& map)
+std::vector<int> find_reversed_faces(const Topology& topology, const SpherePoints& sphere)
 {
-    map.edge_residuals.resize(topology.edge_count());
-    for (int e = 0; e < topology.edge_count(); ++e) {
-        const int a = topology.edges()(e, 0);
-        const int b = topology.edges()(e, 1);
-        const double chord = map.radius * map.sphere.difference(a, b).norm();
-        map.edge_residuals[e] =
-            std::log(chord / lengths[e]) - 0.5 * (map.factors[a] + map.factors[b]);
-        const int h = t.halfedge(e);
-        if (std::minmax(t.source(h), t.target(h)) != std::minmax(a, b))
-            map.flipped_edges.push_back(e);
-        else
-            map.residual = std::max(map.residual, std::abs(map.edge_residuals[e]));
-    }
+    std::vector<int> reversed;
     for (int f = 0; f < topology.face_count(); ++f) {
         const Eigen::RowVector3i v = topology.faces().row(f);
         const Eigen::RowVector3d normal =
-            map.sphere.difference(v[0], v[1]).cross(map.sphere.difference(v[0], v[2]));
-        if (map.sphere.points.row(v[0]).dot(normal) <= 0.0)
-            map.reversed_faces.push_back(f);
+            sphere.difference(v[0], v[1]).cross(sphere.difference(v[0], v[2]));
+        if (sphere.points.row(v[0]).dot(normal) <= 0.0)
+            reversed.push_back(f);
     }
+    return reversed;
 }
 
 ConformalCertificate certify(const SphereMap& map, const FlatMetric& flat)
 {
     // Negated, so that NaN fails.
-    if (!flat.broken_faces.empty() || !(map.angle_residual <= 1e-9) || !(map.residual <= 1e-9) ||
+    if (!flat.broken_faces.empty() || !(map.angle_residual <= 1e-9) || !(map.edges.worst <= 1e-9) ||
         !(map.balance_residual <= 1e-9))
         return ConformalCertificate::Unsolved;
     if (flat.all_released)
         return ConformalCertificate::Refined;
-    if (!map.flipped_edges.empty())
+    if (!map.edges.flipped.empty())
         return ConformalCertificate::Repaired;
     return map.reversed_faces.empty() ? ConformalCertificate::Exact : ConformalCertificate::Folded;
 }
 
 } // namespace
-
-const char* name(ConformalCertificate certificate)
-{
-    switch (certificate) {
-        case ConformalCertificate::Exact:
-            return "exact";
-        case ConformalCertificate::Folded:
-            return "folded";
-        case ConformalCertificate::Repaired:
-            return "repaired";
-        case ConformalCertificate::Refined:
-            return "refined";
-        default:
-            return "unsolved";
-    }
-}
 
 std::string why_not_spherical(const Topology& topology)
 {
@@ -158,7 +131,10 @@ SphereMap map_to_sphere(const Topology& topology, const Eigen::VectorXd& lengths
     map.balance_residual = balance.residual;
     map.newton_steps = flat.newton_steps;
     map.repair_rounds = flat.rounds;
-    measure(topology, lengths, flat.triangulation, map);
+    map.edges = measure_conformal_edges(
+        topology, lengths, map.factors, flat.triangulation,
+        [&](int a, int b) { return map.radius * map.sphere.difference(a, b).norm(); });
+    map.reversed_faces = find_reversed_faces(topology, map.sphere);
     map.certificate = certify(map, flat);
     return map;
 }

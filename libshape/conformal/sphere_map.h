@@ -6,21 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "libshape/conformal/certificate.h"
 #include "libshape/conformal/moebius.h"
 #include "libshape/mesh/topology.h"
 
 namespace shape {
-
-/// What a conformal map to the sphere is worth.
-enum class ConformalCertificate
-{
-    Exact,    ///< Eq. (13) holds on every edge and no face is reversed.
-    Folded,   ///< Eq. (13) holds on every edge, but some faces are reversed.
-    Repaired, ///< Eq. (13) holds on all edges but those that had to be flipped.
-    Refined,  ///< The same, and local repair did not do: every edge was allowed to flip, and the
-              ///< triangulation is the Delaunay triangulation of the result.
-    Unsolved, ///< No map was found: a face stays broken, or a residual exceeds 1e-9.
-};
 
 struct SphereMapOptions
 {
@@ -31,24 +21,18 @@ struct SphereMapOptions
 struct SphereMap
 {
     ConformalCertificate certificate = ConformalCertificate::Unsolved;
-    Eigen::VectorXd factors;         ///< #V, u_i of b_ij = exp((u_i + u_j) / 2) a_ij (Rojas 2014,
-                                     ///< eq. 13); a the mesh's lengths, b chords of the sphere.
+    Eigen::VectorXd factors;         ///< #V, u_i of eq. (13); b are chords of the sphere.
     double radius = 0.0;             ///< [length]
     SpherePoints sphere;             ///< #V on the unit sphere.
-    std::vector<int> flipped_edges;  ///< Edges on which eq. (13) need not hold. Ascending.
+    ConformalEdges edges;            ///< How well eq. (13) holds.
     std::vector<int> reversed_faces; ///< Faces of the mesh that are clockwise on the sphere, seen
                                      ///< from outside. Ascending.
-    Eigen::VectorXd edge_residuals;  ///< #E, log(b_ij / a_ij) - (u_i + u_j) / 2.
-    double residual = 0.0;           ///< max |edge_residuals| over the edges that are not flipped.
     double angle_residual = 0.0;     ///< max |2 pi - angle sum| of the flat metric [rad].
     double balance_residual = 0.0;   ///< |area-weighted mean of the points on the unit sphere|.
     int newton_steps = 0;            ///< In all rounds, each with one factorisation.
     int repair_rounds = 0;
     int infinite_vertex = -1;
 };
-
-/// "exact", "folded", "repaired", "refined" or "unsolved".
-[[nodiscard]] const char* name(ConformalCertificate certificate);
 
 /// Why no conformal map to the sphere exists, and what to do; empty if the mesh qualifies.
 [[nodiscard]] std::string why_not_spherical(const Topology& topology);
