@@ -94,8 +94,8 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_interpolate(CLI::App& command)
 {
     command.description(
-        "Blend two or more meshes in edge-length space and write each blend as a mesh\n"
-        "(frame_0000.ply, frame_0001.ply, ...). The blends are placed as the first mesh is.");
+        "Blend two or more meshes in edge-length space. Each blend is written as a mesh\n"
+        "(frame_0000.ply, frame_0001.ply, ...), turned and placed as the first mesh is.");
     command.footer(
         "Examples:\n"
         "  shape interpolate a.ply b.ply -o frames/ --frames 11\n"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <map>
 #include <new>
@@ -90,7 +91,8 @@ int run(int argc, char** argv)
         if (argc < 2)
             throw UsageError("name a command; `shape --help` lists them");
         const std::string first = argv[1];
-        if (!first.starts_with('-') && program.get_subcommand_no_throw(first) == nullptr)
+        const auto is_first = [&](const Command& entry) { return entry.name == first; };
+        if (!first.starts_with('-') && std::ranges::none_of(commands, is_first))
             throw UsageError(join("no command '", first, "'; `shape --help` lists them"));
         program.parse(argc, argv);
         if (session.threads > 0)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "libshape/linalg/dense.h"
 #include "libshape/mesh/points.h"
 #include "libshape/report/svg.h"
 
