@@ -190,12 +190,10 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_check(CLI::App& command)
 {
     command.description(
-        "Say which mesh breaks what, where, and how it could be mended: syntax, indices, manifold\n"
-        "edges and vertices, orientation, one component, degenerate triangles, the inequalities "
-        "of\n"
-        "edge-length space, and correspondence with the first mesh. Indices count from 0. The "
-        "exit\n"
-        "code is 3 if anything is broken.");
+        "Say which mesh breaks what, where, and how it could be mended: syntax, indices,\n"
+        "manifold edges and vertices, orientation, one component, degenerate triangles, the\n"
+        "inequalities of edge-length space, and correspondence with the first mesh. Indices\n"
+        "count from 0. The exit code is 3 if anything is broken.");
     command.footer("Example:\n  shape check faces/ --json");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);

@@ -103,10 +103,9 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_difference(CLI::App& command)
 {
     command.description(
-        "Find the mean difference of pairs of meshes in edge-length space, for example of the "
-        "same\n"
-        "person with two expressions, and apply it to the mean of the meshes it starts from.\n"
-        "Meshes without a partner are left out.");
+        "Find the mean difference of pairs of meshes in edge-length space (for example of the\n"
+        "same person with two expressions) and apply it to the mean of the meshes it starts\n"
+        "from. Meshes without a partner are left out.");
     command.footer(
         "Example:\n"
         "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"

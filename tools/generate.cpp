@@ -233,7 +233,7 @@ Run set_up_generate(CLI::App& command)
         ->required()
         ->option_text("REQUIRED");
     add_mesh_output(command, arguments->output);
-    CLI::Option_group* points = command.add_option_group("Points", "Exactly one of");
+    CLI::Option_group* points = command.add_option_group("Points", "exactly one of");
     points->add_flag("--mean", arguments->mean, "The mean (mean.ply)");
     CLI::Option* mode = add_integer(
         *points, "--mode", arguments->mode,

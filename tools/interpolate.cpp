@@ -94,8 +94,8 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_interpolate(CLI::App& command)
 {
     command.description(
-        "Blend two or more meshes in edge-length space and write each blend as a mesh\n"
-        "(frame_0000.ply, frame_0001.ply, ...). The blends are placed as the first mesh is.");
+        "Blend two or more meshes in edge-length space. Each blend is written as a mesh\n"
+        "(frame_0000.ply, frame_0001.ply, ...), turned and placed as the first mesh is.");
     command.footer(
         "Examples:\n"
         "  shape interpolate a.ply b.ply -o frames/ --frames 11\n"
@@ -103,7 +103,7 @@ Run set_up_interpolate(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_mesh_output(command, arguments->output);
-    CLI::Option_group* blends = command.add_option_group("Blends", "Exactly one of");
+    CLI::Option_group* blends = command.add_option_group("Blends", "exactly one of");
     blends
         ->add_option("--weights", arguments->weights,
                      "One weight a mesh; they sum to 1 (within 1e-9) and lie in [0, 1]. Repeat\n"

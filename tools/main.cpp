@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <map>
 #include <new>
@@ -11,6 +12,7 @@
 #include "libshape/base/version.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
+#include "tools/common/help.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/session.h"
 
@@ -77,6 +79,7 @@ int run(int argc, char** argv)
                      "shape");
     program.set_version_flag("--version", join("shape ", version()));
     program.footer(program_footer);
+    program.formatter(std::make_shared<HelpFormatter>()); // subcommands inherit it
     program.require_subcommand(1);
     std::map<const CLI::App*, Run> runs;
     for (const Command& entry : commands) {
@@ -87,6 +90,10 @@ int run(int argc, char** argv)
     try {
         if (argc < 2)
             throw UsageError("name a command; `shape --help` lists them");
+        const std::string first = argv[1];
+        const auto is_first = [&](const Command& entry) { return entry.name == first; };
+        if (!first.starts_with('-') && std::ranges::none_of(commands, is_first))
+            throw UsageError(join("no command '", first, "'; `shape --help` lists them"));
         program.parse(argc, argv);
         if (session.threads > 0)
             set_thread_count(static_cast<int>(session.threads));

@@ -86,10 +86,9 @@ Run set_up_project(CLI::App& command)
 {
     command.description(
         "Write the scores of meshes, old or new, in a model. A score (pc1, pc2, ...) is the\n"
-        "coordinate along the mode, not in standard deviations: its variance over the meshes of "
-        "the\n"
-        "model is the variance of the mode. `size` is the sum of the edge lengths [unit of the\n"
-        "input], `residual` the distance to the span of the modes, in the unit of the scores\n"
+        "coordinate along the mode, not in standard deviations: its variance over the meshes of\n"
+        "the model is the variance of the mode. `size` is the sum of the edge lengths [unit of\n"
+        "the input], `residual` the distance to the span of the modes, in the unit of the scores\n"
         "(lengths divided by their sum, or lengths for a model of --scale none).");
     command.footer("Example:\n  shape project model.h5 faces.h5 -o scores.csv");
     const auto arguments = std::make_shared<Arguments>();

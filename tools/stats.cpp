@@ -54,9 +54,8 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_stats(CLI::App& command)
 {
     command.description(
-        "Fit a statistical model of meshes in correspondence: the mean edge lengths, the "
-        "principal\n"
-        "modes with their variances (divisor N - 1), and the scores of the meshes.");
+        "Fit a statistical model of meshes in correspondence: the mean edge lengths, the\n"
+        "principal modes with their variances (divisor N - 1), and the scores of the meshes.");
     command.footer("Example:\n  shape stats faces.h5 -o model.h5 --variance 0.95");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);

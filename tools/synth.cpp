@@ -108,7 +108,10 @@ Run set_up_synth(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     command.add_option("NAME", arguments->name, "Name of the dataset; see --list");
     CLI::Option* list = command.add_flag("--list", arguments->list, "List the datasets");
-    add_mesh_output(command, arguments->output)->required(false)->excludes(list);
+    add_mesh_output(command, arguments->output)
+        ->required(false)
+        ->option_text("DIRECTORY")
+        ->excludes(list);
     add_integer(command, "--count", arguments->count,
                 "How many, see --list for what is counted (default: that of the dataset)", 1,
                 std::numeric_limits<int>::max());

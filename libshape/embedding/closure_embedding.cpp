@@ -2,7 +2,6 @@
 
 #include "libshape/embedding/closure_embedding.h"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -17,26 +16,6 @@
 namespace shape {
 namespace {
 
-// TODO: check_admissibility() once it has landed.
-std::vector<TriangleViolation> broken_triangles(const Topology& topology,
-                                                const Eigen::VectorXd& lengths)
-{
-    std::vector<TriangleViolation> broken;
-    for (int f = 0; f < topology.face_count(); ++f) {
-        double sum = 0.0;
-        double longest = 0.0;
-        for (int c = 0; c < 3; ++c) {
-            sum += lengths[topology.face_edges()(f, c)];
-            longest = std::max(longest, lengths[topology.face_edges()(f, c)]);
-        }
-        if (longest >= sum - longest)
-            broken.push_back({f, longest / (sum - longest) - 1.0});
-    }
-    std::sort(broken.begin(), broken.end(),
-              [](const auto& a, const auto& b) { return a.excess > b.excess; });
-    return broken;
-}
-
 void check(const Topology& topology, const Eigen::VectorXd& lengths)
 {
     if (lengths.size() != topology.edge_count())
@@ -46,20 +25,15 @@ void check(const Topology& topology, const Eigen::VectorXd& lengths)
         if (!std::isfinite(lengths[e]) || lengths[e] <= 0.0)
             throw InvalidInput(
                 join("length of edge ", e, " is ", lengths[e], ", must be finite and > 0"));
-    const std::vector<TriangleViolation> broken = broken_triangles(topology, lengths);
-    if (!broken.empty())
-        throw NumericalError(join("the lengths of ", broken.size(),
-                                  " face(s) break the triangle inequality; the worst is face ",
-                                  broken.front().face,
-                                  ", whose longest edge exceeds the others "
-                                  "together by ",
-                                  100.0 * broken.front().excess, " %"));
+    const Admissibility admissibility = check_admissibility(topology, lengths);
+    if (!admissibility.triangles.empty())
+        throw NumericalError(describe(admissibility, topology, lengths));
 }
 
 } // namespace
 
 ClosureEmbedding embed_by_closure(const Topology& topology, const ShapePoint& target,
-                                  const DihedralSolverOptions& options, const Progress& progress)
+                                  const LbfgsOptions& options, const Progress& progress)
 {
     const Eigen::VectorXd& lengths = target.edge_lengths;
     check(topology, lengths);

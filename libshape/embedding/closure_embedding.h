@@ -29,8 +29,8 @@ struct ClosureEmbedding
 /// @throws InvalidInput if a size, a value or an option breaks a rule.
 /// @throws NumericalError if the lengths break a triangle inequality (names the worst face), or if
 ///     a normal matrix is not numerically positive definite.
-[[nodiscard]] ClosureEmbedding embed_by_closure(const Topology& topology, const ShapePoint& target,
-                                                const DihedralSolverOptions& options = {},
-                                                const Progress& progress = {});
+[[nodiscard]] ClosureEmbedding embed_by_closure(
+    const Topology& topology, const ShapePoint& target,
+    const LbfgsOptions& options = dihedral_solver_defaults, const Progress& progress = {});
 
 } // namespace shape

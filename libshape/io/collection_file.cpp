@@ -47,8 +47,8 @@ void write_collection(const std::filesystem::path& path, const Collection& colle
     add_numbers(content, "/points", {count, topology.vertex_count(), 3}, points);
     add_numbers(content, "/edge_lengths", {count, topology.edge_count()}, lengths);
     add_numbers(content, "/dihedral_angles", {count, topology.edge_count()}, angles);
-    add_names(content, collection.names);
-    add_labels(content, collection.labels);
+    add_names(content, count, collection.names);
+    add_labels(content, count, collection.labels);
     write_hdf5(path, content);
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "libshape/mesh/collection.h"
 
@@ -11,6 +10,9 @@ namespace shape {
 
 /// Writes a collection as HDF5 (docs/formats.md): checksummed, read back and compared, then renamed
 /// into place. Equal collections give equal bytes.
+/// @throws InvalidInput if a mesh has another number of vertices, a coordinate that is not finite or
+///     an edge of length 0; a name occurs twice; a text is not UTF-8, holds a NUL or has more than
+///     4096 bytes; a label column is named "", "." or with a '/'.
 /// @throws FileError if it cannot be written.
 void write_collection(const std::filesystem::path& path, const Collection& collection);
 

@@ -29,7 +29,7 @@ constexpr std::size_t longest_string = 4096;         // [byte]
 
 using IntMatrix = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Keeps HDF5 from printing its errors while it lives.
+/// Keeps HDF5 from printing its errors in this thread while it lives.
 class Silence
 {
 public:
@@ -38,11 +38,19 @@ public:
         H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
         H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     }
-    ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+    ~Silence()
+    {
+        if (!stays_)
+            H5Eset_auto2(H5E_DEFAULT, function_, data_);
+    }
     Silence(const Silence&) = delete;
     Silence& operator=(const Silence&) = delete;
 
+    /// For good: HDF5 1.10 loses memory when it opens a damaged file, and would print that at exit.
+    void stay() { stays_ = true; }
+
 private:
+    bool stays_ = false;
     H5E_auto2_t function_ = nullptr;
     void* data_ = nullptr;
 };
@@ -171,7 +179,7 @@ Encoded encode(std::span<const std::string> values, const std::string& name)
     std::size_t size = 1;
     for (const std::string& text : values) {
         if (text.find('\0') != std::string::npos || !is_utf8(text) || text.size() > longest_string)
-            throw InvalidInput(join(name, ": ", quoted(text),
+            throw InvalidInput(join(name, ": ", in_quotes(text),
                                     " must be UTF-8 without NUL, at most ", longest_string,
                                     " bytes"));
         size = std::max(size, text.size());
@@ -273,9 +281,14 @@ public:
     Image(const Image&) = delete;
     Image& operator=(const Image&) = delete;
 
-    [[nodiscard]] std::string_view bytes() const { return {static_cast<char*>(bytes_), size_}; }
-
-    void set_size(std::size_t size) { size_ = size; }
+    /// Up to the end that the superblock names: the buffer is longer.
+    [[nodiscard]] std::string_view bytes() const
+    {
+        constexpr std::size_t end_of_file = 28; // offset in superblocks of version 2 and 3
+        std::uint64_t size = 0;
+        std::memcpy(&size, static_cast<char*>(bytes_) + end_of_file, sizeof(size));
+        return {static_cast<char*>(bytes_), size};
+    }
 
     /// Makes a file with this access list live in memory, and leave its bytes here when it closes.
     /// (H5Fget_file_image() gives bytes before that, with a wrong checksum of the superblock.)
@@ -306,7 +319,6 @@ public:
 
 private:
     void* bytes_ = nullptr;
-    std::size_t size_ = 0;
 };
 
 /// Makes the file in memory: thus no error of the disk meets HDF5, which does not report them all.
@@ -323,8 +335,6 @@ void make_image(const Hdf5Content& content, Image& image)
         write_attribute(file, name, value);
     for (const Hdf5Dataset& dataset : content.datasets)
         write_dataset(file, dataset);
-    checked(H5Fflush(file, H5F_SCOPE_GLOBAL));
-    image.set_size(static_cast<std::size_t>(checked(H5Fget_file_image(file, nullptr, 0))));
     file.close();
 }
 
@@ -434,10 +444,11 @@ public:
     template <class Read>
     auto guarded(const Read& read) const
     {
-        const Silence silence;
+        Silence silence;
         try {
             return read();
         } catch (const Hdf5Failure& failure) {
+            silence.stay();
             fail(join("cannot be read, the file is damaged or none of ours (HDF5: ", failure.what(),
                       ")"));
         }
@@ -591,7 +602,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path)
     std::ifstream(path, std::ios::binary).read(signature.data(), signature.size());
     if (std::string_view(signature.data(), signature.size()) != "\x89HDF\r\n\x1a\n")
         throw InvalidInput(path.string() + ": is no HDF5 file");
-    const Silence silence;
+    Silence silence;
     try {
         state_.reset(new State{{path.string(), static_cast<Eigen::Index>(size), open_file(path)}});
     } catch (const Hdf5Failure& failure) {

@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/version.h"
 
 namespace shape {
 namespace {
@@ -42,7 +43,7 @@ Hdf5Content begin_content(FileKind kind)
 {
     return {{{"format", std::string(format_name(kind))},
              {"format_version", format_version},
-             {"program_version", std::string("libshape " SHAPE_VERSION)}},
+             {"program_version", join("libshape ", version())}},
             {}};
 }
 
@@ -89,16 +90,15 @@ Topology read_topology(const Hdf5File& file, Eigen::Index vertex_count)
     return topology;
 }
 
-void add_strings(Hdf5Content& content, std::string name, const std::vector<std::string>& strings)
+void add_strings(Hdf5Content& content, std::string name, Eigen::Index count,
+                 const std::vector<std::string>& strings)
 {
-    content.datasets.push_back({std::move(name),
-                                {static_cast<Eigen::Index>(strings.size())},
-                                std::span<const std::string>(strings)});
+    content.datasets.push_back({std::move(name), {count}, std::span<const std::string>(strings)});
 }
 
-void add_names(Hdf5Content& content, const std::vector<std::string>& names)
+void add_names(Hdf5Content& content, Eigen::Index count, const std::vector<std::string>& names)
 {
-    add_strings(content, "/names", names);
+    add_strings(content, "/names", count, names);
     std::set<std::string_view> seen;
     for (const std::string& name : names)
         if (!seen.insert(name).second)
@@ -115,7 +115,7 @@ std::vector<std::string> read_names(const Hdf5File& file, Eigen::Index count)
     return names;
 }
 
-void add_labels(Hdf5Content& content, const Labels& labels)
+void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels)
 {
     std::set<std::string_view> seen;
     for (const LabelColumn& column : labels) {
@@ -125,7 +125,7 @@ void add_labels(Hdf5Content& content, const Labels& labels)
                                     "': a name in a file must not be empty, '.' or hold '/'"));
         if (!seen.insert(column.name).second)
             throw InvalidInput(join("label column '", column.name, "' occurs twice"));
-        add_strings(content, "/labels/" + column.name, column.values);
+        add_strings(content, "/labels/" + column.name, count, column.values);
     }
 }
 

@@ -28,14 +28,15 @@ void add_topology(Hdf5Content& content, const Topology& topology);
 /// @throws InvalidInput if the faces are no Topology or the edges are not its edges.
 [[nodiscard]] Topology read_topology(const Hdf5File& file, Eigen::Index vertex_count);
 
-void add_strings(Hdf5Content& content, std::string name, const std::vector<std::string>& strings);
+void add_strings(Hdf5Content& content, std::string name, Eigen::Index count,
+                 const std::vector<std::string>& strings);
 
 /// @throws InvalidInput if a name occurs twice.
-void add_names(Hdf5Content& content, const std::vector<std::string>& names);
+void add_names(Hdf5Content& content, Eigen::Index count, const std::vector<std::string>& names);
 [[nodiscard]] std::vector<std::string> read_names(const Hdf5File& file, Eigen::Index count);
 
 /// @throws InvalidInput if a column name is empty, ".", has a '/' in it or occurs twice.
-void add_labels(Hdf5Content& content, const Labels& labels);
+void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels);
 [[nodiscard]] Labels read_labels(const Hdf5File& file, Eigen::Index count);
 
 void add_scale(Hdf5Content& content, Scale scale);

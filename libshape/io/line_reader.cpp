@@ -48,7 +48,7 @@ std::optional<std::int64_t> spelled_integer(std::string_view text)
     return spelled<std::int64_t>(text);
 }
 
-std::string quoted(std::string_view text)
+std::string in_quotes(std::string_view text)
 {
     constexpr std::size_t longest = 40;
     std::string out = "'";
@@ -146,7 +146,7 @@ double LineReader::number(std::string_view what)
     const std::string_view text = word(what);
     const std::optional<double> value = spelled_number(text);
     if (!value)
-        fail(join(what, " is ", quoted(text), ", must be a finite number"));
+        fail(join(what, " is ", in_quotes(text), ", must be a finite number"));
     return *value;
 }
 
@@ -155,14 +155,14 @@ std::int64_t LineReader::integer(std::string_view what)
     const std::string_view text = word(what);
     const std::optional<std::int64_t> value = spelled_integer(text);
     if (!value)
-        fail(join(what, " is ", quoted(text), ", must be an integer"));
+        fail(join(what, " is ", in_quotes(text), ", must be an integer"));
     return *value;
 }
 
 void LineReader::finish_line()
 {
     if (!rest_.empty())
-        fail(join("unexpected ", quoted(token()), " at the end of the line"));
+        fail(join("unexpected ", in_quotes(token()), " at the end of the line"));
 }
 
 void LineReader::fail(std::string_view rule) const

@@ -17,7 +17,7 @@ namespace shape {
 [[nodiscard]] std::optional<std::int64_t> spelled_integer(std::string_view text);
 
 /// `text` in quotes for a message: shortened, unprintable bytes as '?'.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 
 [[nodiscard]] bool is_utf8(std::string_view text);
 

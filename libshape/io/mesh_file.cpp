@@ -81,7 +81,8 @@ void write_mesh(const std::filesystem::path& path, const Points& points, const F
 
 MeshFormat mesh_format(const std::filesystem::path& path)
 {
-    std::string ending = path.extension().string();
+    const std::filesystem::path name = path.filename();
+    std::string ending = (name.has_extension() ? name.extension() : name).string();
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     for (const Format& format : formats)

@@ -23,22 +23,25 @@ struct MeshReadOptions
     bool triangulate = false; ///< Split polygons as fans from their first corner; else refuse them.
 };
 
-/// Reads a mesh strictly: vertex and face order and double precision are kept, nothing is guessed.
-/// Only syntax is checked (numbers, counts, index range); the surface itself is Topology's matter.
-/// @throws FileError if the file cannot be read; LimitExceeded beyond 2 GiB.
+/// Reads a mesh strictly: vertex and face order and double precision are kept, nothing is guessed
+/// (docs/formats.md says what is read). Only syntax is checked (numbers, counts, index range); the
+/// surface itself is Topology's matter.
+/// @throws FileError if the file cannot be read or is no regular file.
+/// @throws LimitExceeded beyond 2 GiB, 20 million vertices or 40 million triangles.
 /// @throws InvalidInput naming file, line or byte offset, and rule, for anything malformed: an
 ///     unknown ending, counts that disagree with the data or exceed the file's size, coordinates
 ///     that are missing or not finite, indices out of range, polygons without `triangulate`.
+/// Cost: linear in the size of the file, which is held in memory.
 [[nodiscard]] NamedMesh read_mesh(const std::filesystem::path& path,
                                   const MeshReadOptions& options = {});
 
-/// Writes a mesh beside the target and renames it into place; text formats with the digits that
-/// give every double back.
+/// Writes a mesh by write_file_atomically(); read_mesh() gives every bit of it back.
+/// @throws InvalidInput if a coordinate is not finite or a face names a missing vertex.
 /// @throws FileError if it cannot be written.
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,
                 MeshFormat format);
 
-/// The format of an ending (".obj", ".ply", ".off", any case).
+/// The format that the ending of a path tells (".obj", ".ply", ".off", any case).
 /// @throws InvalidInput for any other; the message lists those that exist.
 [[nodiscard]] MeshFormat mesh_format(const std::filesystem::path& path);
 

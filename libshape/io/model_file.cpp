@@ -114,8 +114,8 @@ void write_model(const std::filesystem::path& path, const ShapeModel& model,
     add_numbers(content, "/total_variance", {}, total_variance);
     add_numbers(content, "/scores", {count, modes}, model.scores);
     add_numbers(content, "/sizes", {count}, model.sizes);
-    add_names(content, model.names);
-    add_labels(content, model.labels);
+    add_names(content, count, model.names);
+    add_labels(content, count, model.labels);
     write_hdf5(path, content);
 }
 
@@ -169,7 +169,8 @@ void write_difference(const std::filesystem::path& path, const DifferenceVector&
     add_numbers(content, "/difference/dihedral_angles", {edges}, difference.dihedral_angles);
     add_numbers(content, "/from_size", {}, from_size);
     add_numbers(content, "/to_size", {}, to_size);
-    add_strings(content, "/pairs", difference.pairs);
+    add_strings(content, "/pairs", static_cast<Eigen::Index>(difference.pairs.size()),
+                difference.pairs);
     write_hdf5(path, content);
 }
 

@@ -32,7 +32,7 @@ std::int64_t resolve(const LineReader& reader, std::string_view text, std::int64
 {
     const std::optional<std::int64_t> index = spelled_integer(text);
     if (!index)
-        reader.fail(join(what, " index is ", quoted(text), ", must be an integer"));
+        reader.fail(join(what, " index is ", in_quotes(text), ", must be an integer"));
     if (*index == 0 || *index > count || *index < -count)
         reader.fail(join(what, " index is ", *index, ", must be in [1, ", count, "] or [-", count,
                          ", -1]: there are ", count, " before this line"));
@@ -68,7 +68,7 @@ int parse_numbers(LineReader& reader, std::span<double> numbers, int least)
         const std::optional<double> value = spelled_number(text);
         if (!value)
             reader.fail(
-                join("coordinate ", count, " is ", quoted(text), ", must be a finite number"));
+                join("coordinate ", count, " is ", in_quotes(text), ", must be a finite number"));
         number = *value;
         ++count;
     }
@@ -115,7 +115,7 @@ NamedMesh parse_obj(std::string_view content, const std::filesystem::path& path,
             (void)parse_numbers(reader, std::span(numbers).first(3), 3);
             ++counts.vn;
         } else if (std::find(ignored.begin(), ignored.end(), keyword) == ignored.end()) {
-            reader.fail(join("unknown statement ", quoted(keyword), "; is this an OBJ file?"));
+            reader.fail(join("unknown statement ", in_quotes(keyword), "; is this an OBJ file?"));
         }
     }
     return mesh.finish();

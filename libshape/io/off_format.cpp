@@ -39,7 +39,7 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
         reader.fail("there is nothing but comments");
     const std::string_view keyword = reader.token();
     if (keyword != "OFF")
-        reader.fail(join("starts with ", quoted(keyword),
+        reader.fail(join("starts with ", in_quotes(keyword),
                          "; must start with OFF (variants such as COFF and NOFF are not read)"));
     // The counts stand on the header line or on the next one.
     if (reader.line_done() && !reader.next_line())
@@ -77,7 +77,7 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
         mesh.add_polygon(corners);
         for (std::string_view colour = reader.token(); !colour.empty(); colour = reader.token())
             if (!spelled_number(colour))
-                reader.fail(join("colour is ", quoted(colour), ", must be a finite number"));
+                reader.fail(join("colour is ", in_quotes(colour), ", must be a finite number"));
     }
     if (reader.next_line())
         reader.fail(

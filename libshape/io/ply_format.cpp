@@ -86,7 +86,7 @@ Encoding parse_encoding(LineReader& reader)
     const std::string_view name = reader.word("the encoding");
     const std::string_view version = reader.word("the version");
     if (version != "1.0")
-        reader.fail(join("version is ", quoted(version), ", must be 1.0"));
+        reader.fail(join("version is ", in_quotes(version), ", must be 1.0"));
     reader.finish_line();
     if (name == "ascii")
         return Encoding::Ascii;
@@ -94,7 +94,7 @@ Encoding parse_encoding(LineReader& reader)
         return Encoding::LittleEndian;
     if (name == "binary_big_endian")
         return Encoding::BigEndian;
-    reader.fail(join("encoding is ", quoted(name),
+    reader.fail(join("encoding is ", in_quotes(name),
                      ", must be ascii, binary_little_endian or binary_big_endian"));
 }
 
@@ -103,7 +103,7 @@ Scalar parse_scalar(const LineReader& reader, std::string_view name)
     for (std::size_t i = 0; i < scalar_names.size(); ++i)
         if (name == scalar_names[i][0] || name == scalar_names[i][1])
             return static_cast<Scalar>(i);
-    reader.fail(join("unknown type ", quoted(name)));
+    reader.fail(join("unknown type ", in_quotes(name)));
 }
 
 Element parse_element(LineReader& reader, const std::vector<Element>& before)
@@ -118,7 +118,7 @@ Element parse_element(LineReader& reader, const std::vector<Element>& before)
     if (element.count < 0)
         reader.fail(join("the count of the element is ", element.count, ", must be at least 0"));
     if (std::any_of(before.begin(), before.end(), is_named(element.name)))
-        reader.fail(join("element ", quoted(element.name), " is declared twice"));
+        reader.fail(join("element ", in_quotes(element.name), " is declared twice"));
     if (element.is_face() && std::none_of(before.begin(), before.end(), is_named("vertex")))
         reader.fail("element 'face' stands before element 'vertex'");
     return element;
@@ -139,16 +139,16 @@ Property parse_property(LineReader& reader, const Element& element)
     reader.finish_line();
     for (const Property& other : element.properties)
         if (other.name == property.name)
-            reader.fail(join("property ", quoted(property.name), " is declared twice"));
+            reader.fail(join("property ", in_quotes(property.name), " is declared twice"));
     const std::size_t axis = std::string_view("xyz").find(property.name);
     if (element.is_vertex() && property.name.size() == 1 && axis != std::string_view::npos)
         property.coordinate = static_cast<int>(axis);
     property.is_corners =
         element.is_face() && (property.name == "vertex_indices" || property.name == "vertex_index");
     if (property.coordinate >= 0 && property.count_type)
-        reader.fail(join("property ", quoted(property.name), " must be no list"));
+        reader.fail(join("property ", in_quotes(property.name), " must be no list"));
     if (property.is_corners && (!property.count_type || !is_integer(property.type)))
-        reader.fail(join("property ", quoted(property.name), " must be a list of integers"));
+        reader.fail(join("property ", in_quotes(property.name), " must be a list of integers"));
     return property;
 }
 
@@ -159,7 +159,7 @@ void check_header(const LineReader& reader, const Header& header)
     int corner_lists = 0;
     for (const Element& element : header.elements) {
         if (element.properties.empty() && element.count > 0)
-            reader.fail(join("element ", quoted(element.name), " has no properties"));
+            reader.fail(join("element ", in_quotes(element.name), " has no properties"));
         for (const Property& property : element.properties) {
             coordinates += property.coordinate >= 0 ? 1 : 0;
             corner_lists += property.is_corners ? 1 : 0;
@@ -192,7 +192,7 @@ Header parse_header(LineReader& reader)
             header.elements.back().properties.push_back(
                 parse_property(reader, header.elements.back()));
         else if (keyword != "comment" && keyword != "obj_info")
-            reader.fail(join("unknown header line ", quoted(keyword)));
+            reader.fail(join("unknown header line ", in_quotes(keyword)));
     }
     reader.fail("the header has no end_header");
 }
@@ -202,7 +202,7 @@ class AsciiBody
 {
 public:
     explicit AsciiBody(LineReader& reader, std::size_t size)
-        : reader_(reader), remaining_(static_cast<std::int64_t>(size - reader.offset()))
+        : reader_(reader), remaining_(static_cast<std::int64_t>(size - reader.offset()) + 1)
     {
     }
 
@@ -231,7 +231,7 @@ public:
 
 private:
     LineReader& reader_;
-    std::int64_t remaining_;
+    std::int64_t remaining_; ///< One more than there is: the last line may lack its end.
 };
 
 /// Values of a binary body in either order of bytes.
@@ -325,14 +325,14 @@ private:
 template <class Body>
 void check_counts(const Header& header, const Body& body)
 {
-    std::int64_t remaining = body.remaining() + 1; // the last line may lack its end
+    std::int64_t remaining = body.remaining();
     for (const Element& element : header.elements) {
         std::int64_t least = 0;
         for (const Property& property : element.properties)
             least += Body::least_size(property.count_type.value_or(property.type));
         if (element.count > 0 && element.count > remaining / least)
-            body.fail(join(element.count, " of element ", quoted(element.name),
-                           " cannot stand in the remaining ", remaining - 1, " bytes"));
+            body.fail(join(element.count, " of element ", in_quotes(element.name),
+                           " cannot stand in the remaining ", remaining, " bytes"));
         remaining -= element.count * least;
     }
 }

@@ -71,7 +71,7 @@ private:
         const std::size_t end = std::min(rest_.find_first_of(",\r\n"), rest_.size());
         std::string cell(rest_.substr(0, end));
         if (cell.find('"') != std::string::npos)
-            fail(join("a quote stands within the unquoted cell ", quoted(cell)));
+            fail(join("a quote stands within the unquoted cell ", in_quotes(cell)));
         rest_.remove_prefix(end);
         return cell;
     }
@@ -107,7 +107,7 @@ void check_columns(const Row& columns, const std::string& place)
         if (columns[c].empty())
             throw InvalidInput(join(place, "column ", c + 1, " has no name"));
         if (!seen.insert(columns[c]).second)
-            throw InvalidInput(join(place, "column name ", quoted(columns[c]), " occurs twice"));
+            throw InvalidInput(join(place, "column name ", in_quotes(columns[c]), " occurs twice"));
     }
 }
 
@@ -176,7 +176,7 @@ double parse_number(const std::string& cell, const std::string& place)
 {
     const std::optional<double> value = spelled_number(cell);
     if (!value)
-        throw InvalidInput(join(place, ": ", quoted(cell), " is no finite number"));
+        throw InvalidInput(join(place, ": ", in_quotes(cell), " is no finite number"));
     return *value;
 }
 
@@ -187,16 +187,16 @@ Labels read_labels(const std::filesystem::path& path, const std::vector<std::str
         throw InvalidInput(join(path.string(), ": ", parts...));
     };
     if (table.columns.front() != "mesh")
-        fail("the first column is ", quoted(table.columns.front()), ", must be 'mesh'");
+        fail("the first column is ", in_quotes(table.columns.front()), ", must be 'mesh'");
     std::map<std::string, const Row*> row_of;
     for (const std::string& name : names)
         row_of[name] = nullptr;
     for (const Row& row : table.rows) {
         const auto found = row_of.find(row.front());
         if (found == row_of.end())
-            fail("mesh ", quoted(row.front()), " is not in the collection");
+            fail("mesh ", in_quotes(row.front()), " is not in the collection");
         if (found->second != nullptr)
-            fail("mesh ", quoted(row.front()), " occurs twice");
+            fail("mesh ", in_quotes(row.front()), " occurs twice");
         found->second = &row;
     }
     Labels labels;
@@ -205,7 +205,7 @@ Labels read_labels(const std::filesystem::path& path, const std::vector<std::str
     for (const std::string& name : names) {
         const Row* row = row_of[name];
         if (row == nullptr)
-            fail("mesh ", quoted(name), " is missing");
+            fail("mesh ", in_quotes(name), " is missing");
         for (std::size_t c = 1; c < row->size(); ++c)
             labels[c - 1].values.push_back((*row)[c]);
     }

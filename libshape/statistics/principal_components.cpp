@@ -3,6 +3,7 @@
 #include "libshape/statistics/principal_components.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Jacobi>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -118,6 +119,34 @@ void orthonormalise(RowMatrix& modes, RowMatrix& weights)
     weights = weights * change.transpose();
 }
 
+/// The rotation J that makes the columns of scores J orthogonal (one-sided Jacobi). The Gram matrix
+/// knows a mode only up to rounding of the largest variance; the scores know it better.
+RowMatrix decorrelating_rotation(Eigen::MatrixXd scores)
+{
+    const Index count = scores.cols();
+    RowMatrix rotation = RowMatrix::Identity(count, count);
+    Eigen::VectorXd squares = scores.colwise().squaredNorm();
+    constexpr int most_sweeps = 20; // one or two suffice from nearly orthogonal columns
+    bool rotated = true;
+    for (int sweep = 0; rotated && sweep < most_sweeps; ++sweep) {
+        rotated = false;
+        for (Index j = 0; j < count; ++j)
+            for (Index k = j + 1; k < count; ++k) {
+                const double product = scores.col(j).dot(scores.col(k));
+                if (std::abs(product) <= 1e-13 * std::sqrt(squares[j] * squares[k]))
+                    continue;
+                Eigen::JacobiRotation<double> turn;
+                turn.makeJacobi(squares[j], product, squares[k]);
+                scores.applyOnTheRight(j, k, turn);
+                rotation.applyOnTheRight(j, k, turn);
+                squares[j] = scores.col(j).squaredNorm();
+                squares[k] = scores.col(k).squaredNorm();
+                rotated = true;
+            }
+    }
+    return rotation;
+}
+
 /// Makes the entry of largest magnitude of every mode positive.
 void fix_signs(RowMatrix& modes, RowMatrix& weights)
 {
@@ -169,6 +198,9 @@ PrincipalComponents principal_components(const RowMatrix& data,
     result.weights = pairs.vectors * pairs.values.cwiseSqrt().cwiseInverse().asDiagonal();
     result.modes = combine_rows(result.weights, centred);
     orthonormalise(result.modes, result.weights);
+    const RowMatrix rotation = decorrelating_rotation(coordinates(centred, result.modes));
+    result.modes = combine_rows(rotation, result.modes);
+    result.weights = result.weights * rotation;
     fix_signs(result.modes, result.weights);
     result.scores = coordinates(centred, result.modes);
     measure_variances(result);

@@ -28,16 +28,17 @@ struct PrincipalComponentsOptions
 /// Principal component analysis through the N by N Gram matrix G = X X^T of the centred data X
 /// ("method of snapshots", Sirovich 1987); never an E by E matrix.
 ///
-/// With an eigenpair (g, u) of G the mode is X^T u / sqrt(g) and its variance g / (N - 1). Modes
-/// are orthonormalised once more, in descending order, and the variances are measured on the
-/// scores, so that modes of little variance are as good as those of much. Modes of a variance
-/// below 1e-12 times the largest are rounding and left out: K can be less than what was asked for.
+/// With an eigenpair (g, u) of G the mode is X^T u / sqrt(g) and its variance g / (N - 1). The modes
+/// are then orthonormalised, rotated until their scores are uncorrelated (one-sided Jacobi), and
+/// the variances measured on the scores, so that modes of little variance are as good as those of
+/// much. Modes of a variance below 1e-12 times the largest are rounding and left out: K can be
+/// less than what was asked for.
 /// The sign of a mode makes its entry of largest magnitude positive (the first of equals).
 ///
 /// @param data  N by E, finite; one observation a row.
 /// @throws InvalidInput if N < 2, E = 0, an entry is not finite, an option is out of its range, or
 ///     all observations are equal: sum_i |x_i - mean|^2 <= 1e-24 sum_i |x_i|^2.
-/// Cost: N^2 E multiplications for G, 3 N K E for the rest. Same bits for any thread count.
+/// Cost: N^2 E / 2 multiplications for G, about 2 (N + K) K E for the rest. Same bits for any thread count.
 [[nodiscard]] PrincipalComponents principal_components(
     const RowMatrix& data, const PrincipalComponentsOptions& options = {});
 

@@ -3,12 +3,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/synthetic/generators.h"
-#include "libshape/synthetic/grids.h"
 #include "libshape/synthetic/profiles.h"
 
 // A face is a mask over the front of a head, life-size in millimetres: +x to its left, +y up, +z
@@ -27,7 +27,7 @@ constexpr double mouth_x = 27.0;  ///< From the middle to a corner of the mouth.
 constexpr double mouth_y = -74.0; ///< Where the lips meet.
 constexpr double tip_y = -41.0;   ///< The tip of the nose.
 
-/// How a person differs from the mean face; standard normal each.
+/// How a person differs from the mean face; 0 on average, mostly within -2 and 2.
 struct Person
 {
     double size, width, height, depth, forehead, brow_ridge, brow_height, eye_distance, eye_size,
@@ -56,34 +56,82 @@ double apart(double x, double y, double cx, double cy, double wx, double wy)
     return (bump(x, cx, wx) - bump(x, -cx, wx)) * bump(y, cy, wy);
 }
 
-// --- The bare head: an egg-shaped mask, polar angle up to `rim` from its front ------------------
+// --- Lines that rows of the grid follow: heights y over x ---------------------------------------
 
-constexpr double rim = 1.48; // [rad]
-constexpr double half_width = 72.0;
-constexpr double half_height = 104.0;
-constexpr double centre_y = -14.0;
-
-double taper(double up)
+double beyond(double x, double from)
 {
-    return up < 0.0 ? 1.0 - 0.32 * up * up : 1.0 - 0.06 * up * up;
+    return std::pow(std::max(std::abs(x) - from, 0.0), 2);
 }
 
-Vector3d bare_head(const Vector2d& on_disc)
+double jaw_line(double x)
 {
-    const double polar = rim * on_disc.norm();
-    const Vector2d direction =
-        on_disc.norm() > 0.0 ? Vector2d(on_disc.normalized()) : Vector2d::Zero();
-    const double up = std::sin(polar) * direction.y();
-    return {half_width * taper(up) * std::sin(polar) * direction.x(), centre_y + half_height * up,
-            88.0 * std::pow(std::cos(polar), 0.65)};
+    return -119.0 + 0.0115 * x * x;
+}
+double lip_line(double x)
+{
+    return mouth_y + 0.9 * (bump(x, 7.0, 4.0) + bump(x, -7.0, 4.0)) + 0.0165 * beyond(x, 27.0);
+}
+double nose_base(double x)
+{
+    return -55.0 + 0.0058 * x * x;
+}
+double hair_line(double x)
+{
+    return 38.0 + 52.0 * std::sqrt(1.0 - std::pow(x / 74.0, 2));
 }
 
-/// Where the disc shows the place (x, y): the inverse of bare_head.
-Vector2d on_disc(double x, double y)
+/// Across an eye: -1 at the inner corner, 1 at the outer one.
+double eye_u(double x)
 {
-    const double up = (y - centre_y) / half_height;
-    const Vector2d sine(x / (half_width * taper(up)), up);
-    return std::asin(sine.norm()) / rim * sine.normalized();
+    return (std::abs(x) - eye_x) / 15.0;
+}
+
+/// An almond over the eye, almost level lines beside it.
+double almond(double x)
+{
+    return std::pow(std::max(1.0 - std::pow(eye_u(x), 2), 0.0), 1.3);
+}
+double lid_middle(double x)
+{
+    return 2.0 * ramp(eye_u(x), -1.5, 1.5) - 1.0;
+}
+double lid_gap(double x)
+{
+    return 1.0 + 1.5 * ramp(-eye_u(x), 0.9, 2.1) + 3.0 * ramp(eye_u(x), 0.9, 2.4);
+}
+double lower_lid(double x)
+{
+    return lid_middle(x) - lid_gap(x) - 3.6 * almond(x);
+}
+double upper_lid(double x)
+{
+    return lid_middle(x) + lid_gap(x) + 5.0 * almond(x);
+}
+
+// --- The bare head: round across, `rim` to either side of the front -----------------------------
+
+constexpr double rim = 1.38; // [rad]
+
+double half_width(double y)
+{
+    const double above = std::max(y - 25.0, 0.0) / 60.0;
+    const double below = std::max(-20.0 - y, 0.0) / 50.0;
+    return 71.0 - 12.0 * above * above - 9.0 * below * below;
+}
+
+double profile(double y)
+{
+    const double above = std::max(y - 5.0, 0.0);
+    return 88.0 - 0.0036 * above * above - 12.0 * ramp(-y, 92.0, 124.0);
+}
+
+/// The point on the line y(x) at an angle around the head.
+Vector3d bare_head(double angle, const std::function<double(double)>& line)
+{
+    double x = 71.0 * std::sin(angle);
+    for (int i = 0; i < 20; ++i) // a contraction: lines and half widths are flat
+        x = half_width(line(x)) * std::sin(angle);
+    return {x, line(x), profile(line(x)) * std::pow(std::cos(angle), 0.75)};
 }
 
 // --- Features at the place (x, y): what they add to the depth z [mm] ----------------------------
@@ -91,24 +139,24 @@ Vector2d on_disc(double x, double y)
 double brows(double x, double y, const Person& person)
 {
     const double s = std::abs(x);
-    const double extent = ramp(s, 8.0, 17.0) * (1.0 - ramp(s, 46.0, 58.0));
+    const double extent = ramp(s, 5.0, 20.0) * (1.0 - ramp(s, 46.0, 60.0));
     const double arch = 17.5 + 5.5 * bump(s, 38.0, 15.0) - 3.0 * ramp(s, 42.0, 58.0);
-    return extent * 2.4 * bump(y, arch, 3.0) +
+    return extent * 2.6 * bump(y, arch, 3.4) +
            (3.5 + 1.0 * person.brow_ridge) * both(x, y, 26.0, 15.0, 15.0, 7.0);
 }
 
 double nose(double x, double y, const Person& person, const Mood& mood)
 {
-    const double ridge = std::pow(std::clamp((13.0 - y) / 53.0, 0.0, 1.0), 1.15);
-    const double base = ramp(y, -55.0, -44.0);
-    const double w = 6.5 + 3.5 * ramp(-y, 8.0, 42.0);
-    double z = 22.0 * ridge * base * bump(x, 0.0, w);
-    z += 4.0 * spot(x, y, 0.0, tip_y, 7.0, 6.0);
+    const double ridge = std::pow(std::clamp((13.0 - y) / 53.0, 0.0, 1.0), 1.2);
+    const double bottom = ramp(y, -57.0 + 0.035 * x * x, -44.0 + 0.035 * x * x);
+    const double w = 6.2 + 2.6 * ramp(-y, 8.0, 42.0);
+    double z = 20.0 * ridge * bottom * bump(x, 0.0, w);
+    z += 4.5 * spot(x, y, 0.0, tip_y - 1.0, 6.5, 6.0);
     z += (1.8 * person.bridge) * spot(x, y, 0.0, -6.0, 6.0, 14.0);
-    z += 8.0 * both(x, y, 13.0, -46.0, 4.6, 5.0);                     // wings
-    z -= 2.2 * both(x, y, 20.5, -46.0, 2.2, 6.0);                     // crease beside them
-    z -= 1.5 * both(x, y, 8.5, -40.0, 2.2, 4.0);                      // crease above them
-    z -= (6.5 + 2.0 * mood.angry) * both(x, y, 6.8, -51.5, 3.2, 2.3); // nostrils
+    z += 7.0 * both(x, y, 12.5, -45.0, 4.6, 4.4);                     // wings
+    z -= 2.0 * both(x, y, 20.0, -46.0, 2.4, 5.5);                     // crease beside them
+    z -= 1.4 * both(x, y, 8.0, -40.5, 2.2, 3.5);                      // crease above them
+    z -= (5.0 + 2.0 * mood.angry) * both(x, y, 6.5, -50.0, 3.0, 2.4); // nostrils
     z -= 3.0 * both(x, y, 14.0, 4.0, 5.0, 8.0);                       // beside the bridge
     return z;
 }
@@ -116,15 +164,15 @@ double nose(double x, double y, const Person& person, const Mood& mood)
 double mouth(double x, double y, const Person& person, const Mood& mood)
 {
     const double s = std::abs(x);
-    const double from_line = y - mouth_y - 0.8 * (bump(x, 7.0, 4.0) + bump(x, -7.0, 4.0));
+    const double from_line = y - lip_line(x);
     const double full =
         (1.0 + 0.2 * person.lips) * (1.0 - 0.2 * mood.happy) * (1.0 - 0.4 * mood.angry);
-    const double upper = 1.0 - ramp(s, 6.0, mouth_x);
-    const double lower = 1.0 - ramp(s, 4.0, 24.0);
+    const double upper = 1.0 - ramp(s, 10.0, 28.0);
+    const double lower = 1.0 - ramp(s, 8.0, 26.0);
     double z = 6.0 * spot(x, y, 0.0, -72.0, 23.0, 17.0); // teeth behind
-    z += 5.0 * full * upper * bump(from_line, 1.0 + 3.2 * upper, 2.7);
-    z += 6.0 * full * lower * bump(from_line, -1.0 - 4.2 * lower, 3.6);
-    z -= (3.2 + 1.2 * mood.happy) * (1.0 - ramp(s, 21.0, 29.0)) * bump(from_line, 0.0, 1.5);
+    z += 5.0 * full * upper * bump(from_line, 1.0 + 3.0 * upper, 2.5);
+    z += 6.6 * full * lower * bump(from_line, -1.0 - 3.8 * lower, 3.3);
+    z -= (3.2 + 1.2 * mood.happy) * (1.0 - ramp(s, 21.0, 29.0)) * bump(from_line, 0.0, 1.7);
     z -= 2.4 * both(x, y, mouth_x + 2.0, mouth_y, 3.6, 3.6);
     z -= 1.6 * spot(x, y, 0.0, -60.0, 2.6, 5.0); // philtrum
     z += 0.9 * both(x, y, 4.6, -61.0, 1.9, 5.0);
@@ -140,13 +188,13 @@ double flesh(double x, double y, const Person& person, const Mood& mood)
     const Vector2d from_middle(s - 27.0, y + 62.0);
     const double across = along.x() * from_middle.y() - along.y() * from_middle.x();
     const double fold = bump(across, 0.0, 2.6) * bump(along.dot(from_middle), 0.0, 11.0);
-    double z = -(0.7 + 2.6 * mood.happy + 1.0 * mood.angry) * fold;
+    double z = -(0.6 + 1.7 * mood.happy + 0.8 * mood.angry) * fold;
     z += (4.0 + 1.2 * person.cheekbones) * both(x, y, 46.0, -14.0, 13.0, 10.0);
     z += (-3.0 + 2.0 * person.cheeks) * both(x, y, 43.0, -58.0, 13.0, 16.0);
     z += (9.0 + 1.8 * person.chin + 1.5 * mood.angry) * spot(x, y, 0.0, -104.0, 14.0, 9.0);
     z += (2.5 + 2.0 * person.forehead) * spot(x, y, 0.0, 55.0, 42.0, 22.0);
     z -= 3.0 * both(x, y, 64.0, 35.0, 10.0, 18.0);           // temples
-    z -= 2.4 * mood.angry * both(x, y, 4.5, 22.0, 1.8, 8.0); // frown
+    z -= 2.4 * mood.angry * both(x, y, 4.5, 19.0, 2.0, 5.5); // frown
     z += 5.5 * mood.happy * both(x, y, 38.0, -32.0, 13.0, 11.0);
     z += 1.5 * mood.happy * both(x, y, eye_x, -10.0, 11.0, 3.0);
     return z;
@@ -155,22 +203,16 @@ double flesh(double x, double y, const Person& person, const Mood& mood)
 /// Puts the eye into its socket: skin is the depth so far.
 double with_eye(double x, double y, double skin)
 {
-    const double socket = 88.0 * 0.92;
+    const double u = eye_u(x);
     const double s = std::abs(x) - eye_x;
-    const double u = s / 15.0; // -1 inner, 1 outer corner
-    const double level = y - 1.0 * u;
-    const double upper_lid = 5.6 * (1.0 - u * u);
-    const double lower_lid = -3.9 * (1.0 - u * u);
-    const double open = ramp(std::min(upper_lid - level, level - lower_lid), -0.9, 0.9);
-    const double off_axis = (s * s + y * y) / 2.0;
-    const double ball_radius = 12.5;
-    const double lid_radius = 14.5;
-    const double centre = socket - 17.0;
-    const double iris = std::sqrt(2.0 * off_axis);
-    double ball = centre + ball_radius - off_axis / ball_radius;
-    ball -= 1.3 * (1.0 - ramp(iris, 1.6, 3.6)); // pupil
-    const double lid = centre + lid_radius - off_axis / lid_radius;
-    const double crease = 1.4 * bump(level, upper_lid + 4.0, 1.3) * bump(u, 0.0, 0.6);
+    const double inside = std::min(upper_lid(x) - y, y - lower_lid(x));
+    const double open = ramp(inside, 0.0, 1.5) * ramp(1.0 - std::abs(u), 0.0, 0.15);
+    const double off_axis = (0.7 * s * s + y * y) / 2.0;
+    const double centre = 88.0 * 0.92 - 17.0;
+    double ball = centre + 12.8 - off_axis / 12.5;
+    ball -= 2.0 * (1.0 - ramp(std::hypot(s, y - 0.5), 1.5, 4.6)); // iris
+    const double lid = centre + 14.7 - off_axis / 14.5;
+    const double crease = 1.4 * bump(y, upper_lid(x) + 4.0, 1.4) * bump(u, 0.0, 0.6);
     const double covered = 0.5 * (skin + lid + std::hypot(skin - lid, 3.0)) - crease;
     return open * ball + (1.0 - open) * covered;
 }
@@ -190,7 +232,7 @@ Vector3d shift_of_person(double x, double y, const Person& p)
     d.y() += 0.10 * p.eye_size * near_eye * y + 0.07 * p.eye_slant * near_eye * from_eye;
     d.y() += 1.6 * p.brow_height * both(x, y, 30.0, 19.0, 18.0, 7.0);
     d.y() -= 2.6 * p.nose_length * spot(x, y, 0.0, -45.0, 16.0, 13.0);
-    d.x() += 1.7 * p.nose_width * apart(x, y, 12.0, -46.0, 8.0, 9.0);
+    d.x() += 1.2 * p.nose_width * apart(x, y, 12.0, -46.0, 8.0, 9.0);
     d += Vector3d(0.0, 1.2, 2.0) * p.nose_tip * spot(x, y, 0.0, tip_y, 9.0, 9.0);
     d.x() += 2.2 * p.mouth_width * apart(x, y, mouth_x, mouth_y, 11.0, 10.0);
     d.y() -= 1.7 * p.upper_lip * spot(x, y, 0.0, mouth_y, 30.0, 12.0);
@@ -240,47 +282,85 @@ Vector3d face_point(const Vector3d& bare, const Person& person, const Mood& mood
 
 // --- The grid -----------------------------------------------------------------------------------
 
-/// Draws the grid together around eyes, nose and mouth: there triangles are less than half as long.
-Vector2d gathered(const Vector2d& point)
+/// Rows between two lines. `lean` in (-1, 1) makes the spacing grow (> 0) or shrink upwards;
+/// `waist` in (-1, 1) makes it larger (> 0) or smaller in the middle.
+struct Band
 {
-    struct Centre
-    {
-        Vector2d place;
-        double strength, width;
-    };
-    static const std::array<Centre, 6> centres{{{on_disc(eye_x, 2.0), 0.5, 0.13},
-                                                {on_disc(-eye_x, 2.0), 0.5, 0.13},
-                                                {on_disc(0.0, -46.0), 0.42, 0.11},
-                                                {on_disc(0.0, mouth_y), 0.42, 0.10},
-                                                {on_disc(20.0, mouth_y), 0.36, 0.10},
-                                                {on_disc(-20.0, mouth_y), 0.36, 0.10}}};
-    Vector2d moved = point;
-    for (const Centre& centre : centres) {
-        const Vector2d away = point - centre.place;
-        moved -= centre.strength * bump(away.norm(), 0.0, centre.width) * away;
-    }
-    return moved;
-}
+    double (*below)(double);
+    double (*above)(double);
+    double rows; ///< Share of the rows.
+    double lean;
+    double waist;
+};
 
-/// Lattice positions on the unit disc: straight rows in the middle, circles at the rim.
-Vector2d disc_position(const DiscVertex& v, int rings)
+constexpr std::array<Band, 5> bands{{{jaw_line, lip_line, 12.0, -0.5, 0.0},
+                                     {lip_line, nose_base, 9.0, 0.0, 0.0},
+                                     {nose_base, lower_lid, 15.0, 0.0, 0.35},
+                                     {lower_lid, upper_lid, 5.0, 0.0, 0.0},
+                                     {upper_lid, hair_line, 19.0, 0.65, 0.0}}};
+
+/// A net of triangles: odd rows are half a column ahead and have one vertex more. Rows run along
+/// eyelids and lips, so that creases are drawn clean however coarse the net is.
+struct Net
 {
-    if (v.ring == 0)
-        return Vector2d::Zero();
-    const double share = static_cast<double>(v.index % v.ring) / v.ring;
-    const double corner = pi / 3.0 * (v.index / v.ring);
-    const Vector2d from(std::cos(corner), std::sin(corner));
-    const Vector2d to(std::cos(corner + pi / 3.0), std::sin(corner + pi / 3.0));
-    const double radius = static_cast<double>(v.ring) / rings;
-    const Vector2d hexagon = radius * ((1.0 - share) * from + share * to);
-    const Vector2d circle = radius * Vector2d(std::cos(v.angle()), std::sin(v.angle()));
-    const double round = ramp(radius, 0.2, 1.0);
-    return (1.0 - round) * hexagon + round * circle;
+    Faces faces;
+    std::vector<Vector3d> bare; ///< Positions on the bare head.
+};
+
+Net net(int vertices)
+{
+    double shares = 0.0;
+    for (const Band& band : bands)
+        shares += band.rows;
+    const double rows = std::sqrt(1.25 * vertices);
+    const int columns = std::max(8, static_cast<int>(std::lround(vertices / rows)));
+
+    Net result;
+    std::vector<std::vector<int>> numbers; // of the vertices, row by row
+    const auto add_row = [&](const std::function<double(double)>& line) {
+        const bool odd = numbers.size() % 2 == 1;
+        std::vector<int>& row = numbers.emplace_back();
+        for (int c = 0; c < columns + (odd ? 1 : 0); ++c) {
+            const double place = std::clamp(odd ? c - 0.5 : 1.0 * c, 0.0, columns - 1.0);
+            const double t = 2.0 * place / (columns - 1) - 1.0;
+            row.push_back(static_cast<int>(result.bare.size()));
+            result.bare.push_back(bare_head(rim * (0.6 + 0.4 * t * t) * t, line));
+        }
+    };
+    add_row(jaw_line);
+    for (const Band& band : bands) {
+        const int count = std::max(1, static_cast<int>(std::lround(rows * band.rows / shares)));
+        for (int i = 1; i <= count; ++i) {
+            const double t = static_cast<double>(i) / count;
+            const double share =
+                t - band.lean * t * (1.0 - t) - band.waist * std::sin(2.0 * pi * t) / (2.0 * pi);
+            add_row(
+                [&](double x) { return (1.0 - share) * band.below(x) + share * band.above(x); });
+        }
+    }
+    std::vector<std::array<int, 3>> faces;
+    for (std::size_t r = 0; r + 1 < numbers.size(); ++r) {
+        const bool odd = r % 2 == 1;
+        const std::vector<int>& shorter = numbers[odd ? r + 1 : r];
+        const std::vector<int>& longer = numbers[odd ? r : r + 1];
+        const auto add = [&](int a, int b, int c) {
+            faces.push_back(odd ? std::array{a, c, b} : std::array{a, b, c});
+        };
+        for (std::size_t c = 0; c < shorter.size(); ++c) {
+            add(shorter[c], longer[c + 1], longer[c]);
+            if (c + 1 < shorter.size())
+                add(shorter[c], shorter[c + 1], longer[c + 1]);
+        }
+    }
+    result.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        result.faces.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+    return result;
 }
 
 Person random_person(Random& random)
 {
-    const auto trait = [&] { return std::clamp(random.normal(), -2.2, 2.2); };
+    const auto trait = [&] { return 1.4 * std::clamp(random.normal(), -2.0, 2.0); };
     Person person{};
     for (double* value :
          {&person.size,        &person.width,      &person.height,      &person.depth,
@@ -297,23 +377,16 @@ Person random_person(Random& random)
 
 Collection make_faces(const SyntheticOptions& options)
 {
-    // A disc of m rings has 1 + 3 m (m + 1) vertices.
-    const int rings =
-        static_cast<int>(std::lround(std::sqrt((options.vertices - 0.25) / 3.0) - 0.5));
-    const Disc grid = disc(rings);
-    std::vector<Vector3d> bare;
-    for (const DiscVertex& v : grid.vertices)
-        bare.push_back(bare_head(gathered(disc_position(v, rings))));
-
-    Members members(grid.faces, {"subject", "expression"});
+    const auto [faces, bare] = net(options.vertices);
+    Members members(faces, {"subject", "expression"});
     Random seeds(options.seed);
     for (int i = 0; i < options.count; ++i) {
         Random random(seeds.bits());
         const Person person = random_person(random);
-        const Mood happy{.happy = random.uniform(0.7, 1.2)};
-        const Mood angry{.angry = random.uniform(0.7, 1.2)};
+        const Mood happy{.happy = random.uniform(0.5, 1.2)};
+        const Mood angry{.angry = random.uniform(0.5, 1.2)};
         const std::string subject = join("s", padded(i, 3));
-        const auto add = [&](const char* expression, const Mood& mood) {
+        const auto add = [&, &bare = bare](const char* expression, const Mood& mood) {
             Points points(static_cast<Eigen::Index>(bare.size()), 3);
             for (std::size_t v = 0; v < bare.size(); ++v)
                 points.row(static_cast<Eigen::Index>(v)) =

@@ -71,14 +71,7 @@ int main(int argc, char** argv)
         target.edge_lengths = edge_lengths(topology, read(argv[3]).points);
 
     const double start = cpu_seconds();
-    shape::DihedralSolverOptions options;
-    if (getenv("M"))
-        options.memory = atoi(getenv("M"));
-    if (getenv("FACTR"))
-        options.decrease_tolerance = atof(getenv("FACTR"));
-    if (getenv("PGTOL"))
-        options.gradient_tolerance = atof(getenv("PGTOL"));
-    const shape::ClosureEmbedding result = shape::embed_by_closure(topology, target, options);
+    const shape::ClosureEmbedding result = shape::embed_by_closure(topology, target);
     const double seconds = cpu_seconds() - start;
 
     const Eigen::ArrayXd wanted = target.edge_lengths.array();

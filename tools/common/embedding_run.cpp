@@ -109,8 +109,9 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
                {{"preview", EmbeddingQuality::Preview}, {"fine", EmbeddingQuality::Fine}})
         ->group("Embedding");
     add_number(command, "--smoothness", options.smoothness,
-               "Weight of the dihedral angles [rad] against the relative lengths, > 0\n"
-               "(default: 0.005); of the method dihedral",
+               join("Weight of the dihedral angles [rad] against the relative lengths, > 0\n"
+                    "(default: ",
+                    options.smoothness, "); of the method dihedral"),
                Sign::Positive)
         ->group("Embedding");
     command

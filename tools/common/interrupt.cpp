@@ -26,6 +26,7 @@ void catch_signals()
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN); // a file beyond the limit of the shell is an error of writing
 }
 
 void throw_if_interrupted()

@@ -66,7 +66,7 @@ CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
                     "One mesh: a file (.obj .ply .off) or a directory; several: a directory.\n"
                     "A missing directory is made, its parent must exist")
         ->required()
-        ->option_text("PATH");
+        ->option_text("PATH REQUIRED");
 }
 
 MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& arguments,
@@ -77,9 +77,9 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
     if (names_a_file(path)) {
         format_ = format_of(path);
         if (names.size() + further_files.size() > 1)
-            throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '", path.string(),
-                                  "' names one file, give a directory"));
-        if (!arguments.format.empty() && mesh_format("." + arguments.format) != format_)
+            throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '",
+                                  path.string(), "' names one file, give a directory"));
+        if (!arguments.format.empty() && mesh_format("x." + arguments.format) != format_)
             throw UsageError(join("--format ", arguments.format, " contradicts the ending of '",
                                   path.string(), "'"));
         check_output(session, path, inputs);

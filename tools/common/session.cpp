@@ -90,7 +90,7 @@ void Session::message(const std::string& text) const
     if (quiet || json)
         return;
     clear_bar();
-    std::fprintf(stderr, "%s\n", text.c_str());
+    std::fprintf(stderr, "%s%s", text.c_str(), text.ends_with('\n') ? "" : "\n");
 }
 
 void Session::warn(const std::string& text) const

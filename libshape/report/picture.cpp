@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/report/picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/threads.h"
+#include "libshape/mesh/alignment.h"
+
+namespace shape {
+namespace {
+
+constexpr double page_width = 1200.0; // [px]
+constexpr double caption_height = 24.0;
+constexpr Colour paper{255, 255, 255};
+
+void check(const Collection& collection, const PictureOptions& options)
+{
+    if (options.columns < 0)
+        throw InvalidInput(join("columns is ", options.columns, ", must be >= 0"));
+    if (options.cell_width < 16 || options.cell_width > 4096)
+        throw InvalidInput(join("cell_width is ", options.cell_width, ", must be in [16, 4096]"));
+    if (options.scale < 1 || options.scale > 4)
+        throw InvalidInput(join("scale is ", options.scale, ", must be in [1, 4]"));
+    if (collection.size() == 0)
+        throw InvalidInput("a picture needs at least one mesh");
+    if (options.values.empty())
+        return;
+    if (options.values.size() != collection.size())
+        throw InvalidInput(join("values has ", options.values.size(), " entries for ",
+                                collection.size(), " meshes"));
+    for (std::size_t i = 0; i < options.values.size(); ++i)
+        if (options.values[i].size() != collection.topology.vertex_count())
+            throw InvalidInput(join("values[", i, "] has ", options.values[i].size(),
+                                    " entries, the mesh has ", collection.topology.vertex_count(),
+                                    " vertices"));
+    if (!(options.value_low < options.value_high))
+        throw InvalidInput(join("value_low is ", options.value_low, ", must be below value_high, ",
+                                options.value_high));
+}
+
+std::vector<Colour> colours_of(const Eigen::VectorXd& values, const PictureOptions& options)
+{
+    std::vector<Colour> colours;
+    for (const double value : values)
+        colours.push_back(
+            map_colour(options.colour_map,
+                       (value - options.value_low) / (options.value_high - options.value_low)));
+    return colours;
+}
+
+void draw_picture(Svg& svg, const Picture& picture, double left)
+{
+    svg.image(left, 0.0, picture.width(), picture.height(), picture.sheet);
+    for (const Picture::Caption& caption : picture.captions)
+        svg.text(left + caption.x, caption.y, caption.text,
+                 {.size = 12.0, .anchor = TextAnchor::Middle});
+}
+
+} // namespace
+
+Picture draw_collection(const Collection& collection, const PictureOptions& options)
+{
+    check(collection, options);
+    const Faces& faces = collection.topology.faces();
+    const Points& first = collection.points.front();
+    const Eigen::Matrix3d rotation =
+        options.view ? view_rotation(*options.view) : automatic_view(faces, first);
+    std::vector<Points> seen;
+    Eigen::RowVector3d low = Eigen::RowVector3d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::RowVector3d high = -low;
+    for (const Points& points : collection.points) {
+        seen.push_back(best_rigid_motion(points, first)(points) * rotation.transpose());
+        low = low.cwiseMin(seen.back().colwise().minCoeff());
+        high = high.cwiseMax(seen.back().colwise().maxCoeff());
+    }
+    // Cells take the form of what is in them, within limits.
+    const Eigen::RowVector3d size = (1.08 * (high - low)).cwiseMax(1e-9 * (high - low).norm());
+    const double form = std::clamp(size.y() / size.x(), 0.4, 1.8);
+    const double cell_width = options.cell_width;
+    const double cell_height = std::round(cell_width * form);
+    const int count = static_cast<int>(collection.size());
+    const int fitting = std::max(1, static_cast<int>(page_width / cell_width));
+    const int rows_if_fitting = (count + fitting - 1) / fitting;
+    const int columns = options.columns > 0 ? std::min(options.columns, count)
+                                            : (count + rows_if_fitting - 1) / rows_if_fitting;
+    const int rows = (count + columns - 1) / columns;
+
+    const auto pixels = [&](double length) {
+        return static_cast<int>(std::lround(length * options.scale));
+    };
+    const int sheet_width = columns * pixels(cell_width);
+    const double pitch = cell_height + caption_height;
+    if (static_cast<double>(sheet_width) * rows * pixels(pitch) > 0x1p28)
+        throw LimitExceeded(join("the sheet would be ", sheet_width, " by ", rows * pixels(pitch),
+                                 " pixels, more than 2^28; draw fewer meshes or smaller cells"));
+    Picture picture{Image(sheet_width, rows * pixels(pitch), paper), options.scale, {}};
+    RenderOptions render;
+    render.width = pixels(cell_width);
+    render.height = pixels(cell_height);
+    render.centre = (0.5 * (low + high)).head<2>().transpose();
+    render.pixel_size = std::max(size.x() / render.width, size.y() / render.height);
+    render.background = paper;
+    if (faces.rows() < 200)
+        render.crease_angle = 1.0; // so few faces are meant to be seen
+    std::vector<Image> cells(collection.size());
+    parallel_for(collection.size(), 1, [&](std::size_t i, std::size_t) {
+        RenderOptions own = render;
+        if (!options.values.empty())
+            own.vertex_colours = colours_of(options.values[i], options);
+        cells[i] = render_mesh(faces, seen[i], own);
+    });
+    for (int i = 0; i < count; ++i) {
+        const int column = i % columns;
+        const int row = i / columns;
+        picture.sheet.paste(cells[static_cast<std::size_t>(i)], column * render.width,
+                            row * pixels(pitch));
+        picture.captions.push_back({(column + 0.5) * cell_width, (row + 1) * pitch - 8.0,
+                                    collection.names[static_cast<std::size_t>(i)]});
+    }
+    return picture;
+}
+
+std::string picture_svg(const Picture& picture)
+{
+    Svg svg(picture.width(), picture.height());
+    draw_picture(svg, picture, 0.0);
+    return svg.document();
+}
+
+std::string overview_svg(const Picture& picture, const Plot& plot)
+{
+    const double width = std::max(picture.width(), 640.0);
+    const double plot_width = std::min(width, 900.0);
+    const double plot_height = 0.6 * plot_width;
+    Svg svg(width, picture.height() + plot_height);
+    svg.rectangle(0.0, 0.0, width, picture.height() + plot_height, paper);
+    draw_picture(svg, picture, 0.5 * (width - picture.width()));
+    draw_plot(svg, {0.5 * (width - plot_width), picture.height(), plot_width, plot_height}, plot);
+    return svg.document();
+}
+
+} // namespace shape

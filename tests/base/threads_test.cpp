@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/base/threads.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "libshape/base/error.h"
+#include "tests/support/thread_scope.h"
+
+namespace shape {
+namespace {
+
+TEST(ParallelFor, VisitsEveryItemOnceInChunksOfTheGrain)
+{
+    for (const int threads : {1, 2, 3, 8}) {
+        const test::ThreadScope scope(threads);
+        for (const std::size_t count : {0u, 1u, 9u, 10u, 11u, 1000u})
+            for (const std::size_t grain : {1u, 3u, 10u, 2000u}) {
+                std::vector<std::atomic<int>> visits(count);
+                parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+                    EXPECT_EQ(begin % grain, 0u);
+                    EXPECT_EQ(end, std::min(count, begin + grain));
+                    for (std::size_t i = begin; i < end; ++i)
+                        ++visits[i];
+                });
+                for (const auto& visit : visits)
+                    EXPECT_EQ(visit, 1);
+            }
+    }
+}
+
+TEST(ParallelFor, TakesAGrainOfZeroForOne)
+{
+    std::atomic<int> calls = 0;
+    parallel_for(5, 0, [&](std::size_t begin, std::size_t end) {
+        EXPECT_EQ(end, begin + 1);
+        ++calls;
+    });
+    EXPECT_EQ(calls, 5);
+}
+
+TEST(ParallelFor, UsesSeveralThreads)
+{
+    const test::ThreadScope scope(2);
+    // Each chunk waits for the other one: this ends only if both run at the same time.
+    std::atomic<int> arrived = 0;
+    parallel_for(2, 1, [&](std::size_t, std::size_t) {
+        ++arrived;
+        while (arrived < 2) {
+        }
+    });
+    EXPECT_EQ(arrived, 2);
+}
+
+TEST(ParallelFor, RethrowsTheErrorOfTheLowestChunkAfterAllHaveEnded)
+{
+    const test::ThreadScope scope(4);
+    std::atomic<int> ended = 0;
+    try {
+        parallel_for(64, 1, [&](std::size_t begin, std::size_t) {
+            ++ended;
+            if (begin % 10 == 7)
+                throw InvalidInput(std::to_string(begin));
+        });
+        FAIL() << "nothing was thrown";
+    } catch (const InvalidInput& error) {
+        EXPECT_STREQ(error.what(), "7");
+    }
+    EXPECT_EQ(ended, 64);
+}
+
+TEST(ParallelFor, RunsNestedCalls)
+{
+    const test::ThreadScope scope(3);
+    std::vector<std::atomic<int>> visits(60);
+    parallel_for(6, 1, [&](std::size_t outer, std::size_t) {
+        parallel_for(10, 2, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                ++visits[10 * outer + i];
+        });
+    });
+    for (const auto& visit : visits)
+        EXPECT_EQ(visit, 1);
+}
+
+TEST(ParallelSum, HasTheSameBitsForAnyThreadCount)
+{
+    const auto sum = [](int threads) {
+        const test::ThreadScope scope(threads);
+        return parallel_sum(100000, 1000, [](std::size_t begin, std::size_t end) {
+            double part = 0.0;
+            for (std::size_t i = begin; i < end; ++i)
+                part += 1.0 / (1.0 + static_cast<double>(i));
+            return part;
+        });
+    };
+    // Harmonic number: ln n + gamma + 1/(2n) - 1/(12 n^2).
+    EXPECT_NEAR(sum(1), std::log(1e5) + 0.57721566490153286 + 5e-6 - 1.0 / 12e10, 1e-12);
+    for (const int threads : {2, 3, 7})
+        EXPECT_EQ(sum(threads), sum(1));
+}
+
+TEST(ThreadCount, RefusesWhatIsOutOfItsRangeAndKeepsWhatWas)
+{
+    const test::ThreadScope scope(3);
+    for (const int count : {-1, 0, 1025})
+        EXPECT_THROW(set_thread_count(count), InvalidInput);
+    EXPECT_EQ(thread_count(), 3);
+    set_thread_count(1024);
+    EXPECT_EQ(thread_count(), 1024);
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,646 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/mesh_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <clocale>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/random.h"
+#include "tests/support/files.h"
+#include "tests/support/meshes.h"
+
+namespace shape {
+namespace {
+
+using namespace std::string_view_literals;
+
+NamedMesh read(const std::string& name, std::string_view content, bool triangulate = false)
+{
+    static const test::TemporaryDirectory directory;
+    test::write_bytes(directory / name, content);
+    return read_mesh(directory / name, {.triangulate = triangulate});
+}
+
+/// Equal bits, so that -0.0 differs from 0.0.
+bool same_bits(const Points& a, const Points& b)
+{
+    return a.rows() == b.rows() &&
+           std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * 8) == 0;
+}
+
+/// Coordinates that are hard to print: every magnitude, denormals, signed zeros.
+Points hard_points(Eigen::Index count)
+{
+    Random random(7);
+    Points points(count, 3);
+    for (double& value : points.reshaped())
+        do
+            value = std::bit_cast<double>(random.bits());
+        while (!std::isfinite(value));
+    points.row(0) << 0.0, -0.0, std::numeric_limits<double>::denorm_min();
+    points.row(1) << std::numeric_limits<double>::max(), std::numeric_limits<double>::min(), 1e22;
+    points.row(2) << 0.1, 1.0 / 3.0, -123456789.12345678;
+    return points;
+}
+
+/// Appends a value as a PLY scalar type, in either order of bytes.
+template <class Stored>
+void append_scalar(std::string& bytes, double value, bool big_endian)
+{
+    const auto stored = static_cast<Stored>(value);
+    std::string part(sizeof(Stored), '\0');
+    std::memcpy(part.data(), &stored, sizeof(Stored));
+    if (big_endian)
+        std::reverse(part.begin(), part.end());
+    bytes += part;
+}
+
+void append_scalar(std::string& bytes, const std::string& type, double value, bool big_endian)
+{
+    if (type == "char" || type == "int8")
+        append_scalar<std::int8_t>(bytes, value, big_endian);
+    else if (type == "uchar" || type == "uint8")
+        append_scalar<std::uint8_t>(bytes, value, big_endian);
+    else if (type == "short" || type == "int16")
+        append_scalar<std::int16_t>(bytes, value, big_endian);
+    else if (type == "ushort" || type == "uint16")
+        append_scalar<std::uint16_t>(bytes, value, big_endian);
+    else if (type == "int" || type == "int32")
+        append_scalar<std::int32_t>(bytes, value, big_endian);
+    else if (type == "uint" || type == "uint32")
+        append_scalar<std::uint32_t>(bytes, value, big_endian);
+    else if (type == "float" || type == "float32")
+        append_scalar<float>(bytes, value, big_endian);
+    else
+        append_scalar<double>(bytes, value, big_endian);
+}
+
+const std::vector<std::string> integer_types = {"char",  "uchar",  "short", "ushort",
+                                                "int",   "uint",   "int8",  "uint8",
+                                                "int16", "uint16", "int32", "uint32"};
+
+const char* const ply_header =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+    "property float y\nproperty float z\nelement face 1\n"
+    "property list uchar int vertex_indices\nend_header\n";
+
+const char* const binary_header =
+    "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+    "property float y\nproperty float z\nelement face 1\n"
+    "property list uchar int vertex_indices\nend_header\n";
+
+void expect_unit_triangle(const NamedMesh& mesh)
+{
+    ASSERT_EQ(mesh.points.rows(), 3);
+    ASSERT_EQ(mesh.faces.rows(), 1);
+    EXPECT_EQ(mesh.points, (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0).finished());
+    EXPECT_EQ(mesh.faces, (Faces(1, 3) << 0, 1, 2).finished());
+}
+
+TEST(MeshFile, GivesEveryBitAndTheOrderBackInEveryFormat)
+{
+    const test::TemporaryDirectory directory;
+    const test::TestMesh sphere = test::icosphere(2);
+    const Points points = hard_points(sphere.points.rows());
+    for (const MeshFormat format : {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off}) {
+        const std::filesystem::path path = directory / ("some.mesh" + file_ending(format));
+        SCOPED_TRACE(path);
+        write_mesh(path, points, sphere.topology.faces(), format);
+        const NamedMesh mesh = read_mesh(path);
+        EXPECT_EQ(mesh.name, "some.mesh");
+        EXPECT_EQ(mesh.path, path.string());
+        EXPECT_TRUE(same_bits(mesh.points, points));
+        EXPECT_EQ(mesh.faces, sphere.topology.faces());
+    }
+    EXPECT_EQ(directory.names().size(), 3u);
+}
+
+TEST(MeshFile, RefusesToWriteWhatCannotBeReadAgain)
+{
+    const test::TemporaryDirectory directory;
+    const test::TestMesh mesh = test::tetrahedron();
+    Points points = mesh.points;
+    points(2, 1) = std::numeric_limits<double>::quiet_NaN();
+    const auto message = [&](const Points& p, const Faces& f) {
+        return test::message_of<InvalidInput>(
+            [&] { write_mesh(directory / "m.ply", p, f, MeshFormat::Ply); });
+    };
+    EXPECT_NE(message(points, mesh.topology.faces()).find("row 2"), std::string::npos);
+    Faces faces = mesh.topology.faces();
+    faces(1, 2) = 4;
+    EXPECT_NE(message(mesh.points, faces).find("row 1"), std::string::npos);
+    EXPECT_TRUE(directory.names().empty());
+}
+
+TEST(MeshFile, TakesItsFormatFromTheEndingInAnyCase)
+{
+    EXPECT_EQ(mesh_format("a.OBJ"), MeshFormat::Obj);
+    EXPECT_EQ(mesh_format("a.b.Ply"), MeshFormat::Ply);
+    EXPECT_EQ(mesh_format("dir.obj/a.off"), MeshFormat::Off);
+    EXPECT_EQ(mesh_format(".off"), MeshFormat::Off);
+    for (const char* name : {"a.stl", "a", "obj", "a.obj.gz", "a.obj ", ""}) {
+        const std::string message =
+            test::message_of<InvalidInput>([&] { (void)mesh_format(name); });
+        EXPECT_NE(message.find(".obj, .ply or .off"), std::string::npos) << message;
+    }
+}
+
+TEST(ObjFile, ReadsReferencesOfEveryKindAndIgnoresMaterials)
+{
+    for (const char* text : {
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+             "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3",
+             "# made by hand\n\n  v\t0 0 0 \nv +1.0 0e0 -0.0e-3\nv 0 1 0 # last\nf -3 -2 -1\n",
+             "mtllib ../../etc/passwd\no thing\ng a b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\ns off\n"
+             "f 1 2 3\nl 1 2\np 1\n",
+             "v 0 0 0 1.0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0 1 0 0 0\nf 1 2 3\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0 0\nvn 0 0 1\nf 1/1 2/2 3/1\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/-1/-1 3/1/1\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//-1\n",
+         }) {
+        SCOPED_TRACE(text);
+        const NamedMesh mesh = read("m.obj", text);
+        EXPECT_EQ(mesh.name, "m");
+        expect_unit_triangle(mesh);
+    }
+}
+
+TEST(OffFile, ReadsCountsOnEitherLineCommentsAndColours)
+{
+    for (const char* text : {
+             "OFF\n3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+             "OFF\n3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
+             "OFF 3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n",
+             "# c\nOFF # c\n# c\n\n3 1 0 # c\n\n0 0 0\n# c\n1 0 0\n0 1 0\n3 0 1 2 255 0 0 # c\n# "
+             "c\n",
+         }) {
+        SCOPED_TRACE(text);
+        expect_unit_triangle(read("m.off", text));
+    }
+}
+
+TEST(PlyFile, ReadsAsciiWithExtraPropertiesAndElements)
+{
+    expect_unit_triangle(read("m.ply", std::string(ply_header) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    expect_unit_triangle(
+        read("m.ply",
+             "ply\r\nformat ascii 1.0\r\ncomment by hand\r\nobj_info none\r\n"
+             "element camera 2\r\nproperty float f\r\n"
+             "element vertex 3\r\nproperty double z\r\nproperty uchar red\r\n"
+             "property float y\r\nproperty list uchar float weights\r\n"
+             "property int x\r\nelement face 1\r\nproperty uchar flag\r\n"
+             "property list uint uint vertex_index\r\nproperty list uchar float uv\r\n"
+             "element edge 1\r\nproperty int a\r\nproperty int b\r\nend_header\r\n"
+             "0.5\r\n0.25\r\n0 255 0 0 0\r\n0 0 0 2 .5 .5 1\r\n0 7 1 1 1 0\r\n"
+             "9 3 0 1 2 6 0 0 1 0 0 1\r\n0 1\r\n\r\n"));
+}
+
+/// The unit triangle with these types, among properties and elements to be skipped.
+std::string binary_ply(const std::string& coordinate, const std::string& count,
+                       const std::string& index, bool big_endian)
+{
+    std::string bytes = join("ply\nformat binary_", big_endian ? "big" : "little",
+                             "_endian 1.0\nelement vertex 3\nproperty ", coordinate,
+                             " x\nproperty short skipped\nproperty ", coordinate, " y\nproperty ",
+                             coordinate, " z\nproperty list ", count, " double more\n",
+                             "element other 2\nproperty uchar c\nelement face 1\nproperty list ",
+                             count, " ", index, " vertex_indices\nproperty float q\nend_header\n");
+    const auto add = [&](const std::string& type, double value) {
+        append_scalar(bytes, type, value, big_endian);
+    };
+    for (const auto& p : {std::array{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}) {
+        add(coordinate, p[0]);
+        add("short", 9);
+        add(coordinate, p[1]);
+        add(coordinate, p[2]);
+        add(count, p[0]);
+        for (int i = 0; i < p[0]; ++i)
+            add("double", 0.5);
+    }
+    add("uchar", 1);
+    add("uchar", 2);
+    add(count, 3);
+    for (const int v : {0, 1, 2})
+        add(index, v);
+    add("float", 1.5);
+    return bytes;
+}
+
+TEST(PlyFile, ReadsEveryScalarTypeInBothOrdersOfBytes)
+{
+    std::vector<std::string> all_types = integer_types;
+    all_types.insert(all_types.end(), {"float", "double", "float32", "float64"});
+    for (const bool big_endian : {false, true}) {
+        for (const std::string& type : all_types)
+            expect_unit_triangle(read("m.ply", binary_ply(type, "uchar", "int", big_endian)));
+        for (const std::string& type : integer_types) {
+            expect_unit_triangle(read("m.ply", binary_ply("float", type, "int", big_endian)));
+            expect_unit_triangle(read("m.ply", binary_ply("float", "uchar", type, big_endian)));
+        }
+    }
+}
+
+TEST(PlyFile, KeepsDoublesOfBothOrdersOfBytes)
+{
+    const Points points = hard_points(3);
+    for (const bool big_endian : {false, true}) {
+        std::string bytes =
+            join("ply\nformat binary_", big_endian ? "big" : "little",
+                 "_endian 1.0\nelement vertex 3\nproperty double x\nproperty double "
+                 "y\nproperty double z\nelement face 1\nproperty list uchar uint "
+                 "vertex_indices\nend_header\n");
+        for (const double value : points.reshaped<Eigen::RowMajor>())
+            append_scalar<double>(bytes, value, big_endian);
+        append_scalar<std::uint8_t>(bytes, 3, big_endian);
+        for (const int v : {2, 0, 1})
+            append_scalar<std::uint32_t>(bytes, v, big_endian);
+        const NamedMesh mesh = read("m.ply", bytes);
+        EXPECT_TRUE(same_bits(mesh.points, points));
+        EXPECT_EQ(mesh.faces, (Faces(1, 3) << 2, 0, 1).finished());
+    }
+}
+
+TEST(MeshFile, SplitsPolygonsAsFansIfAsked)
+{
+    const Faces fan = (Faces(3, 3) << 4, 0, 1, 4, 1, 2, 4, 2, 3).finished();
+    const std::string points = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n-1 0 0\n";
+    EXPECT_EQ(read("m.off", "OFF\n5 1 0\n" + points + "5 4 0 1 2 3\n", true).faces, fan);
+    EXPECT_EQ(read("m.ply",
+                   "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+                   "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                   "end_header\n" +
+                       points + "5 4 0 1 2 3\n",
+                   true)
+                  .faces,
+              fan);
+    EXPECT_EQ(
+        read("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0 0\nf -1 1 2 3 4\n", true).faces,
+        fan);
+}
+
+TEST(MeshFile, ReadsIndependentlyOfTheLocale)
+{
+    const char* before = std::setlocale(LC_ALL, nullptr);
+    const std::string saved = before == nullptr ? "C" : before;
+    if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr)
+        GTEST_SKIP() << "no locale with a decimal comma is installed";
+    const NamedMesh mesh = read("m.obj", "v 0.5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    std::setlocale(LC_ALL, saved.c_str());
+    EXPECT_EQ(mesh.points(0, 0), 0.5);
+}
+
+/// One malformed file: what the message must say about place and rule.
+struct BadFile
+{
+    std::string name;
+    std::string content;
+    std::string place;
+    std::string rule;
+};
+
+std::string ascii_ply(const std::string& body)
+{
+    return ply_header + body;
+}
+
+std::vector<BadFile> bad_files()
+{
+    const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    const std::string long_line(std::size_t{2} << 20, ' ');
+    const auto off_counts = [](const std::string& counts) {
+        return "OFF\n" + counts + "\n0 0 0\n";
+    };
+    const auto ply_counts = [](const std::string& vertices, const std::string& faces) {
+        return "ply\nformat ascii 1.0\nelement vertex " + vertices +
+               "\nproperty float x\nproperty float y\nproperty float z\nelement face " + faces +
+               "\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 "
+               "2\n";
+    };
+    std::string binary = binary_header;
+    for (const double value : {0, 0, 0, 1, 0, 0, 0, 1, 0})
+        append_scalar<float>(binary, value, false);
+    const std::string binary_points = binary;
+    const auto binary_face = [&](int count, std::vector<std::int32_t> corners) {
+        std::string bytes = binary_points + static_cast<char>(count);
+        for (const std::int32_t v : corners)
+            append_scalar<std::int32_t>(bytes, v, false);
+        return bytes;
+    };
+    std::string binary_nan = binary_points;
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    std::memcpy(binary_nan.data() + binary_nan.size() - 4, &nan, 4);
+
+    std::vector<BadFile> files = {
+        // Nothing in it.
+        {"a.obj", "", "a.obj", "empty"},
+        {"a.ply", "", "a.ply", "empty"},
+        {"a.off", "", "a.off", "empty"},
+        {"a.obj", "# only this\n", "a.obj", "0 vertices and 0 faces"},
+        {"a.obj", obj, "a.obj", "3 vertices and 0 faces"},
+        {"a.off", "OFF\n1 0 0\n0 0 0\n", "a.off", "1 vertices and 0 faces"},
+        {"a.off", "# only this\n", "a.off", "nothing but comments"},
+        {"a.obj", "f 1 2 3\n" + obj, "line 1", "must be in [1, 0]"},
+        // Indices.
+        {"a.obj", obj + "f 0 1 2\n", "line 4", "vertex index is 0"},
+        {"a.obj", obj + "f 1 2 4\n", "line 4", "vertex index is 4"},
+        {"a.obj", obj + "f 1 2 -4\n", "line 4", "vertex index is -4"},
+        {"a.obj", obj + "f 1 2 2147483648\n", "line 4", "2147483648"},
+        {"a.obj", obj + "f 1 2 99999999999999999999\n", "line 4", "must be an integer"},
+        {"a.obj", obj + "f 1 2 -9223372036854775808\n", "line 4", "vertex index is -92"},
+        {"a.obj", obj + "f 1 2 3.0\n", "line 4", "must be an integer"},
+        {"a.obj", obj + "f 1 2 x\n", "line 4", "'x'"},
+        {"a.obj", obj + "f 1/1 2/1 3/1\n", "line 4", "texture index is 1"},
+        {"a.obj", obj + "f 1//1 2//1 3//1\n", "line 4", "normal index is 1"},
+        {"a.obj", obj + "f 1/ 2/ 3/\n", "line 4", "texture index is ''"},
+        {"a.obj", obj + "f 1// 2// 3//\n", "line 4", "normal index is ''"},
+        {"a.obj", obj + "f /1 /2 /3\n", "line 4", "vertex index is ''"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6", "names vertex 3"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "line 6", "names vertex -1"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 4294967296\n", "line 6", "4294967296"},
+        {"a.ply", ascii_ply("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "line 13", "names vertex 3"},
+        {"a.ply", binary_face(3, {0, 1, -1}), "byte", "names vertex -1"},
+        {"a.ply", binary_face(3, {0, 1, 1000000}), "byte", "names vertex 1000000"},
+        // Coordinates.
+        {"a.obj", "v 0 0 nan\n", "line 1", "'nan'"},
+        {"a.obj", "v 0 -inf 0\n", "line 1", "'-inf'"},
+        {"a.obj", "v 0 0 1e999\n", "line 1", "'1e999'"},
+        {"a.obj", "v 0 0 abc\n", "line 1", "'abc'"},
+        {"a.obj", "v 0 0\n", "line 1", "has 2 coordinates"},
+        {"a.obj", "v 0,5 1,5 2,5\n", "line 1", "'0,5'"},
+        {"a.obj", "v 0 0 0x1p3\n", "line 1", "'0x1p3'"},
+        {"a.obj", "v 0 0 0 2\n", "line 1", "weight 2"},
+        {"a.obj", "v 0 0 0 1 1\n", "line 1", "5 coordinates"},
+        {"a.obj", "v 0 0 0 1 1 1 1 1\n", "line 1", "unexpected '1'"},
+        {"a.obj", "v 0 0 0\nvn 0 1\n", "line 2", "has 2 coordinates"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n", "line 4", "'inf'"},
+        {"a.off", "OFF\n3 1 0\n0.00 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 4",
+         "coordinate z is missing"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0 0\n0 1 0\n3 0 1 2\n", "line 4", "unexpected '0'"},
+        {"a.ply", ascii_ply("0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), "line 11", "'nan'"},
+        {"a.ply", ascii_ply("0 0 0\n1 0\n0 1 0\n3 0 1 2\n"), "line 11", "is missing"},
+        {"a.ply", ascii_ply("0 0 0\n1 0 0 0\n0 1 0\n3 0 1 2\n"), "line 11", "unexpected '0'"},
+        {"a.ply", binary_nan + binary_face(3, {0, 1, 2}).substr(binary_nan.size()), "byte",
+         "vertex 2 has a coordinate that is not finite"},
+        // Encodings of the text.
+        {"a.obj", "\xEF\xBB\xBF" + obj + "f 1 2 3\n", "line 1", "byte order mark"},
+        {"a.off",
+         "\xEF\xBB\xBF"
+         "OFF\n",
+         "line 1", "byte order mark"},
+        {"a.ply",
+         "\xEF\xBB\xBF"
+         "ply\n",
+         "line 1", "byte order mark"},
+        {"a.obj", std::string("\xFF\xFEv\0 \0", 6), "line 1", "byte order mark"},
+        {"a.obj", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r", "line 1", "CR"},
+        {"a.off", "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r", "line 1", "CR"},
+        {"a.ply", "ply\rformat ascii 1.0\r", "line 1", "CR"},
+        {"a.obj", obj + std::string("v 0 0 \0\n", 8), "line 4", "NUL"},
+        {"a.obj", std::string(1000, '\0'), "line 1", "NUL"},
+        {"a.obj", obj + long_line + "f 1 2 3\n", "line 4", "longer than"},
+        {"a.ply", std::string(std::size_t{3} << 20, 'x'), "line 1", "longer than"},
+        {"a.obj", "v 0 0 \\\n0\n", "line 1", "backslash"},
+        // Counts.
+        {"a.off", off_counts("4000000000 1 0"), "line 2", "cannot stand in"},
+        {"a.off", off_counts("100000000 1 0"), "line 2", "cannot stand in"},
+        {"a.off", off_counts("1 100000000 0"), "line 2", "cannot stand in"},
+        {"a.off", off_counts("99999999999999999999 1 0"), "line 2", "must be an integer"},
+        {"a.off", off_counts("9223372036854775807 9223372036854775807 0"), "line 2",
+         "cannot stand"},
+        {"a.off", off_counts("-4 1 0"), "line 2", "vertex count is -4"},
+        {"a.off", off_counts("3 -1 0"), "line 2", "face count is -1"},
+        {"a.off", off_counts("3"), "line 2", "face count is missing"},
+        {"a.off", off_counts("3 1 0 0"), "line 2", "unexpected '0'"},
+        {"a.off", off_counts("0 0 0"), "line 3", "more lines"},
+        {"a.off", "OFF\n0 0 0\n", "a.off", "0 vertices"},
+        {"a.off", "OFF\n", "line 1", "counts are missing"},
+        {"a.off", "OFF\n4 1 0\n0.000000 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line 6", "unexpected '2'"},
+        {"a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n# not more\n", "line 7",
+         "ends before face 1 of 2"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", "line 7", "more lines"},
+        {"a.ply", ply_counts("4000000000", "1"), "line 9", "cannot stand in"},
+        {"a.ply", ply_counts("100000000", "1"), "line 9", "cannot stand in"},
+        {"a.ply", ply_counts("3", "100000000"), "line 9", "cannot stand in"},
+        {"a.ply", ply_counts("-4", "1"), "line 3", "is -4"},
+        {"a.ply", ply_counts("3.5", "1"), "line 3", "'3.5'"},
+        {"a.ply", ply_counts("4", "1"), "line 13", "unexpected '2'"},
+        {"a.ply", ply_counts("3", "2"), "line 13", "ends before face 1 of 2"},
+        {"a.ply", ply_counts("2", "1"), "line 12", "0 corners"},
+        {"a.ply", ply_counts("3", "0"), "line 13", "more lines"},
+        {"a.ply", binary_face(3, {0, 1, 2}) + "x", "byte", "1 bytes more"},
+        {"a.ply", binary_face(3, {0, 1}), "byte", "within an element"},
+        {"a.ply", binary_points, "byte", "cannot stand in the remaining 0 bytes"},
+        // Polygons.
+        {"a.obj", obj + "f 1 2\n", "line 4", "2 corners"},
+        {"a.obj", obj + "f\n", "line 4", "0 corners"},
+        {"a.obj", obj + "v 1 1 0\nf 1 2 3 4\n", "line 5", "4 corners; only triangles"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n1000000000 0 1 2\n", "line 6", "1000000000"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1 2\n", "line 6", "0 corners"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "line 6", "-3"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 red\n", "line 6", "'red'"},
+        {"a.ply", ascii_ply("0 0 0\n1 0 0\n0 1 0\n2 0 1\n"), "line 13", "2 corners"},
+        {"a.ply", ascii_ply("0 0 0\n1 0 0\n0 1 0\n4 0 1 2 0\n"), "line 13", "4 corners"},
+        {"a.ply", ascii_ply("0 0 0\n1 0 0\n0 1 0\n1000000000 0\n"), "line 13", "1000000000"},
+        {"a.ply", ascii_ply("0 0 0\n1 0 0\n0 1 0\n-1 0\n"), "line 13", "-1 entries"},
+        {"a.ply", binary_face(255, {0, 1, 2}), "byte", "within an element"},
+        // Not this format.
+        {"a.obj", "ply\nformat ascii 1.0\n", "line 1", "unknown statement 'ply'"},
+        {"a.obj", "OFF\n3 1 0\n", "line 1", "unknown statement 'OFF'"},
+        {"a.obj", obj + "curv 0 1 1 2\n", "line 4", "unknown statement 'curv'"},
+        {"a.ply", obj, "line 1", "must be 'ply'"},
+        {"a.off", obj, "line 1", "starts with 'v'"},
+        {"a.off", "COFF\n3 1 0\n", "line 1", "'COFF'"},
+        {"a.off", "NOFF\n3 1 0\n", "line 1", "'NOFF'"},
+        {"a.off", "OFF BINARY\n", "line 1", "'BINARY'"},
+        // Headers of PLY.
+        {"a.ply", "ply\n", "line 1", "format"},
+        {"a.ply", "ply\nformat ascii 2.0\n", "line 2", "'2.0'"},
+        {"a.ply", "ply\nformat utf8 1.0\n", "line 2", "'utf8'"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n", "line 3", "no end_header"},
+        {"a.ply", "ply\nformat ascii 1.0\nend_header\n", "line 3", "no element 'vertex'"},
+        {"a.ply", "ply\nformat ascii 1.0\nproperty float x\n", "line 3",
+         "before the first element"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float16 x\n", "line 4",
+         "unknown type 'float16'"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n", "line 4",
+         "name of the property is missing"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float x\n",
+         "line 5", "declared twice"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nelement vertex 3\n", "line 4",
+         "declared twice"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement face 3\n", "line 3", "before element 'vertex'"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list float int x\n", "line 4",
+         "integer type"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list uchar int x\n", "line 4",
+         "must be no list"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex\n", "line 3", "count of the element"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement\n", "line 3", "name of the element"},
+        {"a.ply", "ply\nformat ascii 1.0\nvertices 3\n", "line 3", "'vertices'"},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+         "y\nend_header\n",
+         "line 6", "x, y and z"},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar float vertex_indices\n",
+         "line 8", "list of integers"},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int corners\nend_header\n",
+         "line 9", "vertex_indices"},
+        {"a.ply",
+         "ply\nformat binary_little_endian 1.0\nelement dust 4000000000\nelement vertex 3\n"
+         "property float x\nproperty float y\nproperty float z\nelement face 1\n"
+         "property list uchar int vertex_indices\nend_header\n",
+         "line 10", "'dust' has no properties"},
+    };
+    return files;
+}
+
+TEST(MeshFile, NamesFilePlaceAndRuleOfWhatItRefuses)
+{
+    for (const BadFile& file : bad_files()) {
+        SCOPED_TRACE(file.name + ": " + file.content.substr(0, 300));
+        const std::string message =
+            test::message_of<InvalidInput>([&] { (void)read(file.name, file.content); });
+        EXPECT_NE(message.find(file.name + ": "), std::string::npos) << message;
+        EXPECT_NE(message.find(file.place), std::string::npos) << message;
+        EXPECT_NE(message.find(file.rule), std::string::npos) << message;
+        EXPECT_LT(message.size(), 400u) << message;
+    }
+}
+
+TEST(MeshFile, NamesTheByteOfABinaryError)
+{
+    std::string bytes = binary_header;
+    const std::size_t header = bytes.size();
+    for (const double value : {0, 0, 0, 1, 0, 0, 0, 1, 0})
+        append_scalar<float>(bytes, value, false);
+    bytes += '\3';
+    for (const int v : {0, 1, 3})
+        append_scalar<std::int32_t>(bytes, v, false);
+    const std::string message = test::message_of<InvalidInput>([&] { (void)read("m.ply", bytes); });
+    EXPECT_NE(message.find(join("byte ", header + 36 + 13)), std::string::npos) << message;
+}
+
+TEST(MeshFile, LimitsPolygonsItIsAskedToSplit)
+{
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+    for (int i = 0; i < 1025; ++i)
+        text += " 1";
+    const std::string message =
+        test::message_of<InvalidInput>([&] { (void)read("m.obj", text + "\n", true); });
+    EXPECT_NE(message.find("line 4"), std::string::npos) << message;
+    EXPECT_NE(message.find("1024"), std::string::npos) << message;
+}
+
+TEST(MeshFile, RefusesWhatIsNoRegularFileWithoutReadingIt)
+{
+    const test::TemporaryDirectory directory;
+    std::filesystem::create_directory(directory / "folder.obj");
+    ASSERT_EQ(::mkfifo((directory / "fifo.obj").c_str(), 0600), 0);
+    std::filesystem::create_symlink("/dev/zero", directory / "zero.obj");
+    std::filesystem::create_symlink("loop.obj", directory / "loop.obj");
+    const auto message = [&](const char* name) {
+        return test::message_of<FileError>([&] { (void)read_mesh(directory / name); });
+    };
+    EXPECT_NE(message("folder.obj").find("is a directory"), std::string::npos);
+    EXPECT_NE(message("fifo.obj").find("not a regular file"), std::string::npos);
+    EXPECT_NE(message("zero.obj").find("not a regular file"), std::string::npos);
+    EXPECT_NE(message("loop.obj").find("symbolic links"), std::string::npos);
+    EXPECT_NE(message("missing.obj").find("missing.obj: No such file"), std::string::npos);
+}
+
+TEST(MeshFile, RefusesFilesBeyondItsLimitBeforeReadingThem)
+{
+    const test::TemporaryDirectory directory;
+    test::write_bytes(directory / "large.obj", "");
+    std::filesystem::resize_file(directory / "large.obj", std::uintmax_t{1} << 40); // sparse
+    const std::string message =
+        test::message_of<LimitExceeded>([&] { (void)read_mesh(directory / "large.obj"); });
+    EXPECT_NE(message.find("large.obj"), std::string::npos) << message;
+    EXPECT_NE(message.find("2147483648"), std::string::npos) << message;
+}
+
+/// The files of one small mesh in every format and encoding, whole.
+std::vector<std::pair<std::string, std::string>> valid_files()
+{
+    const test::TemporaryDirectory directory;
+    const test::TestMesh mesh = test::icosphere(0);
+    std::vector<std::pair<std::string, std::string>> files;
+    for (const MeshFormat format : {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off}) {
+        const std::string name = "m" + file_ending(format);
+        write_mesh(directory / name, mesh.points, mesh.topology.faces(), format);
+        files.emplace_back(name, test::read_bytes(directory / name));
+    }
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 12\nproperty double x\nproperty double "
+        "y\nproperty double z\nelement face 20\nproperty list uchar int "
+        "vertex_indices\nend_header\n";
+    const std::string off = files[2].second;
+    text += off.substr(off.find("20 0\n") + 5);
+    files.emplace_back("m.ply", text);
+    return files;
+}
+
+TEST(MeshFile, RefusesTruncatedFiles)
+{
+    for (const auto& [name, content] : valid_files()) {
+        SCOPED_TRACE(name + content.substr(0, 20));
+        const NamedMesh whole = read(name, content);
+        const bool is_text = content.find("binary") == std::string::npos;
+        // Text does not tell how long its last number is, and OBJ not how many lines it has.
+        const std::size_t last_number = is_text ? content.find_last_of(' ') + 2 : content.size();
+        for (std::size_t size = 0; size < content.size(); ++size) {
+            if (name == "m.obj" || size >= last_number) {
+                try {
+                    const NamedMesh part = read(name, content.substr(0, size));
+                    EXPECT_LE(part.faces.rows(), whole.faces.rows());
+                    EXPECT_EQ(part.points, whole.points);
+                    const Eigen::Index complete = part.faces.rows() - 1;
+                    EXPECT_EQ(part.faces.topRows(complete), whole.faces.topRows(complete));
+                } catch (const InvalidInput&) {
+                }
+            } else {
+                EXPECT_THROW((void)read(name, content.substr(0, size)), InvalidInput) << size;
+            }
+        }
+    }
+}
+
+TEST(MeshFile, ReadsOrRefusesDamagedFilesButNeverCrashes)
+{
+    Random random(3);
+    for (const auto& [name, content] : valid_files()) {
+        int refused = 0;
+        for (int round = 0; round < 500; ++round) {
+            std::string bytes = content;
+            for (std::uint64_t flips = 1 + random.index(3); flips > 0; --flips)
+                bytes[random.index(bytes.size())] ^= static_cast<char>(1 << random.index(8));
+            try {
+                const NamedMesh mesh = read(name, bytes, random.index(2) == 0);
+                EXPECT_TRUE(mesh.points.allFinite());
+                EXPECT_GE(mesh.faces.minCoeff(), 0);
+                EXPECT_LT(mesh.faces.maxCoeff(), mesh.points.rows());
+            } catch (const InvalidInput&) {
+                ++refused;
+            }
+        }
+        EXPECT_GT(refused, 20) << name;
+    }
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/model_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/random.h"
+#include "libshape/io/collection_file.h"
+#include "tests/support/files.h"
+#include "tests/support/h5py.h"
+#include "tests/support/meshes.h"
+
+namespace shape {
+namespace {
+
+/// Three subjects, each calm and bumpy.
+Collection paired_collection()
+{
+    const test::TestMesh first = test::bumpy_sphere(1, 0.1, 1);
+    Collection collection{first.topology, {}, {}, {{"subject", {}}, {"state", {}}}};
+    for (const char* state : {"calm", "bumpy"})
+        for (unsigned subject = 1; subject <= 3; ++subject) {
+            const double amplitude = state[0] == 'c' ? 0.1 : 0.3;
+            collection.names.push_back(join("s", subject, "_", state));
+            collection.points.push_back(test::bumpy_sphere(1, amplitude, subject).points);
+            collection.labels[0].values.push_back(join("s", subject));
+            collection.labels[1].values.push_back(state);
+        }
+    return collection;
+}
+
+const DifferenceOptions bumpy_minus_calm = {.pair_by = "subject",
+                                            .from_label = "state",
+                                            .from_value = "calm",
+                                            .to_label = "state",
+                                            .to_value = "bumpy"};
+
+void expect_equal(const ShapeModel& a, const ShapeModel& b)
+{
+    EXPECT_TRUE(a.topology == b.topology);
+    EXPECT_EQ(a.reference_points, b.reference_points);
+    EXPECT_EQ(a.scale, b.scale);
+    EXPECT_EQ(a.mean_edge_lengths, b.mean_edge_lengths);
+    EXPECT_EQ(a.mean_dihedral_angles, b.mean_dihedral_angles);
+    EXPECT_EQ(a.mode_edge_lengths, b.mode_edge_lengths);
+    EXPECT_EQ(a.mode_dihedral_angles, b.mode_dihedral_angles);
+    EXPECT_EQ(a.variances, b.variances);
+    EXPECT_EQ(a.total_variance, b.total_variance);
+    EXPECT_EQ(a.scores, b.scores);
+    EXPECT_EQ(a.sizes, b.sizes);
+    EXPECT_EQ(a.names, b.names);
+    ASSERT_EQ(a.labels.size(), b.labels.size());
+    for (std::size_t c = 0; c < a.labels.size(); ++c) {
+        EXPECT_EQ(a.labels[c].name, b.labels[c].name);
+        EXPECT_EQ(a.labels[c].values, b.labels[c].values);
+    }
+}
+
+void expect_equal(const DifferenceVector& a, const DifferenceVector& b)
+{
+    EXPECT_TRUE(a.topology == b.topology);
+    EXPECT_EQ(a.reference_points, b.reference_points);
+    EXPECT_EQ(a.scale, b.scale);
+    EXPECT_EQ(a.mean_edge_lengths, b.mean_edge_lengths);
+    EXPECT_EQ(a.mean_dihedral_angles, b.mean_dihedral_angles);
+    EXPECT_EQ(a.edge_lengths, b.edge_lengths);
+    EXPECT_EQ(a.dihedral_angles, b.dihedral_angles);
+    EXPECT_EQ(a.from_size, b.from_size);
+    EXPECT_EQ(a.to_size, b.to_size);
+    EXPECT_EQ(a.pairs, b.pairs);
+}
+
+TEST(ModelFile, GivesEveryBitBack)
+{
+    const test::TemporaryDirectory directory;
+    for (const Scale scale : {Scale::Unit, Scale::None}) {
+        const ModelOptions options{.modes = 2, .scale = scale};
+        const ShapeModel model = fit_model(paired_collection(), options);
+        write_model(directory / "m.h5", model, options);
+        expect_equal(read_model(directory / "m.h5"), model);
+        write_model(directory / "m.h5", model);
+        expect_equal(read_model(directory / "m.h5"), model);
+    }
+    EXPECT_EQ(file_kind(directory / "m.h5"), FileKind::Model);
+    EXPECT_EQ(directory.names(), std::vector<std::string>{"m.h5"});
+}
+
+TEST(DifferenceFile, GivesEveryBitBack)
+{
+    const test::TemporaryDirectory directory;
+    const DifferenceVector difference = mean_difference(paired_collection(), bumpy_minus_calm);
+    write_difference(directory / "d.h5", difference, bumpy_minus_calm);
+    expect_equal(read_difference(directory / "d.h5"), difference);
+    EXPECT_EQ(file_kind(directory / "d.h5"), FileKind::Difference);
+}
+
+TEST(ModelFile, HasTheSameBytesForTheSameModel)
+{
+    const test::TemporaryDirectory directory;
+    const ShapeModel model = fit_model(paired_collection());
+    write_model(directory / "a.h5", model);
+    write_model(directory / "b.h5", model);
+    EXPECT_EQ(test::read_bytes(directory / "a.h5"), test::read_bytes(directory / "b.h5"));
+}
+
+TEST(ModelFile, IsNotTakenForAnotherKind)
+{
+    const test::TemporaryDirectory directory;
+    write_model(directory / "m.h5", fit_model(paired_collection()));
+    const std::string message =
+        test::message_of<InvalidInput>([&] { (void)read_collection(directory / "m.h5"); });
+    EXPECT_NE(message.find("is 'libshape model', must be 'libshape collection'"), std::string::npos)
+        << message;
+    EXPECT_THROW((void)read_difference(directory / "m.h5"), InvalidInput);
+}
+
+TEST(ModelFile, RefusesToWriteWhatItWouldNotRead)
+{
+    const test::TemporaryDirectory directory;
+    const auto message = [&](const auto& spoil) {
+        ShapeModel model = fit_model(paired_collection());
+        spoil(model);
+        return test::message_of<InvalidInput>([&] { write_model(directory / "m.h5", model); });
+    };
+    using M = ShapeModel;
+    const std::vector<std::pair<std::string, std::string>> got = {
+        {"/variances", message([](M& m) { m.variances.reverseInPlace(); })},
+        {"/variances", message([](M& m) { m.variances.tail(1)[0] = -1e-9; })},
+        {"/total_variance", message([](M& m) { m.total_variance *= 0.99; })},
+        {"/modes/edge_lengths", message([](M& m) { m.mode_edge_lengths(0, 0) += 1e-3; })},
+        {"/modes/edge_lengths", message([](M& m) { m.mode_edge_lengths.row(1) *= 2.0; })},
+        {"/modes/edge_lengths",
+         message([](M& m) { m.mode_edge_lengths.row(1) = m.mode_edge_lengths.row(0); })},
+        {"/mean/edge_lengths", message([](M& m) { m.mean_edge_lengths *= 1.001; })},
+        {"/mean/edge_lengths", message([](M& m) { m.mean_edge_lengths[3] *= -1.0; })},
+        {"/sizes", message([](M& m) { m.sizes[2] = 0.0; })},
+        {"/scores", message([](M& m) { m.scores(1, 0) = std::nan(""); })},
+        {"/scores", message([](M& m) { m.scores.conservativeResize(5, Eigen::NoChange); })},
+        {"twice", message([](M& m) { m.names[1] = m.names[0]; })},
+    };
+    for (const auto& [place, text] : got)
+        EXPECT_NE(text.find(place), std::string::npos) << text;
+    EXPECT_TRUE(directory.names().empty());
+}
+
+TEST(DifferenceFile, RefusesToWriteWhatItWouldNotRead)
+{
+    const test::TemporaryDirectory directory;
+    const auto message = [&](const auto& spoil) {
+        DifferenceVector difference = mean_difference(paired_collection(), bumpy_minus_calm);
+        spoil(difference);
+        return test::message_of<InvalidInput>(
+            [&] { write_difference(directory / "d.h5", difference); });
+    };
+    using D = DifferenceVector;
+    EXPECT_NE(message([](D& d) { d.from_size = 0.0; }).find("/from_size"), std::string::npos);
+    EXPECT_NE(message([](D& d) { d.to_size = std::nan(""); }).find("/to_size"), std::string::npos);
+    EXPECT_NE(message([](D& d) { d.edge_lengths[0] = INFINITY; }).find("/difference/edge_lengths"),
+              std::string::npos);
+    EXPECT_NE(message([](D& d) { d.pairs.clear(); }).find("/pairs"), std::string::npos);
+    EXPECT_TRUE(directory.names().empty());
+}
+
+TEST(ModelFile, NeverGivesWrongValuesOfADamagedFile)
+{
+    const test::TemporaryDirectory directory;
+    const ShapeModel model = fit_model(paired_collection(), {.modes = 2});
+    const DifferenceVector difference = mean_difference(paired_collection(), bumpy_minus_calm);
+    write_model(directory / "m.h5", model, ModelOptions{.modes = 2});
+    write_difference(directory / "d.h5", difference, bumpy_minus_calm);
+    const std::string model_bytes = test::read_bytes(directory / "m.h5");
+    const std::string difference_bytes = test::read_bytes(directory / "d.h5");
+    Random random(5);
+    int refused = 0;
+    const auto read_damaged = [&](std::string bytes, const auto& read_and_compare) {
+        const std::size_t reach = random.index(2) == 0 ? bytes.size() : 4096;
+        bytes[random.index(reach)] ^= static_cast<char>(1 << random.index(8));
+        test::write_bytes(directory / "x.h5", bytes);
+        try {
+            read_and_compare();
+        } catch (const InvalidInput&) {
+            ++refused;
+        }
+    };
+    for (int round = 0; round < 300; ++round) {
+        read_damaged(model_bytes, [&] { expect_equal(read_model(directory / "x.h5"), model); });
+        read_damaged(difference_bytes,
+                     [&] { expect_equal(read_difference(directory / "x.h5"), difference); });
+    }
+    EXPECT_GT(refused, 300);
+    for (std::size_t size = 0; size < model_bytes.size(); size += 211) {
+        test::write_bytes(directory / "x.h5", model_bytes.substr(0, size));
+        EXPECT_THROW((void)read_model(directory / "x.h5"), InvalidInput) << size;
+    }
+}
+
+TEST(ModelFile, NamesFileDatasetAndRuleOfWhatItRefuses)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    struct Case
+    {
+        std::string edit;
+        const char* place;
+        const char* rule;
+    };
+    const std::vector<Case> cases = {
+        {"f.attrs['scale'] = np.bytes_('log')", "attribute scale", "'unit' or 'none'"},
+        {"del f.attrs['scale']", "attribute scale", "missing"},
+        {"del f['mean']", "/mean/edge_lengths", "missing"},
+        {"v = f['scores'][...]; del f['scores']; f['scores'] = v[:, :1]", "/scores",
+         "is 6 by 1, must be 6 by 2"},
+        {"v = f['modes/edge_lengths'][...]; del f['modes/edge_lengths']; "
+         "f['modes/edge_lengths'] = v[:, :100]",
+         "/modes/edge_lengths", "is 2 by 100, must be 2 by 120"},
+        {"v = f['variances'][...]; del f['variances']; f['variances'] = v[:0]", "/variances",
+         "no values"},
+        {"del f['total_variance']; f['total_variance'] = [1.0]", "/total_variance",
+         "must be single value"},
+        {"f['variances'][0] = f['variances'][1] / 2", "/variances", "descend"},
+        {"f['variances'][1] = -1.0", "/variances", ">= 0"},
+        {"f['total_variance'][()] = 0.0", "/total_variance", "at least the sum"},
+        {"f['modes/edge_lengths'][0] *= 1.1", "/modes/edge_lengths", "orthonormal"},
+        {"f['modes/edge_lengths'][0] += 0.1 * f['modes/edge_lengths'][1]", "/modes/edge_lengths",
+         "orthonormal"},
+        {"f['mean/edge_lengths'][0] *= 2", "/mean/edge_lengths", "sum to 1"},
+        {"f['mean/edge_lengths'][0] = 0", "/mean/edge_lengths", "> 0"},
+        {"f['sizes'][3] = -1.0", "/sizes", "> 0"},
+        {"f['mean/dihedral_angles'][7] = np.nan", "/mean/dihedral_angles", "value (7) is nan"},
+        {"f['reference_points'][3, 1] = np.inf", "/reference_points", "value (3, 1) is inf"},
+    };
+    const test::TemporaryDirectory directory;
+    write_model(directory / "m.h5", fit_model(paired_collection(), {.modes = 2}));
+    std::vector<std::string> edits;
+    for (const Case& c : cases)
+        edits.push_back(c.edit);
+    const std::vector<std::filesystem::path> files =
+        test::edit_with_h5py(directory / "m.h5", edits);
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        SCOPED_TRACE(cases[i].edit);
+        const std::string message =
+            test::message_of<InvalidInput>([&] { (void)read_model(files[i]); });
+        EXPECT_EQ(message.find(files[i].string() + ": " + cases[i].place + ": "), 0u) << message;
+        EXPECT_NE(message.find(cases[i].rule), std::string::npos) << message;
+    }
+}
+
+TEST(ModelFile, TellsH5pyWhatWasAskedFor)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    const test::TemporaryDirectory directory;
+    const ModelOptions options{.modes = 2, .variance = 0.95, .scale = Scale::None};
+    write_model(directory / "m.h5", fit_model(paired_collection(), options), options);
+    EXPECT_EQ(
+        test::run_h5py(directory / "m.h5", "r",
+                       "a = f.attrs\n"
+                       "print(a['scale'].decode(), a['asked_modes'], a['asked_variance'])\n"
+                       "print(f['total_variance'][()] >= f['variances'][...].sum())\n"
+                       "print(sorted(f), sorted(f['modes']))\n"),
+        "none 2 0.95\nTrue\n['labels', 'mean', 'modes', 'names', 'reference_points', 'scores', "
+        "'sizes', 'topology', 'total_variance', 'variances'] ['dihedral_angles', "
+        "'edge_lengths']\n");
+    write_difference(directory / "d.h5", mean_difference(paired_collection(), bumpy_minus_calm),
+                     bumpy_minus_calm);
+    EXPECT_EQ(
+        test::run_h5py(directory / "d.h5", "r",
+                       "a = f.attrs\n"
+                       "print(a['pair_by'].decode(), a['from'].decode(), a['to'].decode())\n"
+                       "print(list(f['pairs'].asstr()), f['difference/edge_lengths'].shape)\n"),
+        "subject state=calm state=bumpy\n['s1', 's2', 's3'] (120,)\n");
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/table_file.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+
+#include "libshape/base/error.h"
+#include "libshape/base/random.h"
+#include "tests/support/files.h"
+
+namespace shape {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+Table read(std::string_view text)
+{
+    static const test::TemporaryDirectory directory;
+    test::write_bytes(directory / "table.csv", text);
+    return read_table(directory / "table.csv");
+}
+
+TEST(TableFile, GivesEveryCellBack)
+{
+    const test::TemporaryDirectory directory;
+    const Table table{{"mesh", "a,b", "quote\"d", "two\nlines"},
+                      {{"s1", "", "\"", "x\r\ny"}, {"", " blank ", ",,", "é"}, {"", "", "", ""}}};
+    write_table(directory / "t.csv", table);
+    const Table back = read_table(directory / "t.csv");
+    EXPECT_EQ(back.columns, table.columns);
+    EXPECT_EQ(back.rows, table.rows);
+}
+
+TEST(TableFile, GivesLoneEmptyCellsBack)
+{
+    const test::TemporaryDirectory directory;
+    const Table table{{"only"}, {{""}, {"x"}, {""}}};
+    write_table(directory / "t.csv", table);
+    EXPECT_EQ(read_table(directory / "t.csv").rows, table.rows);
+}
+
+TEST(TableFile, ReadsWhatSpreadsheetsWrite)
+{
+    const Rows rows = {{"1", "2"}, {"3", "4"}};
+    for (const char* text : {"a,b\n1,2\n3,4\n", "a,b\n1,2\n3,4", "a,b\r\n1,2\r\n3,4\r\n",
+                             "\xEF\xBB\xBF"
+                             "a,b\n1,2\n3,4\n",
+                             "\"a\",\"b\"\n\"1\",2\n3,\"4\"\n\n\n", "a,b\r\n1,2\n3,4\r\n\r\n"}) {
+        SCOPED_TRACE(text);
+        EXPECT_EQ(read(text).columns, (std::vector<std::string>{"a", "b"}));
+        EXPECT_EQ(read(text).rows, rows);
+    }
+    EXPECT_TRUE(read("a,b\n").rows.empty());
+}
+
+TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
+{
+    struct Case
+    {
+        std::string_view text;
+        const char* place;
+        const char* rule;
+    };
+    using namespace std::string_view_literals;
+    for (const Case& c : std::vector<Case>{
+             {"", "t", "empty"},
+             {"\n\n", "t", "empty"},
+             {"a,a\n1,2\n", "line 1", "'a' occurs twice"},
+             {"a,,b\n1,2,3\n", "line 1", "column 2 has no name"},
+             {"a,b\n1,2\n3\n", "line 3", "has 1 cells, the header has 2"},
+             {"a,b\n1,2,3\n", "line 2", "has 3 cells, the header has 2"},
+             {"a,b\n1,2\n\n3,4\n", "line 3", "has 1 cells"},
+             {"a,b\n\"x\ny\",2\n1\n", "line 4", "has 1 cells"},
+             {"a,b\n1,\"2\n3,4\n", "line 2", "a quote is not closed"},
+             {"a,b\n1,\"2\"x\n", "line 2", "text follows a closing quote"},
+             {"a,b\n1,x\"2\"\n", "line 2", "a quote stands within"},
+             {"a,b\r1,2\r", "line 1", "CR ends no line"},
+             {"a,b\n1,\0\n"sv, "t", "UTF-8"},
+             {"a,b\n1,\xE9\n", "t", "UTF-8"},
+             {"\xFF\xFE"
+              "a\0"sv,
+              "t", "UTF-8"},
+         }) {
+        SCOPED_TRACE(c.text);
+        const std::string message = test::message_of<InvalidInput>([&] { (void)read(c.text); });
+        EXPECT_NE(message.find("table.csv"), std::string::npos) << message;
+        EXPECT_NE(message.find(c.place), std::string::npos) << message;
+        EXPECT_NE(message.find(c.rule), std::string::npos) << message;
+    }
+}
+
+TEST(TableFile, NeverCrashesOnDamagedText)
+{
+    const std::string valid = "mesh,a\n\"s\"\"1\",x\n\"s,2\",\"y\nz\"\n";
+    Random random(1);
+    int read_count = 0;
+    for (int round = 0; round < 1000; ++round) {
+        std::string text = valid;
+        text[random.index(text.size())] = static_cast<char>(random.bits());
+        try {
+            for (const auto& row : read(text).rows)
+                EXPECT_EQ(row.size(), 2u);
+            ++read_count;
+        } catch (const InvalidInput&) {
+        }
+    }
+    EXPECT_GT(read_count, 0);
+    EXPECT_LT(read_count, 1000);
+}
+
+TEST(TableFile, RefusesToWriteRaggedRowsAndRepeatedColumns)
+{
+    const test::TemporaryDirectory directory;
+    EXPECT_THROW(write_table(directory / "t.csv", {{"a", "b"}, {{"1"}}}), InvalidInput);
+    EXPECT_THROW(write_table(directory / "t.csv", {{"a", "a"}, {}}), InvalidInput);
+    EXPECT_TRUE(directory.names().empty());
+}
+
+TEST(TableFile, SaysWhichFileItCannotRead)
+{
+    const test::TemporaryDirectory directory;
+    const std::string message =
+        test::message_of<FileError>([&] { (void)read_table(directory / "no.csv"); });
+    EXPECT_NE(message.find("no.csv: No such file"), std::string::npos) << message;
+}
+
+TEST(Numbers, ArePrintedWithTheDigitsThatGiveThemBack)
+{
+    Random random(2);
+    for (int round = 0; round < 20000; ++round) {
+        const double value = std::bit_cast<double>(random.bits());
+        if (!std::isfinite(value))
+            continue;
+        EXPECT_EQ(std::bit_cast<std::uint64_t>(parse_number(print_number(value), "")),
+                  std::bit_cast<std::uint64_t>(value));
+    }
+    EXPECT_EQ(print_number(0.1), "0.1");
+    EXPECT_EQ(print_number(-0.0), "-0");
+    EXPECT_EQ(parse_number("+1.5e1", ""), 15.0);
+}
+
+TEST(Numbers, MustBeSpelledByTheWholeCell)
+{
+    for (const char* cell : {"", " 1", "1 ", "1,5", "0x10", "nan", "inf", "-inf", "1e999", "abc",
+                             "1.5x", "+", "-", "+-1", "++1", "."}) {
+        SCOPED_TRACE(cell);
+        const std::string message =
+            test::message_of<InvalidInput>([&] { (void)parse_number(cell, "row 3, length"); });
+        EXPECT_EQ(message.find("row 3, length: "), 0u) << message;
+    }
+}
+
+TEST(LabelFile, GivesLabelsInTheOrderOfTheMeshes)
+{
+    const test::TemporaryDirectory directory;
+    test::write_bytes(directory / "l.csv", "mesh,sex,age\nb,f,3\na,m,4\n");
+    const Labels labels = read_labels(directory / "l.csv", {"a", "b"});
+    ASSERT_EQ(labels.size(), 2u);
+    EXPECT_EQ(labels[0].name, "sex");
+    EXPECT_EQ(labels[0].values, (std::vector<std::string>{"m", "f"}));
+    EXPECT_EQ(labels[1].values, (std::vector<std::string>{"4", "3"}));
+}
+
+TEST(LabelFile, NamesMeshesThatAreMissingUnknownOrRepeated)
+{
+    const test::TemporaryDirectory directory;
+    const auto message = [&](std::string_view text) {
+        test::write_bytes(directory / "l.csv", text);
+        return test::message_of<InvalidInput>([&] {
+            (void)read_labels(directory / "l.csv", {"a", "b"});
+        });
+    };
+    EXPECT_NE(message("name,x\na,1\nb,2\n").find("must be 'mesh'"), std::string::npos);
+    EXPECT_NE(message("mesh,x\na,1\n").find("'b' is missing"), std::string::npos);
+    EXPECT_NE(message("mesh,x\na,1\nb,2\nc,3\n").find("'c' is not in"), std::string::npos);
+    EXPECT_NE(message("mesh,x\na,1\nb,2\na,3\n").find("'a' occurs twice"), std::string::npos);
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/collection.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "tests/support/meshes.h"
+
+namespace shape {
+namespace {
+
+NamedMesh named(const std::string& name, const test::TestMesh& mesh)
+{
+    return {name, name + ".ply", mesh.points, mesh.topology.faces()};
+}
+
+/// The message of collect() for the open patch and this changed copy of it.
+std::string message_for(const NamedMesh& changed)
+{
+    try {
+        (void)collect({named("first", test::open_patch(4, 1)), changed});
+    } catch (const InvalidInput& error) {
+        return error.what();
+    }
+    return "nothing was thrown";
+}
+
+void expect_says(const std::string& message, const std::vector<std::string>& parts)
+{
+    for (const std::string& part : parts)
+        EXPECT_NE(message.find(part), std::string::npos) << "'" << part << "' in: " << message;
+}
+
+NamedMesh changed_copy()
+{
+    return named("second", test::open_patch(4, 2));
+}
+
+TEST(Collect, KeepsOrderNamesAndPositions)
+{
+    const test::TestMesh patch = test::open_patch(4, 1);
+    const Collection collection = collect({named("b", patch), named("a", test::open_patch(4, 2))});
+    EXPECT_EQ(collection.size(), 2u);
+    EXPECT_EQ(collection.names, (std::vector<std::string>{"b", "a"}));
+    EXPECT_EQ(collection.points[0], patch.points);
+    EXPECT_EQ(collection.points[1], test::open_patch(4, 2).points);
+    EXPECT_TRUE(collection.topology == patch.topology);
+    EXPECT_TRUE(collection.labels.empty());
+}
+
+TEST(Collect, NamesOtherCounts)
+{
+    expect_says(
+        message_for(named("second", test::open_patch(5, 1))),
+        {"second.ply: 36 vertices and 50 faces", "first.ply has 25 and 32", "different counts"});
+}
+
+TEST(Collect, NamesPermutedVertices)
+{
+    NamedMesh mesh = changed_copy();
+    const int count = static_cast<int>(mesh.points.rows());
+    for (int& v : mesh.faces.reshaped())
+        v = (v + 7) % count;
+    expect_says(message_for(mesh), {"second.ply: face 0 is (", "in first.ply it is (",
+                                    "vertices are probably permuted"});
+}
+
+TEST(Collect, NamesPermutedFaces)
+{
+    NamedMesh mesh = changed_copy();
+    mesh.faces.row(3).swap(mesh.faces.row(9));
+    expect_says(message_for(mesh), {"second.ply: face 3 ", "another order"});
+    mesh = changed_copy();
+    std::rotate(mesh.faces.row(5).begin(), mesh.faces.row(5).begin() + 1, mesh.faces.row(5).end());
+    expect_says(message_for(mesh), {"second.ply: face 5 ", "another corner"});
+}
+
+TEST(Collect, NamesFlippedOrientation)
+{
+    NamedMesh mesh = changed_copy();
+    mesh.faces.col(1).swap(mesh.faces.col(2));
+    expect_says(message_for(mesh), {"orientation of every face is flipped"});
+    mesh = changed_copy();
+    for (const int f : {6, 20})
+        std::swap(mesh.faces(f, 0), mesh.faces(f, 1));
+    expect_says(message_for(mesh), {"face 6 ", "2 faces are flipped"});
+}
+
+TEST(Collect, NamesOtherDiagonals)
+{
+    // Faces 0 and 1 are the quad p q s t, split along p s; split it along q t.
+    NamedMesh mesh = changed_copy();
+    const int p = mesh.faces(0, 0);
+    const int q = mesh.faces(0, 1);
+    const int s = mesh.faces(0, 2);
+    const int t = mesh.faces(1, 2);
+    ASSERT_EQ(mesh.faces(1, 1), s);
+    mesh.faces.row(0) << p, q, t;
+    mesh.faces.row(1) << q, s, t;
+    expect_says(message_for(mesh), {"face 0 ", "2 faces differ", "other diagonal"});
+}
+
+TEST(Collect, NamesAnotherConnectivity)
+{
+    // As many vertices and faces, but other faces throughout: degrees are far apart.
+    NamedMesh fan = changed_copy();
+    for (int f = 0; f < fan.faces.rows(); ++f)
+        fan.faces.row(f) << 0, 1 + f % 24, 1 + (f + 1) % 24;
+    expect_says(message_for(fan), {"another connectivity"});
+}
+
+TEST(Collect, NamesDegenerateGeometryAndTheMeshThatHasIt)
+{
+    NamedMesh mesh = changed_copy();
+    mesh.points.row(7) = mesh.points.row(8);
+    expect_says(message_for(mesh), {"second.ply: face ", "no area"});
+    mesh = changed_copy();
+    mesh.points(7, 1) = std::numeric_limits<double>::infinity();
+    expect_says(message_for(mesh), {"second.ply: vertex 7 ", "not finite"});
+}
+
+TEST(Collect, NamesARepeatedName)
+{
+    NamedMesh mesh = changed_copy();
+    mesh.name = "first";
+    expect_says(message_for(mesh), {"second.ply", "'first' occurs twice"});
+}
+
+TEST(Collect, NamesTheDefectOfTheFirstMesh)
+{
+    NamedMesh mesh = changed_copy();
+    std::swap(mesh.faces(4, 0), mesh.faces(4, 1));
+    try {
+        (void)collect({mesh});
+        FAIL() << "nothing was thrown";
+    } catch (const InvalidInput& error) {
+        expect_says(error.what(), {"second.ply: ", "flip one"});
+    }
+}
+
+TEST(Collect, RefusesNoMesh)
+{
+    EXPECT_THROW((void)collect({}), InvalidInput);
+}
+
+TEST(DescribeCorrespondenceBreak, IsEmptyForEqualFaces)
+{
+    EXPECT_EQ(describe_correspondence_break(named("first", test::open_patch(4, 1)), changed_copy()),
+              "");
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/rotation_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "libshape/base/random.h"
+#include "libshape/mesh/alignment.h"
+
+namespace shape {
+namespace {
+
+Eigen::Matrix3d random_matrix(Random& random)
+{
+    return Eigen::Matrix3d::NullaryExpr([&] { return random.normal(); });
+}
+
+Eigen::Matrix3d random_rotation(Random& random)
+{
+    return Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal())
+        .normalized()
+        .toRotationMatrix();
+}
+
+Eigen::Matrix3d turned(const Eigen::Matrix3d& rotation, double angle, Random& random)
+{
+    const Eigen::Vector3d axis(random.normal(), random.normal(), random.normal());
+    return rotation * Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+}
+
+void expect_rotation(const Eigen::Matrix3d& r)
+{
+    EXPECT_LT((r.transpose() * r - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+    EXPECT_GT(r.determinant(), 0.0);
+}
+
+TEST(NearestRotation, AgreesWithTheSingularValueDecompositionFromAnyGuess)
+{
+    Random random(1);
+    for (int i = 0; i < 2000; ++i) {
+        const Eigen::Matrix3d m = random_matrix(random);
+        const Eigen::Matrix3d expected = nearest_rotation(m);
+        for (const double angle : {0.0, 1e-6, 0.1, 1.0, 3.1}) {
+            const Eigen::Matrix3d found = nearest_rotation(m, turned(expected, angle, random));
+            expect_rotation(found);
+            EXPECT_NEAR((found.transpose() * m).trace(), (expected.transpose() * m).trace(), 1e-13);
+        }
+    }
+}
+
+TEST(NearestRotation, RecoversTheRotationOfCoplanarAndThinData)
+{
+    Random random(2);
+    for (const double thickness : {1.0, 1e-3, 1e-6})
+        for (int i = 0; i < 500; ++i) {
+            const Eigen::Matrix3d rotation = random_rotation(random);
+            const Eigen::Matrix3d axes = random_rotation(random);
+            const Eigen::Matrix3d m = rotation * axes *
+                                      Eigen::Vector3d(1.0, thickness, 0.0).asDiagonal() *
+                                      axes.transpose();
+            const Eigen::Matrix3d found = nearest_rotation(m, turned(rotation, 0.5, random));
+            expect_rotation(found);
+            EXPECT_LT((found - rotation).norm(), 1e-14 / thickness);
+        }
+}
+
+TEST(NearestRotation, StaysNearTheGuessWhereTheDataLeaveAChoice)
+{
+    Random random(3);
+    const Eigen::Matrix3d guess = random_rotation(random);
+    EXPECT_LT((nearest_rotation(Eigen::Matrix3d::Zero(), guess) - guess).norm(), 1.0);
+    // Collinear data: the turn about their line is free.
+    const Eigen::Vector3d line = Eigen::Vector3d(1.0, 2.0, -0.5).normalized();
+    const Eigen::Matrix3d m = guess * line * line.transpose();
+    const Eigen::Matrix3d found = nearest_rotation(m, guess);
+    expect_rotation(found);
+    EXPECT_LT((found - guess).norm(), 1e-3);
+}
+
+} // namespace
+} // namespace shape

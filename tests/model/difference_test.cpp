@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/model/difference.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "libshape/base/error.h"
+#include "tests/support/collections.h"
+
+namespace shape {
+namespace {
+
+/// Three people, two of them in both poses: 0 and 3 are Bert, 1 and 4 Anna; 2 is Cleo at rest.
+Collection people()
+{
+    Collection collection = test::bumpy_spheres(5, 1);
+    collection.labels = {{"person", {"bert", "anna", "cleo", "bert", "anna"}},
+                         {"pose", {"rest", "rest", "rest", "bent", "bent"}}};
+    return collection;
+}
+
+DifferenceOptions rest_to_bent(Scale scale = Scale::Unit)
+{
+    return {.pair_by = "person",
+            .from_label = "pose",
+            .from_value = "rest",
+            .to_label = "pose",
+            .to_value = "bent",
+            .scale = scale};
+}
+
+/// The message of mean_difference() for these options, or for this collection.
+std::string message_for(const DifferenceOptions& options, const Collection& collection = people())
+{
+    try {
+        (void)mean_difference(collection, options);
+    } catch (const InvalidInput& error) {
+        return error.what();
+    }
+    return "nothing was thrown";
+}
+
+TEST(MeanDifference, IsTheMeanOverThePairs)
+{
+    for (const Scale scale : {Scale::Unit, Scale::None}) {
+        const Collection collection = people();
+        const ShapeVectors v = encode(collection, scale);
+        const DifferenceVector d = mean_difference(collection, rest_to_bent(scale));
+        EXPECT_EQ(d.pairs, (std::vector<std::string>{"anna", "bert"}));
+        const auto mean = [](const RowMatrix& m, int a, int b) -> Eigen::VectorXd {
+            return 0.5 * (m.row(a) + m.row(b)).transpose();
+        };
+        const Eigen::VectorXd from = mean(v.edge_lengths, 0, 1);
+        const Eigen::VectorXd from_angles = mean(v.dihedral_angles, 0, 1);
+        EXPECT_LE((d.mean_edge_lengths - from).norm(), 1e-14);
+        EXPECT_LE((d.edge_lengths - (mean(v.edge_lengths, 3, 4) - from)).norm(), 1e-14);
+        EXPECT_LE((d.mean_dihedral_angles - from_angles).norm(), 1e-14);
+        EXPECT_LE((d.dihedral_angles - (mean(v.dihedral_angles, 3, 4) - from_angles)).norm(),
+                  1e-14);
+        EXPECT_DOUBLE_EQ(d.from_size, 0.5 * (v.sizes[0] + v.sizes[1]));
+        EXPECT_DOUBLE_EQ(d.to_size, 0.5 * (v.sizes[3] + v.sizes[4]));
+        EXPECT_EQ(d.reference_points, collection.points[1]);
+        EXPECT_EQ(d.scale, scale);
+    }
+}
+
+TEST(MeanDifference, IsNegatedWhenTheGroupsChangePlaces)
+{
+    const DifferenceVector there = mean_difference(people(), rest_to_bent());
+    DifferenceOptions back = rest_to_bent();
+    std::swap(back.from_value, back.to_value);
+    const DifferenceVector here = mean_difference(people(), back);
+    EXPECT_LE((there.edge_lengths + here.edge_lengths).norm(), 1e-16);
+    EXPECT_LE((there.dihedral_angles + here.dihedral_angles).norm(), 1e-13);
+}
+
+TEST(MeanDifference, DoesNotDependOnMeshesWithoutAPartner)
+{
+    Collection fewer = people();
+    fewer.names.erase(fewer.names.begin() + 2);
+    fewer.points.erase(fewer.points.begin() + 2);
+    for (LabelColumn& column : fewer.labels)
+        column.values.erase(column.values.begin() + 2);
+    const DifferenceVector all = mean_difference(people(), rest_to_bent());
+    const DifferenceVector some = mean_difference(fewer, rest_to_bent());
+    EXPECT_EQ(all.edge_lengths, some.edge_lengths);
+    EXPECT_EQ(all.mean_dihedral_angles, some.mean_dihedral_angles);
+}
+
+TEST(MeanDifference, SaysWhatIsMissing)
+{
+    DifferenceOptions options = rest_to_bent();
+    options.pair_by = "name";
+    EXPECT_EQ(message_for(options), "no label column 'name'; the collection has person, pose");
+    options = rest_to_bent();
+    options.to_label = "posture";
+    EXPECT_EQ(message_for(options), "no label column 'posture'; the collection has person, pose");
+    options = rest_to_bent();
+    options.from_value = "sleep";
+    EXPECT_EQ(message_for(options), "difference: no mesh has pose = 'sleep'");
+
+    Collection collection = people();
+    collection.labels[0].values = {"anna", "bert", "cleo", "dora", "emil"};
+    EXPECT_EQ(message_for(rest_to_bent(), collection),
+              "difference: no person has both pose = 'rest' and pose = 'bent'");
+    collection.labels[0].values = {"anna", "bert", "anna", "anna", "bert"};
+    EXPECT_EQ(message_for(rest_to_bent(), collection),
+              "difference: person 'anna' occurs twice among pose = 'rest': sphere00 and sphere02");
+}
+
+TEST(ApplyDifference, StartsAtTheMeanAndEndsAtTheMeanOfTheOtherGroup)
+{
+    const Collection collection = people();
+    const ShapeVectors v = encode(collection, Scale::Unit);
+    const DifferenceVector d = mean_difference(collection, rest_to_bent());
+    const ShapePoint start = apply_difference(d, 0.0, 7.0);
+    EXPECT_LE((start.edge_lengths - 7.0 * d.mean_edge_lengths).norm(), 1e-15);
+    EXPECT_NEAR(start.edge_lengths.sum(), 7.0, 1e-13);
+    EXPECT_EQ(start.dihedral_angles, d.mean_dihedral_angles);
+    const ShapePoint end = apply_difference(d, 1.0, 7.0);
+    EXPECT_LE((end.edge_lengths.transpose() - 3.5 * (v.edge_lengths.row(3) + v.edge_lengths.row(4)))
+                  .norm(),
+              1e-14);
+    const ShapePoint middle = apply_difference(d, 0.5, 7.0);
+    EXPECT_LE((2.0 * middle.edge_lengths - start.edge_lengths - end.edge_lengths).norm(), 1e-14);
+    EXPECT_LE((2.0 * middle.dihedral_angles - start.dihedral_angles - end.dihedral_angles).norm(),
+              1e-13);
+}
+
+TEST(ApplyDifference, IgnoresSizeWhereLengthsAreNotScaled)
+{
+    const DifferenceVector d = mean_difference(people(), rest_to_bent(Scale::None));
+    EXPECT_EQ(apply_difference(d, 0.0, -3.0).edge_lengths, d.mean_edge_lengths);
+    EXPECT_EQ(apply_difference(d, 2.0, 1.0).edge_lengths,
+              apply_difference(d, 2.0, 5.0).edge_lengths);
+}
+
+TEST(ApplyDifference, RefusesWhatBreaksARule)
+{
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const DifferenceVector d = mean_difference(people(), rest_to_bent());
+    EXPECT_THROW((void)apply_difference(d, nan, 1.0), InvalidInput);
+    for (const double size : {0.0, -1.0, nan})
+        EXPECT_THROW((void)apply_difference(d, 1.0, size), InvalidInput);
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,475 @@
+// SPDX-License-Identifier: MIT
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <functional>
+
+#include "libshape/io/mesh_file.h"
+#include "tests/support/meshes.h"
+#include "tests/tools/program.h"
+
+namespace shape::test {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+/// Something that the program must refuse, and how.
+struct BadInput
+{
+    std::string name;
+    int exit_code;
+    std::vector<std::string> said; ///< What the line on stderr must name.
+    std::function<Arguments(const Folder&)> arrange;
+};
+
+void PrintTo(const BadInput& bad, std::ostream* out)
+{
+    *out << bad.name;
+}
+
+/// A folder with three meshes, their labels, and the collection and model made of them.
+void fill(const Folder& folder)
+{
+    static const auto made = [] {
+        const Folder workshop;
+        write_bumpy_spheres(workshop);
+        const Outcome collected = run_shape(
+            workshop.path(),
+            {"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "good.h5"});
+        const Outcome fitted = run_shape(workshop.path(), {"stats", "good.h5", "-o", "model.h5"});
+        if (collected.exit_code != 0 || fitted.exit_code != 0)
+            throw std::runtime_error(collected.err + fitted.err);
+        return workshop.content();
+    }();
+    for (const auto& [name, content] : made)
+        folder.write(name, content);
+}
+
+/// Collects one mesh file of the given name and content.
+std::function<Arguments(const Folder&)> collecting(std::string name, std::string content)
+{
+    return [=](const Folder& folder) -> Arguments {
+        folder.write(name, content);
+        return {"collect", name, "-o", "out.h5"};
+    };
+}
+
+/// Runs fixed arguments.
+std::function<Arguments(const Folder&)> running(Arguments arguments)
+{
+    return [=](const Folder&) { return arguments; };
+}
+
+/// Runs arguments that read one more file.
+std::function<Arguments(const Folder&)> running_with(std::string name, std::string content,
+                                                     Arguments arguments)
+{
+    return [=](const Folder& folder) {
+        folder.write(name, content);
+        return arguments;
+    };
+}
+
+/// Collects a.ply and a changed copy of it.
+std::function<Arguments(const Folder&)> collecting_changed(
+    std::function<void(Points&, Faces&)> change)
+{
+    return [=](const Folder& folder) -> Arguments {
+        NamedMesh mesh = read_mesh(folder / "a.ply");
+        change(mesh.points, mesh.faces);
+        write_mesh(folder / "changed.ply", mesh.points, mesh.faces, MeshFormat::Ply);
+        return {"collect", "a.ply", "changed.ply", "-o", "out.h5"};
+    };
+}
+
+std::function<Arguments(const Folder&)> reconstructing(std::string lengths)
+{
+    return running_with("lengths.csv", lengths,
+                        {"reconstruct", "--reference", "tetrahedron.obj", "--lengths",
+                         "lengths.csv", "-o", "x.ply"});
+}
+
+/// Puts a dataset of other shape into a collection.
+void replace_points(const std::string& file)
+{
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hsize_t extents[] = {2, 5};
+    const hid_t space = H5Screate_simple(2, extents, nullptr);
+    H5Ldelete(id, "/points", H5P_DEFAULT);
+    const hid_t data =
+        H5Dcreate2(id, "/points", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dclose(data);
+    H5Sclose(space);
+    H5Fclose(id);
+}
+
+const std::string tetrahedron_vertices = "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\n";
+const std::string tetrahedron_obj = tetrahedron_vertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+const std::string huge_ply =
+    "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+    "property double x\nproperty double y\nproperty double z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+const std::string reversed_face_obj = tetrahedron_vertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n";
+
+std::vector<BadInput> bad_meshes()
+{
+    return {
+        {"EmptyObj", 3, {"x.obj"}, collecting("x.obj", "")},
+        {"EmptyPly", 3, {"x.ply"}, collecting("x.ply", "")},
+        {"EmptyOff", 3, {"x.off"}, collecting("x.off", "")},
+        {"VerticesOnly", 3, {"x.obj"}, collecting("x.obj", tetrahedron_vertices)},
+        {"TruncatedPly",
+         3,
+         {"x.ply"},
+         [](const Folder& folder) -> Arguments {
+             const std::string whole = folder.read("a.ply");
+             folder.write("x.ply", whole.substr(0, whole.size() / 2));
+             return {"collect", "x.ply", "-o", "out.h5"};
+         }},
+        {"NanCoordinate", 3, {"x.obj", "1", "nan"}, collecting("x.obj", "v nan 1 1\n")},
+        {"InfiniteCoordinate", 3, {"x.obj", "1", "inf"}, collecting("x.obj", "v 0 inf 1\n")},
+        {"OverflowingCoordinate", 3, {"x.obj", "1e999"}, collecting("x.obj", "v 0 1e999 1\n")},
+        {"MissingCoordinate", 3, {"x.obj", "2"}, collecting("x.obj", "v 0 0 1\nv 1 2\n")},
+        {"IndexOutOfRange",
+         3,
+         {"x.obj", "9"},
+         collecting("x.obj", tetrahedron_vertices + "f 1 2 9\n")},
+        {"IndexZeroInObj",
+         3,
+         {"x.obj", "5", "0"},
+         collecting("x.obj", tetrahedron_vertices + "f 0 1 2\n")},
+        {"OffCountsBeyondTheFile",
+         3,
+         {"x.off", "4000000000"},
+         collecting("x.off", "OFF\n4000000000 1 0\n0 0 0\n")},
+        {"PlyCountsBeyondTheFile", 3, {"x.ply", "4000000000"}, collecting("x.ply", huge_ply)},
+        {"PlyWithoutEndOfHeader", 3, {"x.ply"}, collecting("x.ply", "ply\nformat ascii 1.0\n")},
+        {"QuadWithoutTriangulate",
+         3,
+         {"x.obj", "triangulate"},
+         collecting("x.obj", tetrahedron_vertices + "f 1 2 3 4\n")},
+        {"DegenerateFace",
+         3,
+         {"x.obj", "face 4"},
+         collecting("x.obj", tetrahedron_obj + "f 1 1 2\n")},
+        {"DuplicateFace",
+         3,
+         {"x.obj", "face 4"},
+         collecting("x.obj", tetrahedron_obj + "f 3 2 1\n")},
+        {"NonManifoldEdge",
+         3,
+         {"x.obj", "edge 0-1"},
+         collecting("x.obj", tetrahedron_obj + "v 5 5 5\nf 1 2 5\n")},
+        {"FlippedFace", 3, {"x.obj", "flip"}, collecting("x.obj", reversed_face_obj)},
+        {"FaceWithoutArea",
+         3,
+         {"x.obj", "area"},
+         collecting("x.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")},
+        {"OtherCounts",
+         3,
+         {"x.obj", "different counts"},
+         running_with("x.obj", tetrahedron_obj, {"collect", "a.ply", "x.obj", "-o", "out.h5"})},
+        {"PermutedVertices",
+         3,
+         {"changed.ply", "permuted"},
+         collecting_changed([](Points&, Faces& faces) {
+             faces = faces.unaryExpr([](int v) { return v == 0 ? 20 : v == 20 ? 0 : v; }).eval();
+         })},
+        {"FlippedMember",
+         3,
+         {"changed.ply", "flipped"},
+         collecting_changed([](Points&, Faces& faces) { faces.col(1).swap(faces.col(2)); })},
+        {"PermutedFaces",
+         3,
+         {"changed.ply", "another order"},
+         collecting_changed([](Points&, Faces& faces) { faces.row(3).swap(faces.row(7)); })},
+        {"UnknownEnding", 3, {"x.stl"}, collecting("x.stl", "solid x\n")},
+        {"MissingFile", 5, {"nowhere.ply"}, running({"collect", "nowhere.ply", "-o", "out.h5"})},
+        {"DirectoryWithoutMeshes",
+         3,
+         {"empty"},
+         running_with("empty/notes.txt", "", {"collect", "empty", "-o", "out.h5"})},
+        {"OneNameTwice", 3, {"twice"}, running({"collect", "a.ply", "a.ply", "-o", "out.h5"})},
+        {"CheckOfABrokenMesh",
+         3,
+         {"x.obj", "1 of 1"},
+         running_with("x.obj", reversed_face_obj, {"check", "x.obj"})},
+    };
+}
+
+std::vector<BadInput> bad_tables()
+{
+    const Arguments collect{"collect", "a.ply", "b.ply", "--labels", "l.csv", "-o", "out.h5"};
+    const Arguments generate{"generate", "model.h5", "--scores-file", "s.csv", "-o", "new"};
+    return {
+        {"LabelsWithoutAMesh", 3, {"l.csv", "b"}, running_with("l.csv", "mesh,k\na,1\n", collect)},
+        {"LabelsOfAnUnknownMesh",
+         3,
+         {"l.csv", "zz"},
+         running_with("l.csv", "mesh,k\na,1\nb,2\nzz,3\n", collect)},
+        {"LabelsOfAMeshTwice",
+         3,
+         {"l.csv", "a"},
+         running_with("l.csv", "mesh,k\na,1\nb,2\na,3\n", collect)},
+        {"RaggedLabels", 3, {"l.csv", "3"}, running_with("l.csv", "mesh,k\na,1\nb\n", collect)},
+        {"LabelsWithoutMeshColumn",
+         3,
+         {"l.csv", "mesh"},
+         running_with("l.csv", "name,k\na,1\nb,2\n", collect)},
+        {"LabelNamedAsAScore",
+         3,
+         {"pc1"},
+         running_with(
+             "l.csv", "mesh,pc1\na,1\nb,2\n",
+             {"project", "model.h5", "a.ply", "b.ply", "--labels", "l.csv", "-o", "s.csv"})},
+        {"ScoresThatAreNoNumbers",
+         3,
+         {"s.csv", "one", "pc1"},
+         running_with("s.csv", "mesh,pc1\none,nan\n", generate)},
+        {"ScoresOfTooManyModes",
+         3,
+         {"s.csv", "3 modes", "2"},
+         running_with("s.csv", "mesh,pc1,pc2,pc3\none,0,0,0\n", generate)},
+        {"ScoresWithoutColumns",
+         3,
+         {"s.csv", "pc1"},
+         running_with("s.csv", "mesh,x\none,0\n", generate)},
+        {"ScoresWithoutRows", 3, {"s.csv", "rows"}, running_with("s.csv", "mesh,pc1\n", generate)},
+        {"ScoresOfOneNameTwice",
+         3,
+         {"one", "twice"},
+         running_with("s.csv", "mesh,pc1\none,0\none,1\n", generate)},
+        {"ScoresOfANameThatLeavesTheDirectory",
+         3,
+         {"../one"},
+         running_with("s.csv", "mesh,pc1\n../one,0\n", generate)},
+        {"ScoresOfANegativeSize",
+         3,
+         {"s.csv", "one", "> 0"},
+         running_with("s.csv", "mesh,pc1,size\none,0,-1\n", generate)},
+    };
+}
+
+std::vector<BadInput> bad_lengths()
+{
+    const std::string head = "v0,v1,length\n";
+    const std::string five = head + "0,1,1\n0,2,1\n0,3,1\n1,2,1\n1,3,1\n";
+    return {
+        {"LengthsUnderOtherColumns", 3, {"lengths.csv"}, reconstructing("a,b,length\n0,1,1\n")},
+        {"LengthsWithoutAnEdge", 3, {"lengths.csv", "2-3"}, reconstructing(five)},
+        {"LengthsOfAnEdgeTwice",
+         3,
+         {"lengths.csv", "row 6", "twice"},
+         reconstructing(five + "1,0,1\n")},
+        {"LengthsOfNoEdge",
+         3,
+         {"lengths.csv", "row 1", "no edge 2-2"},
+         reconstructing(head + "2,2,1\n")},
+        {"LengthsOfAVertexOutOfRange",
+         3,
+         {"lengths.csv", "row 1", "v1"},
+         reconstructing(head + "0,9,1\n")},
+        {"LengthsOfAFractionalVertex",
+         3,
+         {"lengths.csv", "row 1", "0.5"},
+         reconstructing(head + "0.5,1,1\n")},
+        {"LengthsThatAreNotPositive",
+         3,
+         {"lengths.csv", "row 1", "> 0"},
+         reconstructing(head + "0,1,-2\n")},
+        {"LengthsThatAreNoNumbers",
+         3,
+         {"lengths.csv", "row 1", "long"},
+         reconstructing(head + "0,1,long\n")},
+    };
+}
+
+std::vector<BadInput> bad_hdf5()
+{
+    const Arguments info{"info", "x.h5"};
+    const auto shortened = [](const std::string& name) {
+        return [=](const Folder& folder) -> Arguments {
+            const std::string whole = folder.read(name);
+            folder.write("x.h5", whole.substr(0, whole.size() - whole.size() / 3));
+            return {"info", "x.h5"};
+        };
+    };
+    return {
+        {"TextAsHdf5", 3, {"x.h5"}, running_with("x.h5", "no HDF5 at all\n", info)},
+        {"EmptyHdf5", 3, {"x.h5"}, running_with("x.h5", "", info)},
+        {"TruncatedCollection", 3, {"x.h5"}, shortened("good.h5")},
+        {"TruncatedModel", 3, {"x.h5"}, shortened("model.h5")},
+        {"DamagedCollection",
+         3,
+         {"x.h5"},
+         [](const Folder& folder) -> Arguments {
+             std::string bytes = folder.read("good.h5");
+             for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 64; ++i)
+                 bytes[i] = static_cast<char>(bytes[i] ^ 0x55);
+             folder.write("x.h5", bytes);
+             return {"stats", "x.h5", "-o", "out.h5"};
+         }},
+        {"PointsOfAnotherShape",
+         3,
+         {"x.h5", "points"},
+         [](const Folder& folder) -> Arguments {
+             folder.write("x.h5", folder.read("good.h5"));
+             replace_points((folder / "x.h5").string());
+             return {"stats", "x.h5", "-o", "out.h5"};
+         }},
+        {"ModelAsCollection", 3, {"model.h5"}, running({"stats", "model.h5", "-o", "out.h5"})},
+        {"CollectionAsModel",
+         3,
+         {"good.h5"},
+         running({"generate", "good.h5", "--mean", "-o", "x.ply"})},
+        {"MissingModel", 5, {"no.h5"}, running({"generate", "no.h5", "--mean", "-o", "x.ply"})},
+    };
+}
+
+std::vector<BadInput> bad_requests()
+{
+    return {
+        {"StatisticsOfOneMesh", 3, {"2"}, running({"stats", "a.ply", "-o", "out.h5"})},
+        {"MoreModesThanMeshesAllow",
+         3,
+         {"3", "2"},
+         running({"stats", "good.h5", "-o", "out.h5", "--modes", "3"})},
+        {"VarianceAboveOne",
+         3,
+         {"1.5"},
+         running({"stats", "good.h5", "-o", "out.h5", "--variance", "1.5"})},
+        {"EqualMeshes",
+         3,
+         {"equal"},
+         [](const Folder& folder) -> Arguments {
+             folder.write("same.ply", folder.read("a.ply"));
+             return {"stats", "a.ply", "same.ply", "-o", "out.h5"};
+         }},
+        {"ProjectionOfAnotherTriangulation",
+         3,
+         {"triangulation"},
+         running({"project", "model.h5", "tetrahedron.obj", "-o", "s.csv"})},
+        {"ModeBeyondTheModel",
+         3,
+         {"--mode", "7", "1 to 2"},
+         running({"generate", "model.h5", "--mode", "7", "--sigma", "1", "-o", "x.ply"})},
+        {"MoreScoresThanModes",
+         3,
+         {"--scores", "3", "2"},
+         running({"generate", "model.h5", "--scores", "0,0,0", "-o", "x.ply"})},
+        {"StrictInfeasibleTarget",
+         4,
+         {"mode01_100.00", "face", "--strict"},
+         running({"generate", "model.h5", "--mode", "1", "--sigma", "0:200:3", "--strict", "-o",
+                  "new"})},
+        {"UnknownLabel",
+         3,
+         {"colour"},
+         running({"difference", "good.h5", "--pair-by", "colour", "--from", "mood=calm", "--to",
+                  "mood=glad", "-o", "out.h5"})},
+        {"EmptyGroup",
+         3,
+         {"sad"},
+         running({"difference", "good.h5", "--pair-by", "subject", "--from", "mood=calm", "--to",
+                  "mood=sad", "-o", "out.h5"})},
+        {"WeightsThatDoNotSumToOne",
+         3,
+         {"0.5,0.6", "1.1"},
+         running({"interpolate", "a.ply", "b.ply", "--weights", "0.5,0.6", "-o", "x.ply"})},
+        {"WeightsOfAnotherNumber",
+         3,
+         {"3 weights for 2 meshes"},
+         running({"interpolate", "a.ply", "b.ply", "--weights", "0.5,0.2,0.3", "-o", "x.ply"})},
+        {"WeightsOutsideTheUnitInterval",
+         3,
+         {"-0.5", "--extrapolate"},
+         running({"interpolate", "a.ply", "b.ply", "--weights", "-0.5,1.5", "-o", "x.ply"})},
+        {"InterpolationOfOneMesh",
+         3,
+         {"a"},
+         running({"interpolate", "a.ply", "--weights", "1", "-o", "x.ply"})},
+        {"FramesBetweenThreeMeshes",
+         3,
+         {"--frames", "3"},
+         running({"interpolate", "good.h5", "--frames", "3", "-o", "new"})},
+        {"UnknownDataset", 3, {"cube", "torus"}, running({"synth", "cube", "-o", "new"})},
+        {"DatasetOfTooFewVertices",
+         3,
+         {"torus", "5"},
+         running({"synth", "torus", "--vertices", "5", "-o", "new"})},
+    };
+}
+
+std::vector<BadInput> bad_outputs()
+{
+    return {
+        {"ExistingFile",
+         5,
+         {"model.h5", "--force"},
+         running({"stats", "good.h5", "-o", "model.h5"})},
+        {"ExistingFileInADirectory",
+         5,
+         {"frame_0001.ply", "--force"},
+         running_with("new/frame_0001.ply", "old",
+                      {"interpolate", "a.ply", "b.ply", "--frames", "3", "-o", "new"})},
+        {"ExistingDirectoryAsFile",
+         5,
+         {"dir.h5"},
+         running_with("dir.h5/x", "", {"stats", "good.h5", "-o", "dir.h5", "--force"})},
+        {"MissingParent", 5, {"no/where"}, running({"stats", "good.h5", "-o", "no/where/out.h5"})},
+        {"MissingParentOfADirectory",
+         5,
+         {"no/where"},
+         running({"synth", "torus", "-o", "no/where/new"})},
+        {"UnwritableDirectory", 5, {"/proc"}, running({"stats", "good.h5", "-o", "/proc/out.h5"})},
+        {"OutputThatIsAnInput",
+         2,
+         {"good.h5", "input"},
+         running({"stats", "good.h5", "-o", "./good.h5", "--force"})},
+        {"OutputThatIsAnInputMesh",
+         2,
+         {"a.ply", "input"},
+         running(
+             {"interpolate", "a.ply", "b.ply", "--weights", "0.5,0.5", "-o", "a.ply", "--force"})},
+    };
+}
+
+class BadInputTest : public testing::TestWithParam<BadInput>
+{
+};
+
+TEST_P(BadInputTest, IsRefusedInOneLineAndLeavesEverythingAsItWas)
+{
+    const BadInput& bad = GetParam();
+    const Folder folder;
+    fill(folder);
+    folder.write("tetrahedron.obj", tetrahedron_obj);
+    const Arguments arguments = bad.arrange(folder);
+    const std::map<std::string, std::string> before = folder.content();
+
+    const Outcome outcome = run_shape(folder.path(), arguments);
+
+    EXPECT_EQ(outcome.exit_code, bad.exit_code) << outcome.err;
+    EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("shape: error: ")) << outcome.err;
+    for (const std::string& word : bad.said)
+        EXPECT_NE(outcome.err.find(word), std::string::npos) << word << " in " << outcome.err;
+    EXPECT_LT(outcome.cpu_seconds, 2.0);
+    EXPECT_TRUE(folder.content() == before) << "a file was made or changed";
+}
+
+std::string case_name(const testing::TestParamInfo<BadInput>& bad)
+{
+    return bad.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, BadInputTest, testing::ValuesIn(bad_meshes()), case_name);
+INSTANTIATE_TEST_SUITE_P(Tables, BadInputTest, testing::ValuesIn(bad_tables()), case_name);
+INSTANTIATE_TEST_SUITE_P(Lengths, BadInputTest, testing::ValuesIn(bad_lengths()), case_name);
+INSTANTIATE_TEST_SUITE_P(Hdf5, BadInputTest, testing::ValuesIn(bad_hdf5()), case_name);
+INSTANTIATE_TEST_SUITE_P(Requests, BadInputTest, testing::ValuesIn(bad_requests()), case_name);
+INSTANTIATE_TEST_SUITE_P(Outputs, BadInputTest, testing::ValuesIn(bad_outputs()), case_name);
+
+} // namespace
+} // namespace shape::test

@@ -1,0 +1,426 @@
+// SPDX-License-Identifier: MIT
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "libshape/base/format.h"
+#include "libshape/io/collection_file.h"
+#include "libshape/io/mesh_file.h"
+#include "libshape/io/model_file.h"
+#include "libshape/io/table_file.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tests/support/meshes.h"
+#include "tests/tools/program.h"
+
+namespace shape::test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A folder with three meshes, where every run must succeed.
+class Commands : public testing::Test
+{
+protected:
+    Commands() { write_bumpy_spheres(folder_); }
+
+    /// Runs and returns the JSON on stdout; stderr stays empty.
+    [[nodiscard]] Json run(std::vector<std::string> arguments) const
+    {
+        arguments.emplace_back("--json");
+        const Outcome outcome = run_shape(folder_.path(), arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_EQ(outcome.err, "");
+        return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
+    }
+
+    [[nodiscard]] Eigen::VectorXd lengths(const std::string& file) const
+    {
+        const NamedMesh mesh = read_mesh(folder_ / file);
+        return edge_lengths(Topology(mesh.faces, static_cast<int>(mesh.points.rows())),
+                            mesh.points);
+    }
+
+    void collect_labelled() const
+    {
+        (void)run({"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "f.h5"});
+    }
+    void fit() const
+    {
+        collect_labelled();
+        (void)run({"stats", "f.h5", "-o", "model.h5"});
+    }
+
+    const Folder folder_;
+};
+
+/// Largest difference relative to the mean of b.
+double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b)
+{
+    return (a - b).cwiseAbs().maxCoeff() / b.mean();
+}
+
+TEST_F(Commands, CollectKeepsPositionsNamesAndLabels)
+{
+    const Json figures =
+        run({"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "f.h5"});
+    EXPECT_EQ(figures["command"], "collect");
+    EXPECT_EQ(figures["outputs"], Json({"f.h5"}));
+    EXPECT_EQ(figures["meshes"], 3);
+    EXPECT_EQ(figures["vertices"], 42);
+    const Collection collection = read_collection(folder_ / "f.h5");
+    EXPECT_EQ(collection.names, (std::vector<std::string>{"a", "b", "c"}));
+    EXPECT_EQ(collection.points[1], read_mesh(folder_ / "b.ply").points);
+    EXPECT_EQ(find_label(collection.labels, "mood").values,
+              (std::vector<std::string>{"calm", "glad", "calm"}));
+}
+
+TEST_F(Commands, ADirectoryIsReadInNaturalNameOrder)
+{
+    for (const char* name : {"s10", "s2", "s1", "t"})
+        folder_.write(join("set/", name, ".ply"), folder_.read("a.ply"));
+    folder_.write("set/notes.txt", "not a mesh");
+    (void)run({"collect", "set", "-o", "f.h5"});
+    EXPECT_EQ(run({"info", "f.h5"})["names"], Json({"s1", "s2", "s10", "t"}));
+}
+
+TEST_F(Commands, FilesDirectoriesAndCollectionsMix)
+{
+    collect_labelled();
+    folder_.write("set/d.ply", folder_.read("a.ply"));
+    folder_.write("e.ply", folder_.read("b.ply"));
+    (void)run({"collect", "e.ply", "f.h5", "set", "-o", "all.h5"});
+    const Collection all = read_collection(folder_ / "all.h5");
+    EXPECT_EQ(all.names, (std::vector<std::string>{"e", "a", "b", "c", "d"}));
+    EXPECT_EQ(find_label(all.labels, "subject").values,
+              (std::vector<std::string>{"", "x", "x", "y", ""}));
+}
+
+TEST_F(Commands, PolygonsAreSplitOnRequest)
+{
+    folder_.write("quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    EXPECT_EQ(run({"collect", "quad.obj", "-o", "q.h5", "--triangulate"})["faces"], 2);
+}
+
+TEST_F(Commands, CheckPassesGoodMeshes)
+{
+    const Json figures = run({"check", "a.ply", "b.ply", "c.ply"});
+    EXPECT_EQ(figures["broken"], 0);
+    EXPECT_EQ(figures["meshes"].size(), 3U);
+    EXPECT_EQ(figures["meshes"][2]["name"], "c");
+    EXPECT_EQ(figures["meshes"][2]["ok"], true);
+}
+
+TEST_F(Commands, CheckListsEveryDefectOfEveryMesh)
+{
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 2 2 2\n";
+    folder_.write("bad.obj", vertices + "f 1 2 3\nf 2 3 4\nf 1 2 3\n");
+    folder_.write("worse.obj", "v 0 0 zero\n");
+    const Outcome outcome =
+        run_shape(folder_.path(), {"check", "a.ply", "bad.obj", "worse.obj", "--json"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+    const Json figures = Json::parse(outcome.out);
+    EXPECT_EQ(figures["broken"], 2);
+    std::set<std::string> kinds;
+    for (const Json& defect : figures["meshes"][1]["defects"])
+        kinds.insert(defect["kind"]);
+    const std::set<std::string> expected{"duplicate_face", "non_manifold_edge", "isolated_vertex",
+                                         "correspondence"};
+    EXPECT_TRUE(std::includes(kinds.begin(), kinds.end(), expected.begin(), expected.end()))
+        << figures["meshes"][1].dump();
+    EXPECT_EQ(figures["meshes"][2]["defects"][0]["kind"], "unreadable");
+}
+
+TEST_F(Commands, CheckPrintsTheSameForPeople)
+{
+    folder_.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n");
+    const Outcome outcome = run_shape(folder_.path(), {"check", "a.ply", "bad.obj"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_NE(outcome.out.find("a.ply: ok\n"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("duplicate_face: face 1"), std::string::npos) << outcome.out;
+}
+
+TEST_F(Commands, InfoCountsWhatIsInACollection)
+{
+    collect_labelled();
+    const Json figures = run({"info", "f.h5"});
+    EXPECT_EQ(figures["kind"], "collection");
+    EXPECT_EQ(figures["meshes"], 3);
+    EXPECT_EQ(figures["vertices"], 42);
+    EXPECT_EQ(figures["edges"], 120);
+    EXPECT_EQ(figures["faces"], 80);
+    EXPECT_EQ(figures["genus"], 0);
+    EXPECT_EQ(figures["labels"], Json({{"subject", 2}, {"mood", 2}}));
+    const double mean =
+        (lengths("a.ply").sum() + lengths("b.ply").sum() + lengths("c.ply").sum()) / 3.0;
+    EXPECT_NEAR(figures["mean_size"].get<double>(), mean, 1e-12 * mean);
+}
+
+TEST_F(Commands, InfoHasARowForEveryMode)
+{
+    fit();
+    const Json modes = run({"info", "model.h5"})["modes"];
+    ASSERT_EQ(modes.size(), 2U);
+    EXPECT_GE(modes[0]["variance"].get<double>(), modes[1]["variance"].get<double>());
+    EXPECT_NEAR(modes[1]["cumulative"].get<double>(), 1.0, 1e-12);
+    EXPECT_LT(modes[0]["feasible_low"].get<double>(), 0.0);
+    EXPECT_GT(modes[0]["feasible_high"].get<double>(), 0.0);
+    const Outcome text = run_shape(folder_.path(), {"info", "model.h5"});
+    EXPECT_NE(text.out.find("\n   2 "), std::string::npos) << text.out;
+    EXPECT_EQ(text.err, "");
+}
+
+TEST_F(Commands, StatsKeepsAsManyModesAsAskedFor)
+{
+    EXPECT_EQ(run({"stats", "a.ply", "b.ply", "c.ply", "-o", "all.h5"})["modes"].size(), 2U);
+    const std::vector<std::string> meshes{"stats", "a.ply", "b.ply", "c.ply", "-o"};
+    auto one = meshes;
+    one.insert(one.end(), {"one.h5", "--modes", "1"});
+    EXPECT_EQ(run(one)["modes"].size(), 1U);
+    auto share = meshes;
+    share.insert(share.end(), {"share.h5", "--variance", "0.01"});
+    EXPECT_EQ(run(share)["modes"].size(), 1U);
+}
+
+TEST_F(Commands, StatsTakesLengthsAsTheyAreOnRequest)
+{
+    (void)run({"stats", "a.ply", "b.ply", "c.ply", "-o", "model.h5", "--scale", "none"});
+    const ShapeModel model = read_model(folder_ / "model.h5");
+    EXPECT_EQ(model.scale, Scale::None);
+    const Eigen::VectorXd mean = (lengths("a.ply") + lengths("b.ply") + lengths("c.ply")) / 3.0;
+    EXPECT_LT(difference(model.mean_edge_lengths, mean), 1e-12);
+}
+
+TEST_F(Commands, ProjectReproducesTheScoresOfTheModel)
+{
+    fit();
+    (void)run({"project", "model.h5", "f.h5", "-o", "scores.csv"});
+    const Table table = read_table(folder_ / "scores.csv");
+    EXPECT_EQ(table.columns, (std::vector<std::string>{"mesh", "subject", "mood", "size",
+                                                       "residual", "pc1", "pc2"}));
+    const ShapeModel model = read_model(folder_ / "model.h5");
+    ASSERT_EQ(table.rows.size(), 3U);
+    for (Eigen::Index i = 0; i < 3; ++i) {
+        const std::vector<std::string>& row = table.rows[static_cast<std::size_t>(i)];
+        EXPECT_EQ(row[0], model.names[static_cast<std::size_t>(i)]);
+        EXPECT_NEAR(parse_number(row[3], "size"), model.sizes[i], 1e-12 * model.sizes[i]);
+        EXPECT_LT(parse_number(row[4], "residual"), 1e-12);
+        EXPECT_NEAR(parse_number(row[5], "pc1"), model.scores(i, 0), 1e-12);
+        EXPECT_NEAR(parse_number(row[6], "pc2"), model.scores(i, 1), 1e-12);
+    }
+}
+
+TEST_F(Commands, GenerateFromProjectedScoresGivesTheMeshesBack)
+{
+    fit();
+    (void)run({"project", "model.h5", "f.h5", "-o", "scores.csv"});
+    const Json figures =
+        run({"generate", "model.h5", "--scores-file", "scores.csv", "-o", "again"});
+    EXPECT_EQ(files_in(folder_ / "again"), (std::vector<std::string>{"a.ply", "b.ply", "c.ply"}));
+    for (const char* mesh : {"a.ply", "b.ply", "c.ply"})
+        EXPECT_LT(difference(lengths(join("again/", mesh)), lengths(mesh)), 1e-6) << mesh;
+    EXPECT_EQ(figures["embeddings"][2]["name"], "c");
+    EXPECT_EQ(figures["embeddings"][2]["status"], "exact");
+}
+
+TEST_F(Commands, GenerateMeanHasTheMeanSizeOrTheOneAskedFor)
+{
+    fit();
+    const double mean_size = read_model(folder_ / "model.h5").mean_size();
+    (void)run({"generate", "model.h5", "--mean", "-o", "mean.ply"});
+    EXPECT_NEAR(lengths("mean.ply").sum(), mean_size, 0.01 * mean_size);
+    (void)run({"generate", "model.h5", "--mean", "--size", "7", "-o", "seven"});
+    EXPECT_NEAR(lengths("seven/mean.ply").sum(), 7.0, 0.07);
+}
+
+TEST_F(Commands, GenerateNamesTheMeshesOfAMode)
+{
+    fit();
+    (void)run({"generate", "model.h5", "--mode", "2", "--sigma", "-1:1:3", "-o", "two"});
+    EXPECT_EQ(files_in(folder_ / "two"),
+              (std::vector<std::string>{"mode02_-1.00.ply", "mode02_0.00.ply", "mode02_1.00.ply"}));
+    (void)run({"generate", "model.h5", "--mode", "1", "--sigma", "-0.001:0.001:3", "-o", "fine",
+               "--format", "obj"});
+    EXPECT_EQ(
+        files_in(folder_ / "fine"),
+        (std::vector<std::string>{"mode01_-0.001.obj", "mode01_0.000.obj", "mode01_0.001.obj"}));
+}
+
+TEST_F(Commands, GenerateScoresAreStandardDeviations)
+{
+    fit();
+    (void)run({"generate", "model.h5", "--scores", "0.5", "-o", "scores.ply"});
+    (void)run({"generate", "model.h5", "--mode", "1", "--sigma", "0.5", "-o", "mode.ply"});
+    EXPECT_EQ(folder_.read("scores.ply"), folder_.read("mode.ply"));
+    (void)run({"project", "model.h5", "scores.ply", "-o", "s.csv"});
+    const ShapeModel model = read_model(folder_ / "model.h5");
+    const Table table = read_table(folder_ / "s.csv");
+    EXPECT_NEAR(parse_number(table.rows[0][3], "pc1"), 0.5 * std::sqrt(model.variances[0]),
+                0.01 * std::sqrt(model.variances[0]));
+}
+
+TEST_F(Commands, GenerateSamplesDependOnTheSeedAlone)
+{
+    fit();
+    (void)run({"generate", "model.h5", "--sample", "2", "--seed", "5", "-o", "one"});
+    (void)run({"generate", "model.h5", "--sample", "3", "--seed", "5", "-o", "same"});
+    (void)run({"generate", "model.h5", "--sample", "2", "--seed", "6", "-o", "other"});
+    EXPECT_EQ(files_in(folder_ / "one"),
+              (std::vector<std::string>{"sample_0000.ply", "sample_0001.ply"}));
+    for (const std::string name : {"sample_0000.ply", "sample_0001.ply"}) {
+        EXPECT_EQ(folder_.read("one/" + name), folder_.read("same/" + name));
+        EXPECT_NE(folder_.read("one/" + name), folder_.read("other/" + name));
+    }
+}
+
+TEST_F(Commands, InfeasibleTargetsAreWrittenWithAWarning)
+{
+    fit();
+    const double beyond = 1.1 * feasible_range(read_model(folder_ / "model.h5"), 0, 100.0).high;
+    const Outcome outcome = run_shape(folder_.path(), {"generate", "model.h5", "--mode", "1",
+                                                       "--sigma", join(beyond), "-o", "far.ply"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("shape: warning: mode01_")) << outcome.err;
+    EXPECT_NE(outcome.err.find("infeasible target"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("worst face"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(read_mesh(folder_ / "far.ply").points.allFinite());
+}
+
+TEST_F(Commands, EmbeddingsHaveTheFieldsOfTheContract)
+{
+    fit();
+    const Json figures = run({"generate", "model.h5", "--mean", "-o", "mean.ply"});
+    EXPECT_EQ(figures["outputs"], Json({"mean.ply"}));
+    ASSERT_EQ(figures["embeddings"].size(), 1U);
+    const Json& embedding = figures["embeddings"][0];
+    std::set<std::string> fields;
+    for (const auto& [field, value] : embedding.items())
+        fields.insert(field);
+    EXPECT_EQ(fields,
+              (std::set<std::string>{"name", "method", "vertices", "status", "edge_rms", "edge_max",
+                                     "edge_p999", "edge_p99", "dihedral_rms_deg",
+                                     "dihedral_p99_deg", "dihedral_max_deg", "closure_energy",
+                                     "iterations", "converged", "seconds", "setup_seconds"}));
+    EXPECT_EQ(embedding["name"], "mean");
+    EXPECT_EQ(embedding["method"], "dihedral");
+    EXPECT_EQ(embedding["vertices"], 42);
+    EXPECT_TRUE(embedding["converged"].is_boolean());
+}
+
+TEST_F(Commands, EmbeddingErrorsAreThoseOfTheWrittenMesh)
+{
+    const Json figures =
+        run({"interpolate", "a.ply", "b.ply", "--weights", "0.5,0.5", "-o", "half.ply"});
+    const Eigen::VectorXd target = 0.5 * (lengths("a.ply") + lengths("b.ply"));
+    const Eigen::VectorXd error = lengths("half.ply") - target;
+    const double rms = std::sqrt(error.squaredNorm() / static_cast<double>(error.size()));
+    EXPECT_NEAR(figures["embeddings"][0]["edge_rms"].get<double>(), rms / target.mean(), 1e-12);
+    EXPECT_NEAR(figures["embeddings"][0]["edge_max"].get<double>(),
+                error.cwiseAbs().cwiseQuotient(target).maxCoeff(), 1e-12);
+}
+
+TEST_F(Commands, TheMethodOfRojasCanBeChosen)
+{
+    const Json figures = run({"interpolate", "a.ply", "b.ply", "--weights", "0.5,0.5", "-o",
+                              "half.ply", "--method", "closure"});
+    EXPECT_EQ(figures["embeddings"][0]["method"], "closure");
+}
+
+TEST_F(Commands, InterpolationEndsAtItsInputs)
+{
+    const Json figures = run({"interpolate", "a.ply", "b.ply", "--frames", "3", "-o", "frames"});
+    EXPECT_EQ(files_in(folder_ / "frames"),
+              (std::vector<std::string>{"frame_0000.ply", "frame_0001.ply", "frame_0002.ply"}));
+    EXPECT_LT(difference(lengths("frames/frame_0000.ply"), lengths("a.ply")), 1e-6);
+    EXPECT_LT(difference(lengths("frames/frame_0002.ply"), lengths("b.ply")), 1e-6);
+    EXPECT_EQ(figures["outputs"][1], "frames/frame_0001.ply");
+}
+
+TEST_F(Commands, InterpolationTakesWeightsOfManyMeshesManyTimes)
+{
+    (void)run({"interpolate", "a.ply", "b.ply", "c.ply", "--weights", "0,1,0", "--weights", "0,0,1",
+               "-o", "frames", "--format", "off"});
+    EXPECT_LT(difference(lengths("frames/frame_0000.off"), lengths("b.ply")), 1e-6);
+    EXPECT_LT(difference(lengths("frames/frame_0001.off"), lengths("c.ply")), 1e-6);
+}
+
+TEST_F(Commands, ExtrapolationNeedsItsOption)
+{
+    (void)run(
+        {"interpolate", "a.ply", "b.ply", "--weights", "1.1,-0.1", "--extrapolate", "-o", "x.ply"});
+    const Eigen::VectorXd target = 1.1 * lengths("a.ply") - 0.1 * lengths("b.ply");
+    EXPECT_LT(difference(lengths("x.ply"), target), 0.05);
+    EXPECT_GT(difference(lengths("x.ply"), lengths("a.ply")), 1e-3);
+}
+
+TEST_F(Commands, SquaredLengthsBlendToLongerEdges)
+{
+    (void)run({"interpolate", "a.ply", "b.ply", "--weights", "0.5,0.5", "-o", "plain.ply"});
+    (void)run({"interpolate", "a.ply", "b.ply", "--weights", "0.5,0.5", "-o", "squared.ply",
+               "--lengths", "squared"});
+    EXPECT_GT(lengths("squared.ply").sum(), lengths("plain.ply").sum());
+}
+
+TEST_F(Commands, ReconstructMakesTheMeshOfGivenLengths)
+{
+    const NamedMesh b = read_mesh(folder_ / "b.ply");
+    const Topology topology(b.faces, static_cast<int>(b.points.rows()));
+    const Eigen::VectorXd wanted = lengths("b.ply");
+    Table table{{"v0", "v1", "length"}, {}};
+    for (int e = topology.edge_count() - 1; e >= 0; --e) // any order, any direction
+        table.rows.push_back(
+            {join(topology.edges()(e, 1)), join(topology.edges()(e, 0)), print_number(wanted[e])});
+    write_table(folder_ / "lengths.csv", table);
+    const Json figures = run({"reconstruct", "--reference", "a.ply", "b.ply", "--lengths",
+                              "lengths.csv", "-o", "b2.ply"});
+    EXPECT_LT(difference(lengths("b2.ply"), wanted), 0.02);
+    EXPECT_LT(figures["embeddings"][0]["edge_max"].get<double>(), 0.02);
+}
+
+TEST_F(Commands, ReconstructTakesTheReferencesOwnLengths)
+{
+    (void)run({"reconstruct", "--reference", "c.ply", "-o", "c2.ply"});
+    EXPECT_LT(difference(lengths("c2.ply"), lengths("c.ply")), 1e-6);
+}
+
+TEST_F(Commands, DifferenceAppliedToItsOnlyPairGivesTheOtherMesh)
+{
+    collect_labelled();
+    const Json figures =
+        run({"difference", "f.h5", "--pair-by", "subject", "--from", "mood=calm", "--to",
+             "mood=glad", "--scale", "none", "-o", "diff.h5", "--apply", "--mesh", "glad.ply"});
+    EXPECT_EQ(figures["pairs"], 1);
+    EXPECT_EQ(figures["outputs"], Json({"glad.ply", "diff.h5"}));
+    EXPECT_LT(difference(lengths("glad.ply"), lengths("b.ply")), 1e-6);
+    EXPECT_EQ(run({"info", "diff.h5"})["kind"], "difference");
+    (void)run({"difference", "f.h5", "--pair-by", "subject", "--from", "mood=calm", "--to",
+               "mood=glad", "--scale", "none", "-o", "again.h5", "--apply", "--amount", "0",
+               "--mesh", "calm.ply"});
+    EXPECT_LT(difference(lengths("calm.ply"), lengths("a.ply")), 1e-6);
+}
+
+TEST_F(Commands, SynthMakesADirectoryThatCanBeCollected)
+{
+    const Json figures = run({"synth", "torus", "-o", "torus", "--vertices", "100"});
+    EXPECT_EQ(figures["meshes"], 2);
+    EXPECT_TRUE(folder_.has("torus/labels.csv"));
+    const Json collected = run({"collect", "torus", "-o", "t.h5", "--labels", "torus/labels.csv"});
+    EXPECT_EQ(collected["vertices"], figures["vertices"]);
+}
+
+TEST_F(Commands, SynthListsItsDatasets)
+{
+    const Json datasets = run({"synth", "--list"})["datasets"];
+    std::set<std::string> names;
+    for (const Json& dataset : datasets)
+        names.insert(dataset["name"]);
+    for (const char* name : {"arm", "helix", "barbells", "torus", "femurs", "icosahedron", "faces"})
+        EXPECT_TRUE(names.contains(name)) << name;
+    const Outcome text = run_shape(folder_.path(), {"synth", "--list"});
+    EXPECT_NE(text.out.find("torus: "), std::string::npos) << text.out;
+}
+
+} // namespace
+} // namespace shape::test

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+namespace shape::test {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+class Outputs : public testing::Test
+{
+protected:
+    Outputs() { write_bumpy_spheres(folder_); }
+
+    [[nodiscard]] Outcome run(const Arguments& arguments, const Launch& launch = {}) const
+    {
+        return run_shape(folder_.path(), arguments, launch);
+    }
+
+    const Folder folder_;
+};
+
+TEST_F(Outputs, ForceReplacesAFile)
+{
+    folder_.write("model.h5", "old");
+    EXPECT_EQ(run({"stats", "a.ply", "b.ply", "-o", "model.h5"}).exit_code, 5);
+    EXPECT_EQ(folder_.read("model.h5"), "old");
+    EXPECT_EQ(run({"stats", "a.ply", "b.ply", "-o", "model.h5", "--force"}).exit_code, 0);
+    EXPECT_NE(folder_.read("model.h5"), "old");
+}
+
+TEST_F(Outputs, ForceReplacesOnlyItsOwnFilesOfADirectory)
+{
+    folder_.write("new/frame_0000.ply", "old");
+    folder_.write("new/mine.txt", "mine");
+    const Arguments blend{"interpolate", "a.ply", "b.ply", "--frames", "2", "-o", "new", "--force"};
+    EXPECT_EQ(run(blend).exit_code, 0);
+    EXPECT_NE(folder_.read("new/frame_0000.ply"), "old");
+    EXPECT_EQ(folder_.read("new/mine.txt"), "mine");
+    EXPECT_EQ(files_in(folder_ / "new"),
+              (Arguments{"frame_0000.ply", "frame_0001.ply", "mine.txt"}));
+}
+
+TEST_F(Outputs, ADirectoryThatExistsTakesNewFiles)
+{
+    folder_.write("new/mine.txt", "mine");
+    EXPECT_EQ(run({"interpolate", "a.ply", "b.ply", "--frames", "2", "-o", "new/"}).exit_code, 0);
+    EXPECT_EQ(files_in(folder_ / "new"),
+              (Arguments{"frame_0000.ply", "frame_0001.ply", "mine.txt"}));
+}
+
+TEST_F(Outputs, ADirectoryMayHaveAnEndingIfItEndsInASlash)
+{
+    EXPECT_EQ(run({"interpolate", "a.ply", "b.ply", "--frames", "2", "-o", "v1.5/"}).exit_code, 0);
+    EXPECT_EQ(files_in(folder_ / "v1.5"), (Arguments{"frame_0000.ply", "frame_0001.ply"}));
+}
+
+TEST_F(Outputs, MessagesGoToStderrAndDataToStdout)
+{
+    const Outcome stats = run({"stats", "a.ply", "b.ply", "-o", "model.h5"});
+    EXPECT_EQ(stats.out, "");
+    EXPECT_NE(stats.err.find("model.h5"), std::string::npos);
+    const Outcome quiet = run({"stats", "a.ply", "b.ply", "-o", "quiet.h5", "--quiet"});
+    EXPECT_EQ(quiet.out + quiet.err, "");
+    const Outcome info = run({"info", "model.h5"});
+    EXPECT_NE(info.out.find("kind: model"), std::string::npos);
+    EXPECT_EQ(info.err, "");
+}
+
+TEST_F(Outputs, QuietKeepsErrors)
+{
+    EXPECT_EQ(line_count(run({"info", "no.h5", "--quiet"}).err), 1);
+}
+
+TEST_F(Outputs, NoThreadCountChangesAByte)
+{
+    for (const std::string threads : {"1", "2"}) {
+        const Arguments common{"--threads", threads, "--quiet"};
+        const auto with = [&](Arguments arguments) {
+            arguments.insert(arguments.end(), common.begin(), common.end());
+            EXPECT_EQ(run(arguments).exit_code, 0) << arguments.front();
+        };
+        with({"synth", "arm", "--vertices", "3000", "-o", "arm" + threads});
+        with({"stats", "arm" + threads, "-o", "model" + threads + ".h5"});
+        with({"generate", "model" + threads + ".h5", "--sample", "2", "-o", "new" + threads});
+    }
+    EXPECT_EQ(folder_.read("model1.h5"), folder_.read("model2.h5"));
+    EXPECT_EQ(folder_.read("new1/sample_0001.ply"), folder_.read("new2/sample_0001.ply"));
+}
+
+TEST_F(Outputs, AnInterruptLeavesNothingBehind)
+{
+    ASSERT_EQ(run({"stats", "a.ply", "b.ply", "-o", "model.h5"}).exit_code, 0);
+    const std::map<std::string, std::string> before = folder_.content();
+    const Outcome outcome = run({"generate", "model.h5", "--sample", "1000000", "-o", "new"},
+                                {.interrupt_after_ms = 300});
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+    EXPECT_TRUE(folder_.content() == before);
+}
+
+TEST_F(Outputs, AReaderThatWentAwayIsNoError)
+{
+    const Outcome outcome = run({"synth", "--list"}, {.close_stdout = true});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(Outputs, ALocaleWithDecimalCommasChangesNothing)
+{
+    const Arguments stats{"stats", "a.ply", "b.ply", "--json", "-o"};
+    Arguments plain = stats;
+    plain.emplace_back("plain.h5");
+    Arguments comma = stats;
+    comma.emplace_back("comma.h5");
+    ASSERT_EQ(run(plain).exit_code, 0);
+    ASSERT_EQ(run(comma, {.environment = {"LC_ALL=de_DE.UTF-8"}}).exit_code, 0);
+    EXPECT_EQ(folder_.read("plain.h5"), folder_.read("comma.h5"));
+}
+
+} // namespace
+} // namespace shape::test

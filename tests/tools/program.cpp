@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+
+#include "tests/tools/program.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <thread>
+
+#include "libshape/io/mesh_file.h"
+#include "tests/support/meshes.h"
+
+namespace shape::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const fs::path& path)
+{
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void redirect(const fs::path& path, int descriptor)
+{
+    const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    dup2(file, descriptor);
+    close(file);
+}
+
+/// Makes descriptor the writing end of a pipe without a reading end.
+void redirect_to_closed_pipe(int descriptor)
+{
+    int ends[2];
+    if (pipe(ends) != 0)
+        _exit(127);
+    close(ends[0]);
+    dup2(ends[1], descriptor);
+    close(ends[1]);
+}
+
+[[noreturn]] void become_the_program(const fs::path& folder, const Folder& streams,
+                                     std::vector<std::string> arguments, const Launch& launch)
+{
+    if (launch.close_stdout)
+        redirect_to_closed_pipe(STDOUT_FILENO);
+    else
+        redirect(streams / "out", STDOUT_FILENO);
+    redirect(streams / "err", STDERR_FILENO);
+    for (const std::string& assignment : launch.environment) {
+        const std::size_t sign = assignment.find('=');
+        setenv(assignment.substr(0, sign).c_str(), assignment.c_str() + sign + 1, 1);
+    }
+    if (chdir(folder.c_str()) != 0)
+        _exit(127);
+    std::string program = SHAPE_PROGRAM;
+    std::vector<char*> argv{program.data()};
+    for (std::string& argument : arguments)
+        argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    execv(program.c_str(), argv.data());
+    _exit(127);
+}
+
+} // namespace
+
+Outcome run_shape(const fs::path& folder, const std::vector<std::string>& arguments,
+                  const Launch& launch)
+{
+    using namespace std::chrono;
+    const Folder streams;
+    const pid_t child = fork();
+    if (child == 0)
+        become_the_program(folder, streams, arguments, launch);
+    int status = 0;
+    rusage usage = {};
+    bool interrupted = false;
+    const auto start = steady_clock::now();
+    while (wait4(child, &status, WNOHANG, &usage) == 0) {
+        const auto elapsed = steady_clock::now() - start;
+        if (launch.interrupt_after_ms > 0 && !interrupted &&
+            elapsed > milliseconds(launch.interrupt_after_ms)) {
+            kill(child, SIGINT);
+            interrupted = true;
+        }
+        if (elapsed > minutes(1))
+            kill(child, SIGKILL);
+        std::this_thread::sleep_for(milliseconds(1));
+    }
+    const auto seconds_of = [](const timeval& time) {
+        return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    };
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            read_file(streams / "out"), read_file(streams / "err"),
+            seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime)};
+}
+
+Folder::Folder()
+{
+    std::string pattern = (fs::temp_directory_path() / "shape_test_XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+        throw std::runtime_error("cannot make a temporary folder");
+    path_ = pattern;
+}
+
+Folder::~Folder()
+{
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+}
+
+void Folder::write(const std::string& name, std::string_view content) const
+{
+    fs::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary) << content;
+}
+
+std::string Folder::read(const std::string& name) const
+{
+    return read_file(path_ / name);
+}
+
+bool Folder::has(const std::string& name) const
+{
+    return fs::exists(path_ / name);
+}
+
+std::map<std::string, std::string> Folder::content() const
+{
+    std::map<std::string, std::string> content;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path_))
+        content[fs::relative(entry.path(), path_).string()] =
+            entry.is_regular_file() ? read_file(entry.path()) : "(no file)";
+    return content;
+}
+
+void write_bumpy_spheres(const Folder& folder)
+{
+    unsigned seed = 1;
+    for (const char* name : {"a.ply", "b.ply", "c.ply"}) {
+        const TestMesh mesh = bumpy_sphere(1, 0.2, seed++);
+        write_mesh(folder / name, mesh.points, mesh.topology.faces(), MeshFormat::Ply);
+    }
+    folder.write("labels.csv", "mesh,subject,mood\na,x,calm\nb,x,glad\nc,y,calm\n");
+}
+
+int line_count(std::string_view text)
+{
+    const auto ends = std::count(text.begin(), text.end(), '\n');
+    return static_cast<int>(ends) + (text.empty() || text.back() == '\n' ? 0 : 1);
+}
+
+std::vector<std::string> files_in(const fs::path& directory)
+{
+    std::vector<std::string> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(directory))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+} // namespace shape::test

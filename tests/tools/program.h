@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libshape/mesh/collection.h"
+
+namespace shape::test {
+
+/// What a run of the program left behind.
+struct Outcome
+{
+    int exit_code = -1; ///< 128 + signal if a signal ended it.
+    std::string out;    ///< stdout.
+    std::string err;    ///< stderr.
+    double cpu_seconds = 0.0;
+};
+
+/// How the program is run.
+struct Launch
+{
+    int interrupt_after_ms = 0;                ///< > 0: SIGINT is sent then.
+    bool close_stdout = false;                 ///< stdout is a pipe that nobody reads.
+    std::vector<std::string> environment = {}; ///< NAME=VALUE, added to that of the test.
+};
+
+/// Runs the program in a folder; ends it after a minute.
+[[nodiscard]] Outcome run_shape(const std::filesystem::path& folder,
+                                const std::vector<std::string>& arguments,
+                                const Launch& launch = {});
+
+/// A new empty folder that goes when the object does.
+class Folder
+{
+public:
+    Folder();
+    ~Folder();
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] std::filesystem::path operator/(const std::string& name) const
+    {
+        return path_ / name;
+    }
+    void write(const std::string& name, std::string_view content) const;
+    [[nodiscard]] std::string read(const std::string& name) const;
+    [[nodiscard]] bool has(const std::string& name) const;
+
+    /// Every file and directory below, and what is in the files.
+    [[nodiscard]] std::map<std::string, std::string> content() const;
+
+private:
+    std::filesystem::path path_;
+};
+
+/// Three spheres with different bumps and 42 vertices, as a.ply, b.ply and c.ply; and labels.csv
+/// with the columns subject (x, x, y) and mood (calm, glad, calm).
+void write_bumpy_spheres(const Folder& folder);
+
+/// The number of lines in a text; a last one without an end counts.
+[[nodiscard]] int line_count(std::string_view text);
+
+/// The names of a directory's files, sorted.
+[[nodiscard]] std::vector<std::string> files_in(const std::filesystem::path& directory);
+
+} // namespace shape::test

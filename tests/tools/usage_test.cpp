@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+namespace shape::test {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+const Arguments commands{"collect",  "check",      "info",        "stats",       "project",
+                         "generate", "difference", "interpolate", "reconstruct", "synth"};
+
+Arguments operator+(Arguments a, const Arguments& b)
+{
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+/// A wrong command line and what its error must name.
+struct WrongUsage
+{
+    std::string name;
+    std::string said;
+    Arguments arguments;
+};
+
+void PrintTo(const WrongUsage& wrong, std::ostream* out)
+{
+    *out << wrong.name;
+}
+
+std::vector<WrongUsage> wrong_usages()
+{
+    const Arguments stats{"stats", "a.ply", "b.ply", "-o", "out.h5"};
+    const Arguments blend{"interpolate", "a.ply", "b.ply", "-o", "new"};
+    const Arguments generate{"generate", "model.h5", "-o", "new"};
+    const Arguments mean = generate + Arguments{"--mean"};
+    const Arguments difference{"difference", "a.ply", "-o", "out.h5", "--pair-by", "k"};
+    return {
+        {"NoCommand", "command", {}},
+        {"UnknownCommand", "frobnicate", {"frobnicate"}},
+        {"UnknownOption", "--frobnicate", stats + Arguments{"--frobnicate"}},
+        {"NoOutput", "--output", {"stats", "a.ply", "b.ply"}},
+        {"NoMeshes", "MESHES", {"stats", "-o", "out.h5"}},
+        {"NoThreads", "--threads", stats + Arguments{"--threads", "0"}},
+        {"TooManyThreads", "--threads", stats + Arguments{"--threads", "100000"}},
+        {"SeedThatIsNoInteger", "--seed", stats + Arguments{"--seed", "1.5"}},
+        {"NegativeSeed", "--seed", stats + Arguments{"--seed", "-1"}},
+        {"NoModes", "--modes", stats + Arguments{"--modes", "0"}},
+        {"HexadecimalModes", "--modes", stats + Arguments{"--modes", "0x2"}},
+        {"NanVariance", "--variance", stats + Arguments{"--variance", "nan"}},
+        {"InfiniteVariance", "--variance", stats + Arguments{"--variance", "inf"}},
+        {"HexadecimalVariance", "--variance", stats + Arguments{"--variance", "0x1"}},
+        {"NegativeVariance", "--variance", stats + Arguments{"--variance", "-0.5"}},
+        {"ModesAndVariance", "--modes", stats + Arguments{"--modes", "1", "--variance", "0.5"}},
+        {"UnknownScale", "--scale", stats + Arguments{"--scale", "double"}},
+        {"ModelOfAnotherEnding", ".h5", {"stats", "a.ply", "b.ply", "-o", "model.csv"}},
+        {"EmptyOutput", ".h5", {"stats", "a.ply", "b.ply", "-o", ""}},
+        {"NoBlend", "--weights", blend},
+        {"WeightsAndFrames", "--frames", blend + Arguments{"--weights", "0,1", "--frames", "3"}},
+        {"WeightsThatAreNoNumbers", "--weights", blend + Arguments{"--weights", "0.5;0.5"}},
+        {"NanWeights", "--weights", blend + Arguments{"--weights", "nan,1"}},
+        {"OneFrame", "--frames", blend + Arguments{"--frames", "1"}},
+        {"UnknownPath", "--path", blend + Arguments{"--frames", "3", "--path", "curve"}},
+        {"SeveralMeshesIntoOneFile",
+         "x.ply",
+         {"interpolate", "a.ply", "b.ply", "--frames", "3", "-o", "x.ply"}},
+        {"UnknownFormat", "x.stl", {"generate", "model.h5", "--mean", "-o", "x.stl"}},
+        {"FormatAgainstTheEnding",
+         "--format",
+         {"generate", "model.h5", "--mean", "-o", "x.ply", "--format", "obj"}},
+        {"UnknownMethod", "--method", mean + Arguments{"--method", "magic"}},
+        {"NoSmoothness", "--smoothness", mean + Arguments{"--smoothness", "0"}},
+        {"NanSmoothness", "--smoothness", mean + Arguments{"--smoothness", "nan"}},
+        {"NegativeSize", "--size", mean + Arguments{"--size", "-3"}},
+        {"NoPoint", "--mean", generate},
+        {"MeanAndSample", "--sample", mean + Arguments{"--sample", "2"}},
+        {"ModeWithoutSigma", "--sigma", generate + Arguments{"--mode", "1"}},
+        {"SigmaWithoutMode", "--mode", mean + Arguments{"--sigma", "1"}},
+        {"SigmaOfTwoParts", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "1:2"}},
+        {"SigmaOfOneStep", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "1:2:1"}},
+        {"NanSigma", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "nan"}},
+        {"FromWithoutValue", "--from",
+         difference + Arguments{"--from", "mood", "--to", "mood=glad"}},
+        {"ApplyWithoutMesh", "--mesh",
+         difference + Arguments{"--from", "k=1", "--to", "k=2", "--apply"}},
+        {"SynthWithoutName", "NAME", {"synth", "-o", "new"}},
+    };
+}
+
+class WrongUsageTest : public testing::TestWithParam<WrongUsage>
+{
+};
+
+TEST_P(WrongUsageTest, EndsWithCodeTwoAndOneLine)
+{
+    const Folder folder;
+    write_bumpy_spheres(folder);
+    ASSERT_EQ(run_shape(folder.path(), {"stats", "a.ply", "b.ply", "-o", "model.h5"}).exit_code, 0);
+    const std::map<std::string, std::string> before = folder.content();
+
+    const Outcome outcome = run_shape(folder.path(), GetParam().arguments);
+
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("shape: error: ")) << outcome.err;
+    EXPECT_NE(outcome.err.find(GetParam().said), std::string::npos) << outcome.err;
+    EXPECT_TRUE(folder.content() == before) << "a file was made or changed";
+}
+
+std::string case_name(const testing::TestParamInfo<WrongUsage>& wrong)
+{
+    return wrong.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Usage, WrongUsageTest, testing::ValuesIn(wrong_usages()), case_name);
+
+TEST(Help, ListsEveryCommand)
+{
+    const Folder folder;
+    const Outcome outcome = run_shape(folder.path(), {"--help"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.err, "");
+    for (const std::string& command : commands)
+        EXPECT_NE(outcome.out.find("\n  " + command + " "), std::string::npos) << command;
+}
+
+TEST(Help, OfEveryCommandHasItsOptionsAndAnExample)
+{
+    const Folder folder;
+    for (const std::string& command : commands) {
+        const Outcome outcome = run_shape(folder.path(), {command, "--help"});
+        EXPECT_EQ(outcome.exit_code, 0) << command;
+        EXPECT_EQ(outcome.err, "") << command;
+        for (const std::string& word : {std::string("--json"), std::string("--threads"),
+                                        std::string("Example"), "shape " + command + " "})
+            EXPECT_NE(outcome.out.find(word), std::string::npos) << command << " lacks " << word;
+    }
+}
+
+TEST(Help, FitsATerminal)
+{
+    const Folder folder;
+    for (const std::string& command : commands) {
+        std::istringstream help(run_shape(folder.path(), {command, "--help"}).out);
+        for (std::string line; std::getline(help, line);)
+            EXPECT_LE(line.size(), 120U) << command << ": " << line;
+    }
+}
+
+TEST(Version, IsPrintedOnStdout)
+{
+    const Folder folder;
+    const Outcome outcome = run_shape(folder.path(), {"--version"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_TRUE(outcome.out.starts_with("shape ")) << outcome.out;
+}
+
+TEST(Usage, ADirectoryMayHaveTheNameOfACommand)
+{
+    const Folder folder;
+    write_bumpy_spheres(folder);
+    std::filesystem::create_directory(folder / "stats");
+    for (const char* name : {"a.ply", "b.ply"})
+        std::filesystem::rename(folder / name, folder / "stats" / name);
+    const Outcome outcome = run_shape(folder.path(), {"stats", "stats", "-o", "model.h5"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+} // namespace
+} // namespace shape::test

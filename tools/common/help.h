@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace shape::tools {
+
+/// Prints --help: one line a command for the program; for a command its text, the options that
+/// exclude each other, the others, and the example.
+class HelpFormatter : public CLI::Formatter
+{
+public:
+    std::string make_help(const CLI::App* app, std::string name,
+                          CLI::AppFormatMode mode) const override;
+    std::string make_subcommand(const CLI::App* command) const override;
+};
+
+} // namespace shape::tools
