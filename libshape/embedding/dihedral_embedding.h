@@ -23,11 +23,12 @@ struct DihedralEmbeddingOptions
 
 struct DihedralEmbedding
 {
-    Points points;            ///< #V by 3 [length], centroid at 0.
-    double energy = 0.0;      ///< E of length_dihedral_energy.h.
-    int iterations = 0;       ///< Quasi-Newton steps.
-    int back_substitutions = 0; ///< With the factor of the vertex Laplacian, three right-hand sides.
-    int repaired_folds = 0;   ///< Regions that were turned back (fold_repair.h).
+    Points points;       ///< #V by 3 [length], centroid at 0.
+    double energy = 0.0; ///< E of length_dihedral_energy.h.
+    int iterations = 0;  ///< Quasi-Newton steps.
+    int back_substitutions =
+        0;                  ///< With the factor of the vertex Laplacian, three right-hand sides.
+    int repaired_folds = 0; ///< Regions that were turned back (fold_repair.h).
     bool converged = false;
 };
 

@@ -100,6 +100,9 @@ Embedding Embedder::embed(const ShapePoint& target) const
     return embedding;
 }
 
-double Embedder::setup_seconds() const { return state_->setup_seconds; }
+double Embedder::setup_seconds() const
+{
+    return state_->setup_seconds;
+}
 
 } // namespace shape

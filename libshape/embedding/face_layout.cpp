@@ -15,13 +15,13 @@ namespace shape {
 FaceLayout lay_out_faces(const Topology& topology, const Eigen::VectorXd& lengths,
                          const Points& corner_angles, const Eigen::VectorXd& dihedral_angles)
 {
-    if (lengths.size() != topology.edge_count() || dihedral_angles.size() != topology.edge_count() ||
+    if (lengths.size() != topology.edge_count() ||
+        dihedral_angles.size() != topology.edge_count() ||
         corner_angles.rows() != topology.face_count())
-        throw InvalidInput(join("face layout: ", lengths.size(), " lengths, ",
-                                dihedral_angles.size(), " dihedral angles and ",
-                                corner_angles.rows(), " rows of corner angles for ",
-                                topology.edge_count(), " edges and ", topology.face_count(),
-                                " faces"));
+        throw InvalidInput(
+            join("face layout: ", lengths.size(), " lengths, ", dihedral_angles.size(),
+                 " dihedral angles and ", corner_angles.rows(), " rows of corner angles for ",
+                 topology.edge_count(), " edges and ", topology.face_count(), " faces"));
     constexpr double pi = std::numbers::pi;
     FaceLayout layout;
     layout.halfedges.resize(topology.halfedge_count(), 3);

@@ -38,7 +38,8 @@ std::vector<std::vector<int>> suspect_regions(const LengthDihedralEnergy& energy
         }
     };
     for (int e = 0; e < t.edge_count(); ++e) {
-        const double drift = std::abs(wrapped_angle(angles[e] - energy.target().dihedral_angles[e]));
+        const double drift =
+            std::abs(wrapped_angle(angles[e] - energy.target().dihedral_angles[e]));
         if (t.is_boundary_edge(e) || drift <= options.fold_angle)
             continue;
         for (const int h : {t.edge_halfedges()(e, 0), t.edge_halfedges()(e, 1)}) {
@@ -180,13 +181,13 @@ FoldRepair repair_folds(const LengthDihedralEnergy& energy, const std::vector<Po
             const VectorXd start =
                 begin == 0 ? repair.points
                            : rigid_filling(region, energy, references[begin - 1], repair.points);
-            candidates[begin] = region.minimize(energy, start,
-                                                {.max_iterations = options.max_iterations,
-                                                 .decrease_tolerance = 1e-2});
+            candidates[begin] = region.minimize(
+                energy, start,
+                {.max_iterations = options.max_iterations, .decrease_tolerance = 1e-2});
         });
-        const auto best = std::min_element(
-            candidates.begin(), candidates.end(),
-            [](const auto& a, const auto& b) { return a.value < b.value; });
+        const auto best =
+            std::min_element(candidates.begin(), candidates.end(),
+                             [](const auto& a, const auto& b) { return a.value < b.value; });
         if (best != candidates.begin())
             ++repair.replaced;
         repair.points = best->points;

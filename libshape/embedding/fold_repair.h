@@ -33,8 +33,7 @@ struct FoldRepair
 /// @param references  Meshes of the same topology.
 /// @param points  Row by row [length].
 [[nodiscard]] FoldRepair repair_folds(const LengthDihedralEnergy& energy,
-                                      const std::vector<Points>& references,
-                                      Eigen::VectorXd points,
+                                      const std::vector<Points>& references, Eigen::VectorXd points,
                                       const FoldRepairOptions& options = {});
 
 } // namespace shape

@@ -23,8 +23,7 @@ std::array<int, 4> wedge_of(const Topology& topology, int edge)
 {
     const int left = topology.edge_halfedges()(edge, 0);
     const int right = topology.edge_halfedges()(edge, 1);
-    return {topology.source(left), topology.target(left),
-            topology.source(Topology::previous(left)),
+    return {topology.source(left), topology.target(left), topology.source(Topology::previous(left)),
             right < 0 ? -1 : topology.source(Topology::previous(right))};
 }
 
@@ -111,9 +110,9 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
                     continue;
                 const auto j_begin = block_begin_[static_cast<std::size_t>(j)];
                 const auto j_end = block_begin_[static_cast<std::size_t>(j) + 1];
-                const auto k = std::lower_bound(block_row_.begin() + j_begin,
-                                                block_row_.begin() + j_end, i) -
-                               block_row_.begin();
+                const auto k =
+                    std::lower_bound(block_row_.begin() + j_begin, block_row_.begin() + j_end, i) -
+                    block_row_.begin();
                 double* values = linearisation->matrix.valuePtr() + 9 * j_begin + 3 * (k - j_begin);
                 for (int c = 0; c < 3; ++c, values += 3 * (j_end - j_begin))
                     for (int r = 0; r < 3; ++r)
@@ -134,8 +133,7 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         const double length = axis.norm();
         const double strain = length / target.edge_lengths[e] - 1.0;
         sum += strain * strain;
-        const Vector3d along =
-            length > 0.0 ? Vector3d(axis / length) : Vector3d(Vector3d::Zero());
+        const Vector3d along = length > 0.0 ? Vector3d(axis / length) : Vector3d(Vector3d::Zero());
         if (linearisation != nullptr) {
             const Vector3d pull = along / target.edge_lengths[e];
             add(wedges_[i], {-pull, pull, Vector3d::Zero(), Vector3d::Zero()}, 1.0, strain);

@@ -28,9 +28,8 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
         if (!(target.edge_lengths[e] > 0.0 && std::isfinite(target.edge_lengths[e]) &&
               std::isfinite(target.dihedral_angles[e])))
             throw InvalidInput(join("target: edge ", e, " (", topology.edges()(e, 0), "-",
-                                    topology.edges()(e, 1), ") has length ",
-                                    target.edge_lengths[e], " and dihedral angle ",
-                                    target.dihedral_angles[e],
+                                    topology.edges()(e, 1), ") has length ", target.edge_lengths[e],
+                                    " and dihedral angle ", target.dihedral_angles[e],
                                     "; lengths must be > 0, both finite"));
     if (!(smoothness > 0.0 && std::isfinite(smoothness)))
         throw InvalidInput(join("smoothness is ", smoothness, ", must be > 0 and finite"));
@@ -44,17 +43,16 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
     // Normals as long as twice the area, and their inverse squares (0 where there is no area).
     Points normals(t.face_count(), 3);
     VectorXd inverse_square(t.face_count());
-    parallel_for(static_cast<std::size_t>(t.face_count()), 2048,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (int f = static_cast<int>(begin); f < static_cast<int>(end); ++f) {
-                         const Vector3d a = point(t.faces()(f, 0));
-                         const Vector3d n = (point(t.faces()(f, 1)) - a)
-                                                .cross(point(t.faces()(f, 2)) - a);
-                         normals.row(f) = n;
-                         const double square = n.squaredNorm();
-                         inverse_square[f] = square > 0.0 ? 1.0 / square : 0.0;
-                     }
-                 });
+    parallel_for(
+        static_cast<std::size_t>(t.face_count()), 2048, [&](std::size_t begin, std::size_t end) {
+            for (int f = static_cast<int>(begin); f < static_cast<int>(end); ++f) {
+                const Vector3d a = point(t.faces()(f, 0));
+                const Vector3d n = (point(t.faces()(f, 1)) - a).cross(point(t.faces()(f, 2)) - a);
+                normals.row(f) = n;
+                const double square = n.squaredNorm();
+                inverse_square[f] = square > 0.0 ? 1.0 / square : 0.0;
+            }
+        });
 
     // Per edge: dE/dl / l and dE/dtheta.
     VectorXd pull(t.edge_count());
@@ -109,25 +107,24 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
         });
 
     gradient.resize(points.size());
-    parallel_for(
-        static_cast<std::size_t>(t.vertex_count()), 1024,
-        [&](std::size_t begin, std::size_t end) {
-            for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
-                Vector3d sum = Vector3d::Zero();
-                const Vector3d here = point(v);
-                const auto pulled_from = [&](int h, int other) {
-                    sum += pull[t.edge(h)] * (here - point(other));
-                };
-                for (const int h : t.outgoing(v)) {
-                    sum += along_normal(h / 3, h % 3) * normals.row(h / 3).transpose();
-                    pulled_from(h, t.target(h));
-                    const int incoming = Topology::previous(h);
-                    if (t.opposite(incoming) < 0) // the last edge of an open fan
-                        pulled_from(incoming, t.source(incoming));
-                }
-                gradient.segment<3>(3 * v) = sum;
-            }
-        });
+    parallel_for(static_cast<std::size_t>(t.vertex_count()), 1024,
+                 [&](std::size_t begin, std::size_t end) {
+                     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
+                         Vector3d sum = Vector3d::Zero();
+                         const Vector3d here = point(v);
+                         const auto pulled_from = [&](int h, int other) {
+                             sum += pull[t.edge(h)] * (here - point(other));
+                         };
+                         for (const int h : t.outgoing(v)) {
+                             sum += along_normal(h / 3, h % 3) * normals.row(h / 3).transpose();
+                             pulled_from(h, t.target(h));
+                             const int incoming = Topology::previous(h);
+                             if (t.opposite(incoming) < 0) // the last edge of an open fan
+                                 pulled_from(incoming, t.source(incoming));
+                         }
+                         gradient.segment<3>(3 * v) = sum;
+                     }
+                 });
     return energy;
 }
 

@@ -100,8 +100,8 @@ std::vector<Matrix3d> PatchFrames::face_frames(const std::vector<Matrix3d>& tran
                 placed.push_back(face);
                 for (int h = 3 * face; h < 3 * face + 3; ++h) {
                     const int o = topology_.opposite(h);
-                    if (o >= 0 && patch_of_face_[static_cast<std::size_t>(o / 3)] ==
-                                      static_cast<int>(p))
+                    if (o >= 0 &&
+                        patch_of_face_[static_cast<std::size_t>(o / 3)] == static_cast<int>(p))
                         front.push({weights[topology_.edge(h)], -h});
                 }
             };

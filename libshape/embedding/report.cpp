@@ -22,8 +22,8 @@ double quantile(std::vector<double> values, double share)
 {
     if (values.empty())
         return 0.0;
-    const auto rank = static_cast<std::ptrdiff_t>(
-        std::ceil(share * static_cast<double>(values.size()))) - 1;
+    const auto rank =
+        static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
     const auto nth = values.begin() + std::max<std::ptrdiff_t>(rank, 0);
     std::nth_element(values.begin(), nth, values.end());
     return *nth;
@@ -76,7 +76,7 @@ EmbeddingReport measure_embedding(const Topology& topology, const Points& points
     }
     const Admissibility admissibility = check_admissibility(topology, target.edge_lengths);
     report.reason = describe(admissibility, topology, target.edge_lengths);
-    report.status = !admissibility.admissible()    ? EmbeddingStatus::Infeasible
+    report.status = !admissibility.admissible()      ? EmbeddingStatus::Infeasible
                     : report.edge_max <= exact_limit ? EmbeddingStatus::Exact
                                                      : EmbeddingStatus::Approximate;
     return report;
@@ -85,12 +85,12 @@ EmbeddingReport measure_embedding(const Topology& topology, const Points& points
 const char* name(EmbeddingStatus status)
 {
     switch (status) {
-    case EmbeddingStatus::Exact:
-        return "exact";
-    case EmbeddingStatus::Approximate:
-        return "approximate";
-    case EmbeddingStatus::Infeasible:
-        return "infeasible";
+        case EmbeddingStatus::Exact:
+            return "exact";
+        case EmbeddingStatus::Approximate:
+            return "approximate";
+        case EmbeddingStatus::Infeasible:
+            return "infeasible";
     }
     return "";
 }

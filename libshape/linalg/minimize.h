@@ -19,7 +19,7 @@ struct MinimizeOptions
     int max_iterations = 60; ///< >= 0.
     /// Converged once f(x_k) - f(x_(k+window)) <= decrease_tolerance * f(x_(k+window)).
     double decrease_tolerance = 1e-3;
-    int window = 5; ///< >= 1.
+    int window = 5;               ///< >= 1.
     double value_tolerance = 0.0; ///< Converged as well once f <= value_tolerance.
 };
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "libshape/mesh/points.h"
+#include "libshape/linalg/dense.h"
 #include "libshape/report/svg.h"
 
 namespace shape {

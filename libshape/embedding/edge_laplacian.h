@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "libshape/linalg/sparse_cholesky.h"
+#include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
+
+namespace shape {
+
+/// The Laplacian of a mesh whose edges weigh 1 / l^2, once for every face they have, and its
+/// factorisation. Relative errors of edges count alike in it, as they do in what is minimised.
+class EdgeLaplacian
+{
+public:
+    /// @param lengths  #E [length], > 0.
+    /// @throws NumericalError if the weights span too many orders of magnitude to factorise.
+    /// Cost: one sparse Cholesky factorisation of size #V.
+    EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths);
+
+    /// The same for other lengths; the analysis of the pattern is shared.
+    [[nodiscard]] EdgeLaplacian reweighted(const Eigen::VectorXd& lengths) const;
+
+    /// Solves for all three columns at once. A translation is held by a little weight at vertex 0.
+    [[nodiscard]] Points solve(const Points& rhs) const;
+
+    /// Positions whose edges are nearest to what the faces want: face f wants its half-edges h as
+    /// frames[f] * halfedges.row(h).
+    /// @param frames  #F; any matrices.
+    /// @param halfedges  3 #F by 3 [length], of face_layout.h.
+    [[nodiscard]] Points positions(const std::vector<Eigen::Matrix3d>& frames,
+                                   const Points& halfedges) const;
+
+    [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; } ///< #E, 1 / l^2.
+
+private:
+    EdgeLaplacian(const Topology& topology, Eigen::VectorXd weights, SparseCholesky factor);
+
+    Topology topology_;
+    Eigen::VectorXd weights_;
+    SparseCholesky factor_;
+};
+
+} // namespace shape
