@@ -87,8 +87,10 @@ void check_outputs(const Session& session, const Arguments& arguments)
         return;
     check_ending("--plot", arguments.plot, ".svg");
     check_output(session, arguments.plot, inputs);
-    if (std::filesystem::weakly_canonical(arguments.plot) ==
-        std::filesystem::weakly_canonical(arguments.output))
+    const auto resolved = [](const std::string& path) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+    };
+    if (resolved(arguments.plot) == resolved(arguments.output))
         throw UsageError(join("--plot: '", arguments.plot, "' is the file of -o"));
 }
 
