@@ -36,6 +36,7 @@ constexpr Command commands[] = {
     {"difference", set_up_difference},
     {"interpolate", set_up_interpolate},
     {"reconstruct", set_up_reconstruct},
+    {"draw", set_up_draw},
     {"synth", set_up_synth},
 };
 
