@@ -49,8 +49,8 @@ struct RegistrationOptions
 [[nodiscard]] Eigen::MatrixXd translation_inverse(int patch_count,
                                                   std::span<const PatchOverlap> overlaps);
 
-/// Simultaneous registration of n patches (Williams, Bennamoun 2000; Winkler 2010, section 3.1): the
-/// rotations of least sum, over all overlaps and their common vertices, of the squared distances
+/// Simultaneous registration of n patches (Williams, Bennamoun 2000; Winkler 2010, section 3.1):
+/// the rotations of least sum, over all overlaps and their common vertices, of the squared distances
 /// |R_k p_k + t_k - R_l p_l - t_l|^2. The translations are eliminated; what is left is
 /// max_R sum_kl trace(R_k Q_kl R_l^T), climbed by turning one patch at a time. Patch 0 keeps the
 /// identity. Where a patch has no unique best rotation, one near its last is taken; never a
