@@ -36,6 +36,7 @@ constexpr Command commands[] = {
     {"difference", set_up_difference},
     {"interpolate", set_up_interpolate},
     {"reconstruct", set_up_reconstruct},
+    {"conformal", set_up_conformal},
     {"synth", set_up_synth},
 };
 
