@@ -37,6 +37,7 @@ constexpr Command commands[] = {
     {"interpolate", set_up_interpolate},
     {"reconstruct", set_up_reconstruct},
     {"draw", set_up_draw},
+    {"conformal", set_up_conformal},
     {"synth", set_up_synth},
 };
 

@@ -9,8 +9,9 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-const Arguments commands{"collect",    "check",       "info",        "stats", "project", "generate",
-                         "difference", "interpolate", "reconstruct", "draw",  "synth"};
+const Arguments commands{"collect",     "check",     "info",       "stats",
+                         "project",     "generate",  "difference", "interpolate",
+                         "reconstruct", "conformal", "draw",       "synth"};
 
 Arguments operator+(Arguments a, const Arguments& b)
 {
