@@ -19,7 +19,9 @@ using Run = std::function<void(const Session&)>;
 // A new one needs its file, its line here and its row in the table of main.cpp.
 [[nodiscard]] Run set_up_check(CLI::App& command);
 [[nodiscard]] Run set_up_collect(CLI::App& command);
+[[nodiscard]] Run set_up_conformal(CLI::App& command);
 [[nodiscard]] Run set_up_difference(CLI::App& command);
+[[nodiscard]] Run set_up_draw(CLI::App& command);
 [[nodiscard]] Run set_up_generate(CLI::App& command);
 [[nodiscard]] Run set_up_info(CLI::App& command);
 [[nodiscard]] Run set_up_interpolate(CLI::App& command);

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+
+#include "libshape/conformal/layout.h"
+#include "libshape/mesh/points.h"
+
+namespace shape {
+
+/// Similarity x -> (x - centre) / height of the plane before stereographic projection. Up to
+/// rotations of the sphere these are all its Möbius transformations.
+struct StereographicFrame
+{
+    std::complex<double> centre = 0.0;
+    double height = 1.0; ///< > 0.
+};
+
+struct MoebiusBalance
+{
+    StereographicFrame frame;
+    double residual = 0.0; ///< |sum_i w_i p_i|, p_i on the unit sphere, sum_i w_i = 1.
+    int iterations = 0;    ///< Newton steps.
+};
+
+/// Points on the unit sphere, each the unevaluated sum point + remainder (see PlanarLayout).
+struct SpherePoints
+{
+    Points points;
+    Points remainders;
+
+    [[nodiscard]] Eigen::RowVector3d difference(int from, int to) const
+    {
+        return (points.row(to) - points.row(from)) + (remainders.row(to) - remainders.row(from));
+    }
+};
+
+/// Finds the frame in which the weighted mean of the points on the sphere is 0 (Springborn 2005;
+/// Baden, Crane, Kazhdan 2018): Newton's method in hyperbolic space on the convex
+/// energy sum_i w_i (distance to p_i, at infinity, up to a constant). Unique up to rotations of the sphere.
+///
+/// @param weights  #V, > 0; no one may reach half of their sum.
+/// @param infinite_vertex  Its position is the point at infinity.
+[[nodiscard]] MoebiusBalance balance_on_sphere(const Eigen::VectorXcd& positions,
+                                               const Eigen::VectorXd& weights, int infinite_vertex);
+
+/// Inverse stereographic projection. The plane's origin goes to (0, 0, 1), its infinity to
+/// (0, 0, -1); counter-clockwise stays counter-clockwise, seen from outside.
+[[nodiscard]] SpherePoints project_to_sphere(const PlanarLayout& layout,
+                                             const StereographicFrame& frame, int infinite_vertex);
+
+} // namespace shape

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/conformal/intrinsic_triangulation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <limits>
+#include <set>
+
+#include "libshape/base/error.h"
+#include "libshape/base/random.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tests/conformal/closed_meshes.h"
+
+namespace shape {
+namespace {
+
+IntrinsicTriangulation triangulate(const test::TestMesh& mesh)
+{
+    return {mesh.topology, edge_lengths(mesh.topology, mesh.points)};
+}
+
+/// Every half-edge is the opposite of its opposite, runs back, and knows its edge.
+void expect_consistent(const IntrinsicTriangulation& t)
+{
+    for (int h = 0; h < 3 * t.face_count(); ++h) {
+        if (t.opposite(h) < 0)
+            continue;
+        EXPECT_EQ(t.opposite(t.opposite(h)), h);
+        EXPECT_EQ(t.source(t.opposite(h)), t.target(h));
+        EXPECT_EQ(t.edge(t.opposite(h)), t.edge(h));
+        EXPECT_TRUE(t.halfedge(t.edge(h)) == h || t.halfedge(t.edge(h)) == t.opposite(h));
+    }
+}
+
+TEST(IntrinsicTriangulation, StartsAsTheMesh)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        const IntrinsicTriangulation t = triangulate(mesh);
+        for (int h = 0; h < mesh.topology.halfedge_count(); ++h) {
+            EXPECT_EQ(t.source(h), mesh.topology.source(h));
+            EXPECT_EQ(t.edge(h), mesh.topology.edge(h));
+            EXPECT_EQ(t.opposite(h), mesh.topology.opposite(h));
+        }
+        for (int v = 0; v < t.vertex_count(); ++v) {
+            const auto expected = mesh.topology.outgoing(v);
+            for (const int start : expected) {
+                const std::vector<int> ring = t.ring(start);
+                EXPECT_EQ(std::set<int>(ring.begin(), ring.end()),
+                          std::set<int>(expected.begin(), expected.end()));
+                if (mesh.topology.is_boundary_vertex(v)) {
+                    EXPECT_EQ(ring.front(), expected.front());
+                }
+            }
+        }
+    }
+}
+
+TEST(IntrinsicTriangulation, StaysConsistentUnderManyFlips)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        SCOPED_TRACE(mesh.name);
+        IntrinsicTriangulation t = triangulate(mesh);
+        Random random(5);
+        int flips = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const auto e =
+                static_cast<int>(random.index(static_cast<std::uint64_t>(t.edge_count())));
+            if (!t.is_flippable(e))
+                continue;
+            t.flip(e);
+            ++flips;
+        }
+        EXPECT_GT(flips, 500);
+        expect_consistent(t);
+    }
+}
+
+TEST(IntrinsicTriangulation, AFlipThereAndBackRestoresTheLength)
+{
+    IntrinsicTriangulation t = triangulate(test::bumpy_sphere(2, 0.4, 3));
+    const Eigen::VectorXd before = t.log_lengths();
+    for (int e = 0; e < t.edge_count(); ++e) {
+        const std::set<int> ends{t.source(t.halfedge(e)), t.target(t.halfedge(e))};
+        t.flip(e);
+        EXPECT_FALSE(ends.contains(t.source(t.halfedge(e))));
+        t.flip(e);
+        EXPECT_TRUE(ends.contains(t.source(t.halfedge(e))));
+        EXPECT_NEAR(t.log_lengths()[e], before[e], 1e-14);
+    }
+}
+
+TEST(IntrinsicTriangulation, FlippedLengthsOfConcyclicPointsAreDistances)
+{
+    // Ptolemy's theorem: the points of a convex quadrilateral on a circle of the sphere.
+    const test::TestMesh mesh = test::globe(12, 7);
+    IntrinsicTriangulation t = triangulate(mesh);
+    int checked = 0;
+    for (int e = 0; e < t.edge_count(); ++e) {
+        const int h = t.halfedge(e);
+        const int o = t.opposite(h);
+        const int c = t.source(Topology::previous(h));
+        const int d = t.source(Topology::previous(o));
+        const auto p = [&](int v) { return mesh.points.row(v); };
+        const Eigen::RowVector3d normal =
+            (p(t.target(h)) - p(t.source(h))).cross(p(c) - p(t.source(h)));
+        if (std::abs(normal.dot(p(d) - p(t.source(h)))) > 1e-12)
+            continue; // not in one plane
+        EXPECT_NEAR(t.flipped_log_length(e), std::log((p(c) - p(d)).norm()), 1e-13);
+        ++checked;
+    }
+    EXPECT_GT(checked, 50);
+}
+
+TEST(IntrinsicTriangulation, RefusesLengthsThatAreNone)
+{
+    const test::TestMesh mesh = test::tetrahedron();
+    EXPECT_THROW(IntrinsicTriangulation(mesh.topology, Eigen::VectorXd::Ones(5)), InvalidInput);
+    for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()}) {
+        Eigen::VectorXd lengths = Eigen::VectorXd::Ones(6);
+        lengths[4] = bad;
+        try {
+            IntrinsicTriangulation t(mesh.topology, lengths);
+            ADD_FAILURE() << "took " << bad;
+        } catch (const InvalidInput& error) {
+            EXPECT_NE(std::string(error.what()).find("lengths[4]"), std::string::npos);
+        }
+    }
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/conformal/conformal_morph.h"
+#include "libshape/io/table_file.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tools/commands.h"
+#include "tools/common/arguments.h"
+#include "tools/common/embedding_run.h"
+#include "tools/common/mesh_input.h"
+#include "tools/common/mesh_output.h"
+#include "tools/common/output_rules.h"
+#include "tools/common/session.h"
+
+namespace shape::tools {
+namespace {
+
+struct Arguments
+{
+    MeshInput mesh;
+    MeshOutputArguments output;
+    std::int64_t steps = 0; ///< 0: the sphere alone.
+    std::string factors;
+    EmbeddingArguments embedding;
+};
+
+/// One row a vertex, in their order.
+Table factor_table(const Eigen::VectorXd& factors)
+{
+    Table table{{"vertex", "u"}, {}};
+    for (Eigen::Index v = 0; v < factors.size(); ++v)
+        table.rows.push_back({join(v), print_number(factors[v])});
+    return table;
+}
+
+Json certificate_figures(const Topology& topology, const SphereMap& map)
+{
+    const auto flipped = map.edges.flipped.size();
+    return {{"certificate", name(map.certificate)},
+            {"flipped_edges", flipped},
+            {"kept_share",
+             1.0 - static_cast<double>(flipped) / static_cast<double>(topology.edge_count())},
+            {"reversed_faces", map.reversed_faces.size()},
+            {"residual", map.edges.worst},
+            {"angle_residual", map.angle_residual},
+            {"balance_residual", map.balance_residual},
+            {"newton_steps", map.newton_steps},
+            {"repair_rounds", map.repair_rounds},
+            {"radius", map.radius},
+            {"factor_min", map.factors.minCoeff()},
+            {"factor_max", map.factors.maxCoeff()}};
+}
+
+/// The sphere, placed where the mesh is and turned towards it.
+Points placed_sphere(const SphereMap& map, const Points& mesh)
+{
+    const Points sphere = map.radius * map.sphere.points;
+    return best_rigid_motion(sphere, mesh)(sphere);
+}
+
+void tell(const Session& session, const SphereMap& map)
+{
+    session.message(join("certificate: ", name(map.certificate), ", ", map.edges.flipped.size(),
+                         " edges flipped, ", map.reversed_faces.size(),
+                         " faces reversed; residual of eq. (13) ", map.edges.worst));
+}
+
+/// Embeds and writes the frames of the morph; returns their figures.
+Json write_morph(const Session& session, const Arguments& arguments, const Topology& topology,
+                 const Points& points, const SphereMap& map)
+{
+    const ConformalMorph morph = make_conformal_morph(topology, points, map);
+    const auto parameter = [&](std::int64_t i) {
+        return static_cast<double>(i) / static_cast<double>(arguments.steps - 1);
+    };
+    std::vector<EmbeddingTarget> targets;
+    Json frames = Json::array();
+    for (std::int64_t i = 0; i < arguments.steps; ++i) {
+        const double k = parameter(i);
+        const MorphFrame frame = morph_frame(morph, k);
+        const std::string frame_name = numbered_name("frame", targets.size());
+        if (!frame.mended_faces.empty())
+            session.warn(join(frame_name, ": the factors break ", frame.mended_faces.size(),
+                              " faces, first face ", frame.mended_faces.front(),
+                              "; edges changed by up to ", 100.0 * frame.largest_mend, " %"));
+        frames.push_back({{"name", frame_name},
+                          {"k", k},
+                          {"mended_faces", frame.mended_faces.size()},
+                          {"largest_mend", frame.largest_mend}});
+        targets.push_back({frame_name, [&morph, k] { return morph_frame(morph, k).point; }});
+    }
+    MeshOutput output(session, arguments.output, names(targets), input_files(arguments.mesh));
+    Json figures = embed_and_write(session, arguments.embedding, topology,
+                                   {points, placed_sphere(map, points)}, targets, output);
+    figures["frames"] = frames;
+    return figures;
+}
+
+Json write_sphere(const Session& session, const Arguments& arguments, const Topology& topology,
+                  const Points& points, const SphereMap& map)
+{
+    MeshOutput output(session, arguments.output, {"sphere"}, input_files(arguments.mesh));
+    output.write(0, placed_sphere(map, points), topology.faces());
+    output.commit();
+    return {{"outputs", output.paths()}};
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    const Collection collection = read_meshes(session, arguments.mesh);
+    if (collection.size() != 1)
+        throw InvalidInput(join("a conformal map is made of one mesh, not ", collection.size()));
+    if (!arguments.factors.empty())
+        check_output(session, arguments.factors, input_files(arguments.mesh));
+    const Topology& topology = collection.topology;
+    const Points& points = collection.points.front();
+    const SphereMap map = map_to_sphere(topology, edge_lengths(topology, points));
+    if (map.certificate == ConformalCertificate::Unsolved)
+        throw NumericalError(join("no conformal map was found: residual of eq. (13) ",
+                                  map.edges.worst, ", of angle sums ", map.angle_residual,
+                                  "; remesh the worst triangles"));
+    tell(session, map);
+    Json figures = arguments.steps > 0 ? write_morph(session, arguments, topology, points, map)
+                                       : write_sphere(session, arguments, topology, points, map);
+    if (!arguments.factors.empty()) {
+        write_table(arguments.factors, factor_table(map.factors));
+        figures["outputs"].push_back(arguments.factors);
+    }
+    figures["conformal"] = certificate_figures(topology, map);
+    session.print_figures(figures);
+}
+
+} // namespace
+
+Run set_up_conformal(CLI::App& command)
+{
+    command.description(
+        "Map a closed mesh of genus 0 conformally to the sphere of the same area: on every edge,\n"
+        "the new length is exp((u_i + u_j) / 2) times the old one (Rojas 2014, section 5). Writes\n"
+        "the sphere, or with --steps the morph from the mesh (k = 0) to the sphere (k = 1), whose\n"
+        "lengths follow from the factors k u (frame_0000.ply, ...).");
+    command.footer(
+        "Examples:\n"
+        "  shape conformal head.ply -o sphere.ply --factors u.csv\n"
+        "  shape conformal head.ply -o morph/ --steps 5");
+    const auto arguments = std::make_shared<Arguments>();
+    add_mesh_input(command, arguments->mesh, "MESH");
+    add_mesh_output(command, arguments->output);
+    add_integer(command, "--steps", arguments->steps,
+                "N frames of the morph, equally spaced, both ends included, [2, 1000000]", 2,
+                1'000'000);
+    command
+        .add_option("--factors", arguments->factors,
+                    "CSV file for the log factors: columns vertex,u")
+        ->option_text("FILE");
+    add_embedding_options(command, arguments->embedding);
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools
