@@ -37,6 +37,7 @@ constexpr Command commands[] = {
     {"interpolate", set_up_interpolate},
     {"reconstruct", set_up_reconstruct},
     {"conformal", set_up_conformal},
+    {"draw", set_up_draw},
     {"synth", set_up_synth},
 };
 

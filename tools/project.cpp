@@ -8,9 +8,12 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
+#include "libshape/io/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/shape_model.h"
+#include "libshape/report/plot.h"
 #include "tools/commands.h"
+#include "tools/common/arguments.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/mesh_input.h"
 #include "tools/common/output_rules.h"
@@ -24,6 +27,8 @@ struct Arguments
     std::string model;
     MeshInput meshes;
     std::string output;
+    std::string plot;
+    std::string color_by;
 };
 
 /// Columns `mesh`, the labels, `size`, `residual`, `pc1`, `pc2`, ...
@@ -60,21 +65,55 @@ void check_columns(const Table& table)
                                     "' has the name of another column of the scores; rename it"));
 }
 
-void run(const Session& session, const Arguments& arguments)
+/// The first two scores as an SVG document, coloured by a label if one is named.
+std::string draw_scores(const Arguments& arguments, const ShapeModel& model,
+                        const Projection& projection)
+{
+    if (model.mode_count() < 2)
+        throw InvalidInput(join("--plot needs two modes, ", arguments.model, " has one"));
+    const std::vector<std::string> values =
+        arguments.color_by.empty() ? std::vector<std::string>()
+                                   : find_label(projection.labels, arguments.color_by).values;
+    return plot_svg(score_plot(projection.scores, projection.names, values,
+                               model.variances / model.total_variance));
+}
+
+void check_outputs(const Session& session, const Arguments& arguments)
 {
     std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
-    inputs.push_back(arguments.model);
+    inputs.emplace_back(arguments.model);
     check_output(session, arguments.output, inputs);
+    if (arguments.plot.empty())
+        return;
+    check_ending("--plot", arguments.plot, ".svg");
+    check_output(session, arguments.plot, inputs);
+    const auto resolved = [](const std::string& path) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+    };
+    if (resolved(arguments.plot) == resolved(arguments.output))
+        throw UsageError(join("--plot: '", arguments.plot, "' is the file of -o"));
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_outputs(session, arguments);
     const ShapeModel model = read_model(arguments.model);
     const Projection projection = project(model, read_meshes(session, arguments.meshes));
     const Table table = score_table(projection);
     check_columns(table);
+    std::vector<std::string> outputs{arguments.output};
+    const std::string plot =
+        arguments.plot.empty() ? std::string() : draw_scores(arguments, model, projection);
     throw_if_interrupted();
     write_table(arguments.output, table);
+    if (!plot.empty()) {
+        write_file_atomically(arguments.plot, plot);
+        outputs.push_back(arguments.plot);
+    }
     session.message(join(arguments.output, ": scores of ", projection.names.size(), " meshes in ",
                          model.mode_count(), " modes, largest residual ",
                          projection.residuals.maxCoeff()));
-    session.print_figures({{"outputs", {arguments.output}},
+    session.print_figures({{"outputs", outputs},
                            {"meshes", projection.names.size()},
                            {"modes", model.mode_count()},
                            {"largest_residual", projection.residuals.maxCoeff()}});
@@ -90,7 +129,9 @@ Run set_up_project(CLI::App& command)
         "the model is the variance of the mode. `size` is the sum of the edge lengths [unit of\n"
         "the input], `residual` the distance to the span of the modes, in the unit of the scores\n"
         "(lengths divided by their sum, or lengths for a model of --scale none).");
-    command.footer("Example:\n  shape project model.h5 faces.h5 -o scores.csv");
+    command.footer(
+        "Example:\n"
+        "  shape project model.h5 faces.h5 -o scores.csv --plot scores.svg --color-by mood");
     const auto arguments = std::make_shared<Arguments>();
     command.add_option("MODEL", arguments->model, "Model made by `shape stats` (.h5)")
         ->required()
@@ -99,6 +140,15 @@ Run set_up_project(CLI::App& command)
     add_labels(command, arguments->meshes);
     add_output_file(command, arguments->output,
                     "CSV file to write: mesh, labels, size, residual, pc1, pc2, ...");
+    CLI::Option* plot = command
+                            .add_option("--plot", arguments->plot,
+                                        "Draw the first two scores, one point a mesh (.svg)")
+                            ->option_text("FILE");
+    command
+        .add_option("--color-by", arguments->color_by,
+                    "Label whose values get a colour each in the plot")
+        ->option_text("LABEL")
+        ->needs(plot);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -187,10 +187,10 @@ double ClosureEnergy::walk(const Block& block, Rows& scratch)
         turn(xc, xs, y1, z1);
         turn(xc, xs, y2, z2);
     }
-    // -4 s; the bending angle counts against the turn, hence the sign.
-    const Row s0 = 2.0 * (y2 - z1) * -1.0;
-    const Row s1 = 2.0 * (z0 - x2) * -1.0;
-    const Row s2 = 2.0 * (x1 - y0) * -1.0;
+    // -4 s: the bending angle counts against the turn, hence the sign.
+    const Row s0 = -2.0 * (y2 - z1);
+    const Row s1 = -2.0 * (z0 - x2);
+    const Row s2 = -2.0 * (x1 - y0);
     for (std::size_t step = 0; step < block.steps; ++step) {
         Eigen::Map<Row> derivative(slot_derivative_.data() + (block.first + step) * lanes);
         derivative =

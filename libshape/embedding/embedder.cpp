@@ -11,6 +11,7 @@
 #include "libshape/embedding/closure.h"
 #include "libshape/embedding/closure_embedding.h"
 #include "libshape/embedding/dihedral_embedding.h"
+#include "libshape/embedding/multiscale_embedding.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
 
@@ -38,6 +39,7 @@ struct Embedder::State
     Points reference;
     EmbeddingOptions options;
     std::optional<DihedralEmbedder> dihedral;
+    std::optional<MultiscaleEmbedder> multiscale;
     double setup_seconds = 0.0;
 };
 
@@ -53,7 +55,9 @@ Embedder::Embedder(const Topology& topology, std::vector<Points> references,
                                     topology.vertex_count(), " vertices"));
     if (!(options.smoothness > 0.0))
         throw InvalidInput(join("smoothness is ", options.smoothness, ", must be > 0"));
-    state_ = std::make_unique<State>(State{topology, references.front(), options, {}, 0.0});
+    state_ = std::make_unique<State>(State{topology, references.front(), options, {}, {}, 0.0});
+    if (options.method == EmbeddingMethod::Multiscale)
+        state_->multiscale.emplace(topology, references.front());
     if (options.method == EmbeddingMethod::Dihedral)
         state_->dihedral.emplace(topology, std::move(references));
     state_->setup_seconds = seconds_since(start);
@@ -67,34 +71,42 @@ Embedding Embedder::embed(const ShapePoint& target) const
 {
     const auto start = std::chrono::steady_clock::now();
     const State& s = *state_;
-    Embedding embedding;
-    int iterations = 0;
-    bool converged = false;
-    double energy = 0.0;
-    if (s.options.method == EmbeddingMethod::Closure) {
-        ClosureEmbedding closed = embed_by_closure(s.topology, target);
-        embedding.points = std::move(closed.points);
-        iterations = closed.solution.iterations;
-        converged = closed.solution.converged;
-        energy = closed.solution.energy;
-    } else {
-        DihedralEmbeddingOptions options{.smoothness = s.options.smoothness};
-        if (s.options.quality == EmbeddingQuality::Preview)
-            options.max_iterations = 8;
-        DihedralEmbedding nearest = s.dihedral->embed(target, options);
-        embedding.points = std::move(nearest.points);
-        iterations = nearest.iterations;
-        converged = nearest.converged;
+    Points points;
+    EmbeddingReport solver; // the fields that measure_embedding() leaves open
+    switch (s.options.method) {
+        case EmbeddingMethod::Dihedral: {
+            DihedralEmbeddingOptions options{.smoothness = s.options.smoothness};
+            if (s.options.quality == EmbeddingQuality::Preview)
+                options.max_iterations = 8;
+            DihedralEmbedding nearest = s.dihedral->embed(target, options);
+            points = std::move(nearest.points);
+            solver.iterations = nearest.iterations;
+            solver.converged = nearest.converged;
+            break;
+        }
+        case EmbeddingMethod::Closure: {
+            ClosureEmbedding closed = embed_by_closure(s.topology, target);
+            points = std::move(closed.points);
+            solver.iterations = closed.solution.iterations;
+            solver.converged = closed.solution.converged;
+            solver.closure_energy = closed.solution.energy;
+            break;
+        }
+        case EmbeddingMethod::Multiscale:
+            points = s.multiscale->embed(target).points;
+            solver.converged = true; // a fixed number of passes
+            break;
     }
-    embedding.points = best_rigid_motion(embedding.points, s.reference)(embedding.points);
-    embedding.points.rowwise() -= Eigen::RowVector3d(embedding.points.colwise().mean());
+    points = best_rigid_motion(points, s.reference)(points);
+    points.rowwise() -= Eigen::RowVector3d(points.colwise().mean());
     const double seconds = seconds_since(start);
-    if (s.options.method != EmbeddingMethod::Closure)
-        energy = closure_energy(s.topology, target);
-    embedding.report = measure_embedding(s.topology, embedding.points, target);
-    embedding.report.closure_energy = energy;
-    embedding.report.iterations = iterations;
-    embedding.report.converged = converged;
+
+    Embedding embedding{points, measure_embedding(s.topology, points, target)};
+    embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
+                                          ? solver.closure_energy
+                                          : closure_energy(s.topology, target);
+    embedding.report.iterations = solver.iterations;
+    embedding.report.converged = solver.converged;
     embedding.report.seconds = seconds;
     embedding.report.setup_seconds = s.setup_seconds;
     return embedding;

@@ -94,7 +94,8 @@ private:
     std::vector<std::unique_ptr<Workspace>> idle_;
 };
 
-/// In the reference: directions of the first edge of a leaf's first triangle, and of the height over it.
+/// Of a leaf's first triangle in the reference: directions of its first edge and of the height over
+/// that.
 struct LeafFrame
 {
     Eigen::Vector3d edge = Eigen::Vector3d::UnitX();

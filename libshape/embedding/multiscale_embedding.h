@@ -44,8 +44,8 @@ struct MultiscaleEmbedding
 /// Multi-scale embedding (Winkler, Drieseberg, Alexa, Hormann 2010, section 3): small patches are
 /// glued from edge lengths and dihedral angles, then ever larger ones registered and blended.
 ///
-/// Blending is least squares of edge vectors that keep their directions and get their wanted lengths
-/// (condition (3) of the paper). The hierarchy and the factorised normal matrices are kept.
+/// Blending is least squares of edge vectors that keep their directions and get their wanted
+/// lengths (condition (3) of the paper). The hierarchy and the factorised normal matrices are kept.
 class MultiscaleEmbedder
 {
 public:

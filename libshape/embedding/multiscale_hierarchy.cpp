@@ -211,8 +211,8 @@ void Splitter::mark(int parent)
         }
 }
 
-/// Renumbers the children so that each has the largest overlap with one of those before it; the first
-/// has most common vertices of all.
+/// Renumbers the children so that each has the largest overlap with one of those before it; the
+/// first has most common vertices of all.
 void Splitter::order_children(int parent)
 {
     for (auto& row : shared_)
@@ -563,6 +563,20 @@ MultiscaleHierarchy build_hierarchy(const Topology& topology, const Points& poin
             parts[i].local_faces = {};
         }
     });
+    const auto reserve = [&](auto member) {
+        std::size_t size = (whole.*member).size();
+        for (const Tree& part : parts)
+            size += (part.hierarchy.*member).size();
+        (whole.*member).reserve(size);
+    };
+    reserve(&MultiscaleHierarchy::nodes);
+    reserve(&MultiscaleHierarchy::faces);
+    reserve(&MultiscaleHierarchy::vertices);
+    reserve(&MultiscaleHierarchy::in_parent);
+    reserve(&MultiscaleHierarchy::edges);
+    reserve(&MultiscaleHierarchy::overlaps);
+    reserve(&MultiscaleHierarchy::common);
+    reserve(&MultiscaleHierarchy::gluing);
     for (std::size_t i = 0; i < roots.size(); ++i) {
         graft(whole, roots[i], parts[i].hierarchy);
         parts[i] = {};

@@ -83,10 +83,11 @@ struct HierarchyOptions
     int children = 6;       ///< m of Winkler 2010; in [4, max_patches].
 };
 
-/// Splits a mesh as Winkler 2010, section 3.3, does: from m random seed triangles, moved twice to the
-/// middle of what they reach, regions grow until they meet. Where two meet, the one that comes first takes the
-/// triangle behind the edge: neighbours overlap in a strip of width one. Patches of less than m
-/// triangles, and those that no split makes smaller, are leaves.
+/// Splits a mesh as Winkler 2010, section 3.3, does: from m random seed triangles, regions grow
+/// until they meet. The seeds are moved twice to the middle of what they reach (that is ours). Where two
+/// regions meet, the one that comes first takes the triangle behind the edge: neighbours overlap in
+/// a strip of width one. Patches of less than m triangles, and those that no split makes smaller,
+/// are leaves.
 /// @param points  Any mesh of the topology; only the middles of the regions depend on it.
 /// @throws InvalidInput if points has another size or children is out of its range.
 /// Cost: O(#F log #F). Same result for any thread count.

@@ -91,12 +91,14 @@ std::vector<Matrix3d> PatchFrames::face_frames(const std::vector<Matrix3d>& tran
 
     // Within patches: Prim's tree of the heaviest edges.
     std::vector<Matrix3d> frames(static_cast<std::size_t>(topology_.face_count()));
+    std::vector<double> trust(frames.size()); // the lightest edge on the way from the root
     parallel_for(patches_.size(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
             std::vector<int> placed;
             std::priority_queue<std::pair<double, int>> front; // weight, - half-edge
-            const auto place = [&](int face, const Matrix3d& frame) {
+            const auto place = [&](int face, const Matrix3d& frame, double weight) {
                 frames[static_cast<std::size_t>(face)] = frame;
+                trust[static_cast<std::size_t>(face)] = weight;
                 placed.push_back(face);
                 for (int h = 3 * face; h < 3 * face + 3; ++h) {
                     const int o = topology_.opposite(h);
@@ -105,13 +107,15 @@ std::vector<Matrix3d> PatchFrames::face_frames(const std::vector<Matrix3d>& tran
                         front.push({weights[topology_.edge(h)], -h});
                 }
             };
-            place(patches_[p].front(), Matrix3d::Identity());
+            place(patches_[p].front(), Matrix3d::Identity(), 1.0);
             while (!front.empty()) {
                 const int h = -front.top().second;
                 front.pop();
                 const int face = topology_.opposite(h) / 3;
                 if (std::find(placed.begin(), placed.end(), face) == placed.end())
-                    place(face, frames[static_cast<std::size_t>(h / 3)] * across(h));
+                    place(face, frames[static_cast<std::size_t>(h / 3)] * across(h),
+                          std::min(trust[static_cast<std::size_t>(h / 3)],
+                                   weights[topology_.edge(h)]));
             }
         }
     });
@@ -128,11 +132,14 @@ std::vector<Matrix3d> PatchFrames::face_frames(const std::vector<Matrix3d>& tran
         const int right = topology_.edge_halfedges()(e, 1) / 3;
         int p = patch_of_face_[static_cast<std::size_t>(left)];
         int q = patch_of_face_[static_cast<std::size_t>(right)];
-        Matrix3d block = -weights[e] * frames[static_cast<std::size_t>(right)] *
+        // A frame that hangs by an edge of little trust has no say about other patches.
+        const double weight = weights[e] * trust[static_cast<std::size_t>(left)] *
+                              trust[static_cast<std::size_t>(right)];
+        Matrix3d block = -weight * frames[static_cast<std::size_t>(right)] *
                          transitions[static_cast<std::size_t>(e)].transpose() *
                          frames[static_cast<std::size_t>(left)].transpose(); // row q, column p
-        degree[p] += weights[e];
-        degree[q] += weights[e];
+        degree[p] += weight;
+        degree[q] += weight;
         if (p > q) { // only the lower triangle is kept
             std::swap(p, q);
             block.transposeInPlace();

@@ -18,6 +18,7 @@ namespace shape {
 ///
 ///     min sum over edges e between patches p, q of w_e |G_p A_e - G_q|^2,   sum |G_p|^2 fixed,
 ///
+/// w_e being the trust in e times that in the least trusted edges of the trees on both sides;
 /// each G_p replaced by the nearest rotation. Unlike a least-squares solution with one frame held
 /// fixed, eigenvectors do not fade away from that frame where loops do not close.
 class PatchFrames
@@ -26,7 +27,7 @@ public:
     explicit PatchFrames(const Topology& topology, int faces_per_patch = 64);
 
     /// @param transitions  #E rotations from the frame left of an edge to that right of it (face_layout.h).
-    /// @param weights  #E trust in a transition [1], > 0.
+    /// @param weights  #E trust in a transition [1], in (0, 1].
     /// @return #F rotations from the frame of a face to one global frame.
     /// @throws InvalidInput if a size is wrong.
     /// Cost: O(#F log), one sparse Cholesky factorisation of size 3 #patches.

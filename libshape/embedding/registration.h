@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <span>
 
 namespace shape {
@@ -52,7 +53,8 @@ struct RegistrationOptions
 /// the rotations of least sum, over all overlaps and their common vertices, of the squared distances
 /// |R_k p_k + t_k - R_l p_l - t_l|^2. The translations are eliminated; what is left is
 /// max_R sum_kl trace(R_k Q_kl R_l^T), climbed by turning one patch at a time. Patch 0 keeps the
-/// identity. Where a patch has no unique best rotation, one of the best is taken, never a reflection.
+/// identity. Where a patch has no unique best rotation, one near its last is taken; never a
+/// reflection.
 ///
 /// @param patches  n <= max_patches arrays of points, last entry 1.
 /// @param overlaps  Each patch but the first has one with a patch before it.

@@ -36,8 +36,8 @@ struct Run
     const Objective& objective;
     const LbfgsOptions& options;
     const std::function<void(int)>& after_step;
-    Minimum result; // point is scratch until the end
-    Eigen::VectorXd gradient;
+    Minimum result{}; // its point is scratch until the end
+    Eigen::VectorXd gradient{};
     std::exception_ptr error{};
 
     static double evaluate(void* instance, const double* x, double* g, int n, double)
@@ -84,7 +84,8 @@ Minimum minimize_lbfgs(const Objective& objective, const Eigen::VectorXd& start,
                        const LbfgsOptions& options, const std::function<void(int)>& after_step)
 {
     check(options);
-    Run run{objective, options, after_step, {}, Eigen::VectorXd::Zero(start.size())};
+    Run run{objective, options, after_step};
+    run.gradient.setZero(start.size());
     run.result.point = start;
     run.result.value = objective(start, run.gradient);
     run.result.evaluations = 1;

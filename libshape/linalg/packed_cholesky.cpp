@@ -47,8 +47,8 @@ std::size_t PackedCholesky::add(const Eigen::VectorXd& diagonal,
     const Rows a(size, entries);
     const Factor factor{size, column_ends_.size(), rows_.size()};
 
-    // Row k of L has entries at all nodes of the elimination tree that lie between a column of row k
-    // of A and k. One walk finds the tree and the length of every column.
+    // Row k of L has entries at all nodes of the elimination tree that lie between a column of
+    // row k of A and k. One walk finds the tree and the length of every column.
     std::vector<int> parent(at(size), -1), visited(at(size), -1), ends(at(size), 0);
     for (int k = 0; k < size; ++k) {
         visited[at(k)] = k;

@@ -7,7 +7,7 @@
 namespace shape {
 namespace {
 
-/// Improves `rotation` until it is exact; false, with nothing more gained, where that does not work.
+/// Improves `rotation` until it is exact; false where Newton's method does not lead there.
 bool climb(const Eigen::Matrix3d& m, Eigen::Matrix3d& rotation)
 {
     constexpr int max_steps = 8;
@@ -18,7 +18,8 @@ bool climb(const Eigen::Matrix3d& m, Eigen::Matrix3d& rotation)
     for (int step = 0; step < max_steps; ++step) {
         const Eigen::Matrix3d s = rotation.transpose() * m;
         // With the unit quaternion (1, v) / |(1, v)|, trace(dR(v)^T s) is a Rayleigh quotient; its
-        // stationary v solves (lambda + trace(s) - s - s^T) v = z, and lambda is trace(s) up to |v|^2.
+        // stationary v solves (lambda + trace(s) - s - s^T) v = z, where lambda is trace(s) up to
+        // |v|^2.
         const double z0 = s(2, 1) - s(1, 2);
         const double z1 = s(0, 2) - s(2, 0);
         const double z2 = s(1, 0) - s(0, 1);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "libshape/linalg/dense.h"
-#include "libshape/mesh/points.h"
 #include "libshape/report/svg.h"
 
 namespace shape {

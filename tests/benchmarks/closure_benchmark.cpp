@@ -3,49 +3,18 @@
 // closure_benchmark A.obj B.obj [LENGTHS.obj]: embeds the mean of two meshes (or the lengths of a
 // third) by Rojas 2014 with one thread and prints what it cost and reached, as JSON.
 
+#include <cmath>
 #include <ctime>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
-#include <vector>
 
 #include "libshape/base/threads.h"
 #include "libshape/embedding/closure_embedding.h"
+#include "libshape/io/mesh_file.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace {
-
-struct Mesh
-{
-    shape::Points points;
-    shape::Faces faces;
-};
-
-Mesh read(const char* path)
-{
-    std::vector<Eigen::RowVector3d> points;
-    std::vector<Eigen::RowVector3i> faces;
-    std::ifstream file(path);
-    for (std::string line, word; std::getline(file, line);) {
-        std::istringstream in(line);
-        in >> word;
-        if (word == "v") {
-            auto& p = points.emplace_back();
-            in >> p[0] >> p[1] >> p[2];
-        } else if (word == "f") {
-            auto& f = faces.emplace_back();
-            in >> f[0] >> f[1] >> f[2];
-        }
-    }
-    Mesh mesh{shape::Points(points.size(), 3), shape::Faces(faces.size(), 3)};
-    for (std::size_t i = 0; i < points.size(); ++i)
-        mesh.points.row(static_cast<Eigen::Index>(i)) = points[i];
-    for (std::size_t i = 0; i < faces.size(); ++i)
-        mesh.faces.row(static_cast<Eigen::Index>(i)) = faces[i].array() - 1;
-    return mesh;
-}
 
 double cpu_seconds()
 {
@@ -61,14 +30,14 @@ int main(int argc, char** argv)
         return 1;
     }
     shape::set_thread_count(1);
-    const Mesh a = read(argv[1]);
-    const Mesh b = read(argv[2]);
+    const shape::NamedMesh a = shape::read_mesh(argv[1]);
+    const shape::NamedMesh b = shape::read_mesh(argv[2]);
     const shape::Topology topology(a.faces, static_cast<int>(a.points.rows()));
     shape::ShapePoint target{
         (edge_lengths(topology, a.points) + edge_lengths(topology, b.points)) / 2,
         (dihedral_angles(topology, a.points) + dihedral_angles(topology, b.points)) / 2};
     if (argc > 3)
-        target.edge_lengths = edge_lengths(topology, read(argv[3]).points);
+        target.edge_lengths = shape::edge_lengths(topology, shape::read_mesh(argv[3]).points);
 
     const double start = cpu_seconds();
     const shape::ClosureEmbedding result = shape::embed_by_closure(topology, target);

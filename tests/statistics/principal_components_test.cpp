@@ -219,7 +219,7 @@ TEST(PrincipalComponents, KeepTheFewestModesThatReachTheShareOfTheVariance)
 
 TEST(PrincipalComponents, LeaveOutModesThatAreRounding)
 {
-    // 60 observations of rank 2; each value is repeated in shifted copies.
+    // 60 observations of rank 2.
     const Eigen::MatrixXd factors = test::random_matrix(60, 2, 12);
     const RowMatrix data = factors * test::random_matrix(2, 90, 13);
     for (const int modes : {0, 2, 10, 59}) {

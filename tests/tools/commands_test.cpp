@@ -212,6 +212,18 @@ TEST_F(Commands, ProjectReproducesTheScoresOfTheModel)
     }
 }
 
+TEST_F(Commands, ProjectDrawsTheScoresWithAColourForEveryLabelValue)
+{
+    fit();
+    const Json figures = run({"project", "model.h5", "f.h5", "-o", "scores.csv", "--plot",
+                              "scores.svg", "--color-by", "mood"});
+    EXPECT_EQ(figures["outputs"], Json({"scores.csv", "scores.svg"}));
+    const std::string svg = folder_.read("scores.svg");
+    EXPECT_NE(svg.find("<svg"), std::string::npos);
+    for (const char* value : {"calm", "glad"})
+        EXPECT_NE(svg.find(value), std::string::npos) << value;
+}
+
 TEST_F(Commands, GenerateFromProjectedScoresGivesTheMeshesBack)
 {
     fit();

@@ -11,7 +11,7 @@ using Arguments = std::vector<std::string>;
 
 const Arguments commands{"collect",     "check",     "info",       "stats",
                          "project",     "generate",  "difference", "interpolate",
-                         "reconstruct", "conformal", "synth"};
+                         "reconstruct", "conformal", "draw",       "synth"};
 
 Arguments operator+(Arguments a, const Arguments& b)
 {
@@ -59,6 +59,12 @@ std::vector<WrongUsage> wrong_usages()
         {"UnknownScale", "--scale", stats + Arguments{"--scale", "double"}},
         {"ModelOfAnotherEnding", ".h5", {"stats", "a.ply", "b.ply", "-o", "model.csv"}},
         {"EmptyOutput", ".h5", {"stats", "a.ply", "b.ply", "-o", ""}},
+        {"PlotOfAnotherEnding",
+         "--plot",
+         {"project", "model.h5", "a.ply", "-o", "s.csv", "--plot", "s.png"}},
+        {"PlotOverTheScores",
+         "--plot",
+         {"project", "model.h5", "a.ply", "-o", "s.svg", "--plot", "./s.svg"}},
         {"NoBlend", "--weights", blend},
         {"WeightsAndFrames", "--frames", blend + Arguments{"--weights", "0,1", "--frames", "3"}},
         {"WeightsThatAreNoNumbers", "--weights", blend + Arguments{"--weights", "0.5;0.5"}},

@@ -100,8 +100,10 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
     EmbeddingOptions& options = arguments.options;
     add_choice(command, "--method", options.method,
                "dihedral: lengths and dihedral angles together (default); closure: as in Rojas\n"
-               "2014, section 2",
-               {{"dihedral", EmbeddingMethod::Dihedral}, {"closure", EmbeddingMethod::Closure}})
+               "2014, section 2; multiscale: as in Winkler 2010, section 3",
+               {{"dihedral", EmbeddingMethod::Dihedral},
+                {"closure", EmbeddingMethod::Closure},
+                {"multiscale", EmbeddingMethod::Multiscale}})
         ->group("Embedding");
     add_choice(command, "--quality", options.quality,
                "Effort of the method dihedral: preview takes a few steps, fine (default) runs to\n"

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/embedder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "libshape/base/error.h"
+#include "libshape/base/random.h"
+#include "libshape/base/threads.h"
+#include "libshape/embedding/dihedral_embedding.h"
+#include "libshape/embedding/fold_repair.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tests/support/meshes.h"
+
+namespace shape {
+namespace {
+
+using Eigen::VectorXd;
+
+ShapePoint shape_of(const Topology& topology, const Points& points)
+{
+    return {edge_lengths(topology, points), dihedral_angles(topology, points)};
+}
+
+/// Largest distance after the best rigid motion, over the diagonal of the bounding box.
+double rigid_distance(const Points& points, const Points& wanted)
+{
+    return (best_rigid_motion(points, wanted)(points) - wanted).rowwise().norm().maxCoeff() /
+           bounding_box_diagonal(wanted);
+}
+
+/// A cylinder of radius 1 wound up about the y axis by `angle` [rad] over its length.
+Points wound(const test::TestMesh& cylinder, double angle)
+{
+    Points points = cylinder.points;
+    const double length = points.col(2).maxCoeff();
+    for (int v = 0; v < points.rows(); ++v) {
+        const double turn = angle * points(v, 2) / length;
+        const double radius = length / angle - points(v, 0);
+        points.row(v) << length / angle - radius * std::cos(turn), points(v, 1) + 0.6 * turn,
+            radius * std::sin(turn);
+    }
+    return points;
+}
+
+TEST(Embedder, EveryMethodFindsAMeshFromItsOwnShape)
+{
+    for (const EmbeddingMethod method :
+         {EmbeddingMethod::Dihedral, EmbeddingMethod::Closure, EmbeddingMethod::Multiscale})
+        for (const test::TestMesh& mesh : test::sample_meshes()) {
+            SCOPED_TRACE(mesh.name);
+            const Embedder embedder(mesh.topology, {mesh.points}, {.method = method});
+            const Embedding embedding = embedder.embed(shape_of(mesh.topology, mesh.points));
+            EXPECT_LT(rigid_distance(embedding.points, mesh.points), 1e-9);
+            EXPECT_EQ(embedding.report.status, EmbeddingStatus::Exact);
+            EXPECT_EQ(embedding.report.inverted_faces, 0);
+            EXPECT_TRUE(embedding.report.converged);
+        }
+}
+
+TEST(Embedder, FindsAMeshFarFromItsReference)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
+    const test::TestMesh other = test::bumpy_sphere(3, 0.4, 2);
+    const Embedder embedder(mesh.topology, {other.points});
+    EXPECT_LT(
+        rigid_distance(embedder.embed(shape_of(mesh.topology, mesh.points)).points, mesh.points),
+        1e-9);
+}
+
+TEST(Embedder, GivesTheMirrorImageForNegatedAngles)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
+    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    target.dihedral_angles *= -1.0;
+    const Points mirror = mesh.points * Eigen::Vector3d(-1, 1, 1).asDiagonal();
+    EXPECT_LT(rigid_distance(Embedder(mesh.topology, {mesh.points}).embed(target).points, mirror),
+              1e-9);
+}
+
+TEST(Embedder, ScalesWithTheUnitOfLength)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
+    const test::TestMesh other = test::bumpy_sphere(3, 0.4, 2);
+    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    target.edge_lengths = 0.5 * (target.edge_lengths + edge_lengths(mesh.topology, other.points));
+    const Points small = Embedder(mesh.topology, {mesh.points}).embed(target).points;
+    target.edge_lengths *= 1000.0;
+    const Points large = Embedder(mesh.topology, {1000.0 * mesh.points}).embed(target).points;
+    EXPECT_LT(rigid_distance(large / 1000.0, small), 1e-6);
+}
+
+TEST(Embedder, UnwindsFarBeyondAFullTurn)
+{
+    const test::TestMesh cylinder = test::open_cylinder(10, 120);
+    test::TestMesh straight = cylinder;
+    straight.points.col(2) *= 40.0;
+    const Points coil = wound(straight, 4.0 * 2.0 * std::numbers::pi);
+    const ShapePoint a = shape_of(straight.topology, straight.points);
+    const ShapePoint b = shape_of(straight.topology, coil);
+    const Embedder embedder(straight.topology, {straight.points, coil});
+    const ShapePoint half{0.5 * (a.edge_lengths + b.edge_lengths),
+                          0.5 * (a.dihedral_angles + b.dihedral_angles)};
+    const Embedding embedding = embedder.embed(half);
+    EXPECT_LT(embedding.report.edge_max, 0.01);
+    EXPECT_LT(embedding.report.dihedral_rms_deg, 2.0); // 1.46 at the minimum of the energy
+    EXPECT_LT(rigid_distance(embedder.embed(b).points, coil), 1e-9);
+}
+
+TEST(Embedder, HasTheSameBitsForAnyThreadCount)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(4, 0.4, 1);
+    const test::TestMesh other = test::bumpy_sphere(4, 0.4, 2);
+    const ShapePoint a = shape_of(mesh.topology, mesh.points);
+    const ShapePoint b = shape_of(mesh.topology, other.points);
+    const ShapePoint half{0.5 * (a.edge_lengths + b.edge_lengths),
+                          0.5 * (a.dihedral_angles + b.dihedral_angles)};
+    const int threads = thread_count();
+    set_thread_count(1);
+    const Points one = Embedder(mesh.topology, {mesh.points, other.points}).embed(half).points;
+    set_thread_count(3);
+    const Points three = Embedder(mesh.topology, {mesh.points, other.points}).embed(half).points;
+    set_thread_count(threads);
+    EXPECT_TRUE(one == three);
+}
+
+TEST(Embedder, AnInfeasibleTargetComesOutWholeAndSaysSo)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.2, 1);
+    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    const int edge = mesh.topology.face_edges()(77, 0);
+    target.edge_lengths[edge] *= 2.5;
+    const Embedding embedding = Embedder(mesh.topology, {mesh.points}).embed(target);
+    EXPECT_EQ(embedding.report.status, EmbeddingStatus::Infeasible);
+    EXPECT_NE(embedding.report.reason.find("triangle inequality"), std::string::npos);
+    EXPECT_TRUE(embedding.points.allFinite());
+    EXPECT_LT(embedding.report.edge_p99, 0.1);
+    for (const EmbeddingMethod method : {EmbeddingMethod::Closure, EmbeddingMethod::Multiscale})
+        EXPECT_THROW((void)Embedder(mesh.topology, {mesh.points}, {.method = method}).embed(target),
+                     NumericalError);
+}
+
+TEST(Embedder, PreviewIsNoBetterThanFineAndBothReportTheirSteps)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
+    const test::TestMesh other = test::bumpy_sphere(3, 0.4, 2);
+    const ShapePoint a = shape_of(mesh.topology, mesh.points);
+    const ShapePoint b = shape_of(mesh.topology, other.points);
+    const ShapePoint half{0.5 * (a.edge_lengths + b.edge_lengths),
+                          0.5 * (a.dihedral_angles + b.dihedral_angles)};
+    const Embedding fine = Embedder(mesh.topology, {mesh.points}).embed(half);
+    const Embedding preview =
+        Embedder(mesh.topology, {mesh.points}, {.quality = EmbeddingQuality::Preview}).embed(half);
+    EXPECT_LE(preview.report.iterations, 8);
+    EXPECT_GT(fine.report.iterations, 8);
+    EXPECT_LT(fine.report.edge_rms, preview.report.edge_rms);
+}
+
+TEST(Embedder, RefusesBadInput)
+{
+    const test::TestMesh mesh = test::tetrahedron();
+    EXPECT_THROW(Embedder(mesh.topology, {}), InvalidInput);
+    EXPECT_THROW(Embedder(mesh.topology, {Points::Zero(3, 3)}), InvalidInput);
+    EXPECT_THROW(Embedder(mesh.topology, {Points::Zero(4, 3)}), InvalidInput);
+    EXPECT_THROW(Embedder(mesh.topology, {mesh.points}, {.smoothness = 0.0}), InvalidInput);
+    const Embedder embedder(mesh.topology, {mesh.points});
+    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    target.edge_lengths[3] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW((void)embedder.embed(target), InvalidInput);
+    target.edge_lengths.conservativeResize(3);
+    EXPECT_THROW((void)embedder.embed(target), InvalidInput);
+}
+
+TEST(FoldRepair, TurnsAFoldedVertexBack)
+{
+    const test::TestMesh mesh = test::open_patch(12, 4);
+    const LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 5e-3);
+    Points folded = mesh.points;
+    folded.row(84) += 2.2 * (mesh.points.row(85) - mesh.points.row(84)); // over its neighbours
+    const FoldRepair repair =
+        repair_folds(energy, {mesh.points}, folded.reshaped<Eigen::RowMajor>());
+    EXPECT_EQ(repair.regions, 1);
+    const Points mended = Eigen::Map<const Points>(repair.points.data(), folded.rows(), 3);
+    EXPECT_LT((mended - mesh.points).rowwise().norm().maxCoeff(), 1e-3);
+}
+
+TEST(FoldRepair, LeavesAMeshWithoutFoldsAlone)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
+    const LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 5e-3);
+    const VectorXd points = mesh.points.reshaped<Eigen::RowMajor>();
+    const FoldRepair repair = repair_folds(energy, {mesh.points}, points);
+    EXPECT_EQ(repair.regions, 0);
+    EXPECT_EQ(repair.points, points);
+}
+
+TEST(EmbeddingReport, MeasuresWhatItSays)
+{
+    const test::TestMesh mesh = test::icosphere(1);
+    const ShapePoint own = shape_of(mesh.topology, mesh.points);
+    EXPECT_EQ(measure_embedding(mesh.topology, mesh.points, own).status, EmbeddingStatus::Exact);
+
+    // Twice as large: every length is off by its half, no angle is.
+    ShapePoint half = own;
+    half.edge_lengths *= 2.0;
+    const EmbeddingReport report = measure_embedding(mesh.topology, mesh.points, half);
+    EXPECT_EQ(report.status, EmbeddingStatus::Approximate);
+    EXPECT_NEAR(report.edge_max, 0.5, 1e-14);
+    EXPECT_NEAR(report.edge_p99, 0.5, 1e-14);
+    const VectorXd difference = 0.5 * half.edge_lengths;
+    EXPECT_NEAR(report.edge_rms,
+                std::sqrt(difference.array().square().mean()) / half.edge_lengths.mean(), 1e-14);
+    EXPECT_LT(report.dihedral_max_deg, 1e-10);
+
+    // One angle asked for 10 degrees more, once around the circle.
+    ShapePoint bent = own;
+    bent.dihedral_angles[7] += 10.0 * std::numbers::pi / 180.0 + 2.0 * std::numbers::pi;
+    const EmbeddingReport drift = measure_embedding(mesh.topology, mesh.points, bent);
+    EXPECT_NEAR(drift.dihedral_max_deg, 10.0, 1e-9);
+    EXPECT_NEAR(drift.dihedral_rms_deg, 10.0 / std::sqrt(mesh.topology.edge_count()), 1e-9);
+
+    Points collapsed = mesh.points;
+    collapsed.row(0) = collapsed.row(mesh.topology.target(mesh.topology.outgoing(0)[0]));
+    EXPECT_GE(measure_embedding(mesh.topology, collapsed, own).inverted_faces, 2);
+}
+
+} // namespace
+} // namespace shape
