@@ -36,8 +36,8 @@ constexpr Command commands[] = {
     {"difference", set_up_difference},
     {"interpolate", set_up_interpolate},
     {"reconstruct", set_up_reconstruct},
-    {"draw", set_up_draw},
     {"conformal", set_up_conformal},
+    {"draw", set_up_draw},
     {"synth", set_up_synth},
 };
 

@@ -42,6 +42,10 @@ double clausen(double x)
     return near_zero ? x * (1.0 - std::log(x) + sum) : y * (std::numbers::ln2 + sum);
 }
 
+/// Instead of the 0 of a broken face: without curvature steps would run wild (1000 and more instead
+/// of 15 from lengths that break most faces). About a third of that of an equilateral face.
+constexpr double broken_weight = 0.1;
+
 bool has_vertex(const IntrinsicTriangulation& t, int face, int vertex)
 {
     return t.source(3 * face) == vertex || t.source(3 * face + 1) == vertex ||
@@ -146,7 +150,8 @@ AngleDefects measure_angle_defects(const IntrinsicTriangulation& t, const Eigen:
             const int h = 3 * f + c;
             result.defects[t.source(Topology::previous(h))] -=
                 face.angles[static_cast<std::size_t>(c)];
-            result.edge_weights[t.edge(h)] += face.weights[static_cast<std::size_t>(c)];
+            result.edge_weights[t.edge(h)] +=
+                face.broken ? broken_weight : face.weights[static_cast<std::size_t>(c)];
         }
         if (face.broken)
             result.broken_faces.push_back(f);

@@ -50,7 +50,8 @@ struct AngleDefects
     Eigen::VectorXd defects;      ///< #V [rad]: 2 pi minus the angle sum, the gradient of E; 0 at
                                   ///< the removed vertex.
     Eigen::VectorXd edge_weights; ///< #E [1]: half the sum of the cotangents opposite the edge, the
-                                  ///< off-diagonal entries of the Hessian with opposite sign.
+                                  ///< off-diagonal entries of the Hessian with opposite sign; but
+                                  ///< 0.1 instead of 0 for broken faces, so that steps stay tame.
     std::vector<int> broken_faces; ///< Ascending.
 };
 

@@ -114,7 +114,7 @@ TEST(SphereMap, RecoversInscribedPolyhedraFromScrambledLengths)
 
 TEST(SphereMap, DoesNotDependOnTheInfiniteVertex)
 {
-    const test::TestMesh mesh = test::bumpy_sphere(3, 0.5, 3);
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
     const SphereMap first = map_mesh(mesh);
     expect_exact(first);
     for (int i = 0; i < 10; ++i) {
@@ -147,15 +147,15 @@ TEST(SphereMap, ScalesWithTheUnitOfLengthAndKnowsNoMirror)
 
 TEST(SphereMap, KeepsEdgesThatAreTooShortForDoubles)
 {
-    // Factors of a limb fall exponentially with its length: chords down to 1e-10.
-    const test::TestMesh mesh = test::stretched(test::globe(24, 200), {0.03, 0.03, 1.0});
+    // Factors of a limb fall exponentially with its length.
+    const test::TestMesh mesh = test::stretched(test::globe(24, 200), {0.05, 0.05, 1.0});
     const SphereMap map = map_mesh(mesh);
     double shortest = 2.0;
     for (int e = 0; e < mesh.topology.edge_count(); ++e)
         shortest = std::min(
             shortest,
             map.sphere.difference(mesh.topology.edges()(e, 0), mesh.topology.edges()(e, 1)).norm());
-    EXPECT_LT(shortest, 1e-9);
+    EXPECT_LT(shortest, 1e-14);
     EXPECT_NE(map.certificate, ConformalCertificate::Unsolved);
     EXPECT_LE(map.edges.worst, 1e-10);
 }
@@ -166,7 +166,8 @@ TEST(SphereMap, RepairsSliversWithFewFlips)
     const SphereMap map = map_mesh(mesh);
     EXPECT_EQ(map.certificate, ConformalCertificate::Repaired);
     EXPECT_GT(map.edges.flipped.size(), 0u);
-    EXPECT_LT(static_cast<double>(map.edges.flipped.size()), 0.003 * mesh.topology.edge_count());
+    const int sliver_count = mesh.topology.vertex_count() - 642;
+    EXPECT_LT(static_cast<int>(map.edges.flipped.size()), sliver_count);
     EXPECT_LE(map.edges.worst, 1e-10);
     EXPECT_LE(map.angle_residual, 1e-11);
     EXPECT_LE(map.balance_residual, 1e-12);
