@@ -36,6 +36,7 @@ TEST(RoundTicks, CoverTheDataInEvenRoundSteps)
     }
     EXPECT_EQ(round_ticks(0.0, 10.0), (std::vector<double>{0, 2, 4, 6, 8, 10}));
     EXPECT_LT(round_ticks(3.0, 3.0).front(), 3.0);
+    EXPECT_LT(round_ticks(1e12, 1e12 + 1e-4).size(), 20U);
     EXPECT_GT(round_ticks(0.0, 0.0).back(), 0.0);
 }
 
