@@ -84,8 +84,9 @@ TEST(PlotSvg, IsWellFormedAndShowsEveryPointTickAndName)
     std::vector<std::string> texts;
     for (const test::XmlElement& text : test::named(elements, "text"))
         texts.push_back(text.text);
-    for (const char* wanted : {"<x>", "y", "mode 1", "mode 2", "0", "\u22121"})
-        EXPECT_NE(std::find(texts.begin(), texts.end(), wanted), texts.end()) << wanted;
+    for (const char* wanted : {"<x>", "y", "mode 1", "mode 2", "0.0", "\u22121.0"})
+        EXPECT_NE(std::find(texts.begin(), texts.end(), wanted), texts.end())
+            << wanted << " is not among " << ::testing::PrintToString(texts);
     EXPECT_EQ(plot_svg(plot), plot_svg(plot));
 }
 
