@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-#include "libshape/embedding/keyframes.h"
+#include "libshape/embedding/in_betweens.h"
 
 #include <gtest/gtest.h>
 
