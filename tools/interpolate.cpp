@@ -86,31 +86,35 @@ Json finite_or_null(double value)
     return std::isfinite(value) ? Json(value) : Json();
 }
 
-/// How far the line through the first two and the last two meshes may be followed, as its parameter.
-Json safe_range_of_line(const Session& session, const Topology& topology,
-                        const ShapeVectors& vectors, LengthBlend lengths)
+/// How far the line through the first two and the last two meshes may be followed: the parameter
+/// below 0 and above 1 where the first triangle inequality breaks.
+struct SafeRange
+{
+    SafeReach low;
+    SafeReach high;
+};
+
+SafeRange safe_range_of_line(const Topology& topology, const ShapeVectors& vectors,
+                             LengthBlend lengths)
 {
     const Eigen::Index count = vectors.edge_lengths.rows();
-    const auto beyond = [&](Eigen::Index end, Eigen::Index inner) {
+    const auto parameter = [&](Eigen::Index end, Eigen::Index inner, double from, double sign) {
         const Eigen::VectorXd start = Eigen::VectorXd::Unit(count, end);
         SafeReach reach = safe_reach(topology, vectors, start,
                                      start - Eigen::VectorXd::Unit(count, inner), lengths);
-        reach.reach /= static_cast<double>(count - 1);
+        reach.reach = from + sign * reach.reach / static_cast<double>(count - 1);
         return reach;
     };
-    const SafeReach low = beyond(0, 1);
-    const SafeReach high = beyond(count - 1, count - 2);
-    const auto describe = [](const SafeReach& reach) {
-        return reach.face < 0 ? std::string("never") : join("at face ", reach.face);
+    return {parameter(0, 1, 0.0, -1.0), parameter(count - 1, count - 2, 1.0, 1.0)};
+}
+
+std::string describe(const SafeRange& range)
+{
+    const auto face = [](const SafeReach& end) {
+        return end.face < 0 ? std::string("nothing breaks") : join("face ", end.face, " breaks");
     };
-    session.message(
-        join("safe range of the line: ", -low.reach, " to ", 1.0 + high.reach,
-             " (0 is the first mesh, 1 the last); the first triangle inequality breaks ",
-             describe(low), " below and ", describe(high), " above"));
-    return {{"low", finite_or_null(-low.reach)},
-            {"high", finite_or_null(1.0 + high.reach)},
-            {"low_face", low.face},
-            {"high_face", high.face}};
+    return join("safe range of the line: ", range.low.reach, " (", face(range.low), ") to ",
+                range.high.reach, " (", face(range.high), ")");
 }
 
 /// Says how far blends may leave the inputs and refuses those that go farther, unless forced.
@@ -122,20 +126,28 @@ Json check_safe_range(const Session& session, const Arguments& arguments, const 
     Json figures = Json::object();
     if (!arguments.path.extrapolate)
         return figures;
-    if (blends.kind == PathKind::Line)
-        figures["safe_range"] = safe_range_of_line(session, topology, vectors, arguments.lengths);
+    std::string said;
+    if (blends.kind == PathKind::Line) {
+        const SafeRange range = safe_range_of_line(topology, vectors, arguments.lengths);
+        said = describe(range);
+        figures["safe_range"] = {{"low", finite_or_null(range.low.reach)},
+                                 {"high", finite_or_null(range.high.reach)},
+                                 {"low_face", range.low.face},
+                                 {"high_face", range.high.face}};
+    }
     Json reaches = Json::array();
     for (std::size_t i = 0; i < blends.weights.size(); ++i) {
         const SafeReach safe = safe_reach(topology, vectors, blends.weights[i], arguments.lengths);
         reaches.push_back(finite_or_null(safe.reach));
         if (safe.reach <= 1.0 && !arguments.path.force_range)
-            throw InvalidInput(join(numbered_name("frame", i),
-                                    ": leaves the safe range: the triangle inequality "
-                                    "of face ",
-                                    safe.face, " breaks at ", safe.reach,
-                                    " of its way beyond the inputs; --force-range goes on"));
+            throw InvalidInput(join(numbered_name("frame", i), " leaves the safe range: face ",
+                                    safe.face, " breaks its triangle inequality after ", safe.reach,
+                                    " of the way beyond the inputs; ", said,
+                                    said.empty() ? "" : "; ", "--force-range goes on"));
     }
     figures["safe_reach"] = reaches;
+    if (!said.empty())
+        session.message(said);
     return figures;
 }
 

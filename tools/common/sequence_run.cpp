@@ -147,7 +147,8 @@ private:
         if (std::optional<FinishedMesh> finished = store_.read(i))
             return *std::move(finished);
         FinishedMesh mesh = make();
-        store_.write(i, mesh);
+        if (sequence_.targets.size() > 1)
+            store_.write(i, mesh);
         return mesh;
     }
 
