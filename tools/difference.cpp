@@ -73,6 +73,8 @@ void run(const Session& session, const Arguments& arguments)
     const DifferenceOptions options = difference_options(arguments);
     if (arguments.size && options.scale == Scale::None)
         throw UsageError("--size has no meaning with --scale none, lengths stay as they are");
+    if (arguments.embedding.residuals && !arguments.apply)
+        throw UsageError("--residuals needs --apply: no mesh comes out without it");
     check_ending("-o", arguments.output, ".h5");
     const std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
     check_output(session, arguments.output, inputs);
@@ -129,9 +131,10 @@ Run set_up_difference(CLI::App& command)
     add_output_file(command, arguments->output, "Difference to write (.h5)");
     CLI::Option* apply_flag = command.add_flag("--apply", arguments->apply,
                                                "Make the mesh of mean(from) + amount x difference");
-    CLI::Option* mesh =
-        command.add_option("--mesh", arguments->mesh.path, "Where that mesh goes (.obj .ply .off)")
-            ->option_text("FILE");
+    CLI::Option* mesh = command
+                            .add_option("--mesh", arguments->mesh.path,
+                                        "Where that mesh goes (.obj .ply .off .glb)")
+                            ->option_text("FILE");
     apply_flag->needs(mesh);
     mesh->needs(apply_flag);
     add_number(command, "--amount", arguments->amount,

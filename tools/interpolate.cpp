@@ -85,8 +85,9 @@ void run(const Session& session, const Arguments& arguments)
                                return blend(vectors, weights, arguments.lengths);
                            }});
     MeshOutput output(session, arguments.output, names(targets), input_files(arguments.meshes));
-    session.print_figures(embed_and_write(session, arguments.embedding, collection.topology,
-                                          collection.points, targets, output));
+    session.print_figures(embed_and_write(
+        session, arguments.embedding, collection.topology, collection.points, targets, output,
+        arguments.frames > 0 ? TargetOrder::Sequence : TargetOrder::Any));
 }
 
 } // namespace
@@ -99,10 +100,12 @@ Run set_up_interpolate(CLI::App& command)
     command.footer(
         "Examples:\n"
         "  shape interpolate a.ply b.ply -o frames/ --frames 11\n"
+        "  shape interpolate a.ply b.ply -o animation.glb --frames 50 --fps 25\n"
         "  shape interpolate a.ply b.ply c.ply -o mean.ply --weights 0.25,0.25,0.5");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_mesh_output(command, arguments->output);
+    add_animation_options(command, arguments->output);
     CLI::Option_group* blends = command.add_option_group("Blends", "exactly one of");
     blends
         ->add_option("--weights", arguments->weights,

@@ -20,10 +20,11 @@ namespace shape::tools {
 struct EmbeddingArguments
 {
     EmbeddingOptions options;
-    bool strict = false; ///< An infeasible target ends the run before anything is written.
+    bool strict = false;    ///< An infeasible target ends the run before anything is written.
+    bool residuals = false; ///< Beside every mesh goes NAME_residuals.ply.
 };
 
-/// Adds --method, --quality, --smoothness and --strict.
+/// Adds --method, --quality, --smoothness, --strict and --residuals.
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments);
 
 /// A mesh to be made. The point is made when it is needed: all of them may not fit into memory.
@@ -33,15 +34,24 @@ struct EmbeddingTarget
     std::function<ShapePoint()> point;
 };
 
+/// What the order of the targets means.
+enum class TargetOrder
+{
+    Any,
+    Sequence, ///< Each is near the one before it: jumps between them are looked for.
+};
+
 /// Embeds all targets and writes them, target i into output i; prints a table of what they are
-/// worth and warns of infeasible ones.
+/// worth and warns of infeasible ones and of jumps.
 /// @param references  As Embedder takes them.
-/// @return The fields `outputs` and `embeddings`.
+/// @return The fields `outputs` and `embeddings`; `jumps` of a sequence; `animation` if one is
+///     written.
 /// @throws NumericalError if a target is infeasible and `strict` is set; InvalidInput and
 ///     NumericalError of the embedder, naming the target.
 [[nodiscard]] Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
                                    const Topology& topology, std::vector<Points> references,
-                                   const std::vector<EmbeddingTarget>& targets, MeshOutput& output);
+                                   const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
+                                   TargetOrder order = TargetOrder::Any);
 
 /// "frame_0007": a name with a number of at least four digits.
 [[nodiscard]] std::string numbered_name(const std::string& stem, std::size_t number);
