@@ -207,6 +207,7 @@ Run set_up_interpolate(CLI::App& command)
     command.footer(
         "Examples:\n"
         "  shape interpolate a.ply b.ply -o frames/ --frames 11\n"
+        "  shape interpolate a.ply b.ply -o animation.glb --frames 50 --fps 25\n"
         "  shape interpolate a.ply b.ply c.ply -o mean.ply --weights 0.25,0.25,0.5\n"
         "  shape interpolate a.ply b.ply -o frames/ --frames 7 --range -0.25:1.25 --extrapolate\n"
         "  shape interpolate a.ply b.ply c.ply d.ply -o patch/ --path bilinear --grid 5,5\n"
@@ -214,6 +215,7 @@ Run set_up_interpolate(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_mesh_output(command, arguments->output);
+    add_animation_options(command, arguments->output);
     add_path_options(command, arguments->path);
     add_choice(
         command, "--lengths", arguments->lengths,

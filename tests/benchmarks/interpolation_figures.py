@@ -32,6 +32,11 @@ class Study:
             self.shape("synth", name, "-o", folder, "--quiet", *arguments)
         return sorted((self.out / folder).glob("*.ply"))
 
+    def arms(self):
+        """Four poses, straight to bent."""
+        meshes = {mesh.stem: mesh for mesh in self.synth("arm", "--count", 4)}
+        return [meshes[name] for name in ("arm_straight", "arm_0001", "arm_0002", "arm_bent")]
+
     def interpolate(self, name, meshes, *arguments):
         """Figures of the run and its frames; the output is the folder `name`."""
         report = self.out / f"{name}.json"
@@ -85,6 +90,13 @@ def steps(frames):
     return np.array(ways) / diagonal(points[0])
 
 
+def bends(frames):
+    """Largest change of that way, as a vector, over the diagonal: a kink would be as large as a step."""
+    points = [read_ply(frame)[0] for frame in frames]
+    changes = [np.linalg.norm(a - 2 * b + c, axis=1).max() for a, b, c in zip(points, points[1:], points[2:])]
+    return np.array(changes) / diagonal(points[0])
+
+
 def volume_deviation(frames):
     """Largest deviation from the volume interpolated linearly."""
     volumes = np.array([volume(*read_ply(frame)) for frame in frames])
@@ -103,7 +115,7 @@ def print_errors(name, method, figures):
 def ends(study):
     """How exactly paths meet their inputs."""
     print("| path | method | largest distance to an input, over the diagonal |\n|---|---|---|")
-    arm = study.synth("arm", "--count", 4)
+    arm = study.arms()
     hand = [study.data / "mh_hand" / f"{pose}.ply" for pose in ("point", "victory", "fist_5")]
     cases = {
         "line": (arm[:2], ["--frames", 3], {0: 0, 2: 1}),
@@ -125,7 +137,8 @@ def ends(study):
 
 def helix(study):
     """Cylinder to helix: no kinks, and the volume (Winkler, Fig. 6 and 9)."""
-    print("| turns | method | edge RMS | worst edge | volume | largest step / median |\n|---|---|---|---|---|---|")
+    print("| turn | method | edge RMS | worst edge | volume | largest step / median | largest bend / step |")
+    print("|---|---|---|---|---|---|---|")
     for turns, vertices in ((2, 1200), (5, 2500)):
         meshes = study.synth("helix", "--count", turns, "--vertices", vertices, folder=f"helix{turns}")
         for method in METHODS:
@@ -134,7 +147,7 @@ def helix(study):
             ways = steps(frames)
             print(f"| {360 * turns} deg | {method} | {100 * worst(figures, 'edge_rms'):.3f} % "
                   f"| {100 * worst(figures, 'edge_max'):.2f} % | {100 * volume_deviation(frames):.2f} % "
-                  f"| {ways.max() / np.median(ways):.2f} |")
+                  f"| {ways.max() / np.median(ways):.2f} | {bends(frames).max() / ways.max():.2f} |")
         frames = sorted((study.out / f"helix{turns}_dihedral").glob("*.ply"))
         study.draw(f"helix{turns}.png", frames[::10], "--columns", 7, "--cell", 150, "--view", "35,25")
 
@@ -142,11 +155,9 @@ def helix(study):
 def noise_and_thin(study):
     """Winkler, Fig. 13 and 14."""
     print("| set | method | edge RMS | worst edge | drift 99 % [deg] |\n|---|---|---|---|---|")
-    for name, view in (("noisy_helix", "35,25"), ("thin_cylinder", "0,0")):
-        meshes = study.synth(name)
-        meshes = sorted(meshes, key=lambda mesh: "helix" in mesh.name or "bent" in mesh.name.split("_")[1])
-        meshes = [m for m in meshes if "cylinder" in m.name or "straight" in m.name] + \
-                 [m for m in meshes if m.name.endswith(("noisy_helix.ply", "thin_bent.ply"))]
+    for name, options, view in (("noisy_helix", ["--count", 2], "35,25"), ("thin_cylinder", [], "0,0")):
+        meshes = study.synth(name, *options)
+        meshes = sorted(meshes, key=lambda mesh: mesh.stem in ("noisy_helix", "thin_bent"))
         for method in METHODS + ["closure"]:
             figures, frames = study.interpolate(f"{name}_{method}", meshes, "--frames", 5,
                                                 "--method", method)
@@ -170,7 +181,7 @@ def torus(study):
 
 def patch(study):
     """Four arm poses at the corners of a bilinear patch."""
-    figures, frames = study.interpolate("patch", study.synth("arm", "--count", 4), "--path", "bilinear",
+    figures, frames = study.interpolate("patch", study.arms(), "--path", "bilinear",
                                         "--grid", "4,4")
     print("bilinear patch, 16 arms:")
     print_errors("patch", "dihedral", figures)
@@ -183,14 +194,12 @@ def hand(study):
     figures, frames = study.interpolate("hand", meshes, "--path", "spline", "--frames", 9)
     print("three hands along a Catmull-Rom spline, 9 frames:")
     print_errors("hand", "dihedral", figures)
-    study.draw("hand.png", frames, "--columns", 5, "--cell", 200)
+    study.draw("hand.png", frames, "--columns", 5, "--cell", 135)
 
 
 def growing_hand(study):
     """Constrained interpolation (Winkler, Fig. 12): the hand of the arm grows to twice its size."""
-    arm = [study.synth("arm", "--count", 4)[i] for i in (3, 2)]
-    arm = [mesh for mesh in study.synth("arm", "--count", 4) if mesh.stem in ("arm_straight", "arm_bent")]
-    arm.sort(key=lambda mesh: mesh.stem, reverse=True)
+    arm = study.arms()[::3]
     points, _ = read_ply(arm[0])
     (study.out / "hand.txt").write_text("\n".join(map(str, np.flatnonzero(points[:, 0] > 48))))
     tags = ["--scale-vertices", "hand.txt", "--scale-factors", "1,2"]
@@ -198,19 +207,19 @@ def growing_hand(study):
     for method in METHODS:
         figures, frames = study.interpolate(f"growing_{method}", arm, "--frames", 5, "--method", method, *tags)
         print_errors("hand grows to twice its size", method, figures)
-    study.draw("growing.png", frames, "--columns", 5, "--cell", 200)
+        if method == "dihedral":
+            study.draw("growing.png", frames, "--columns", 5, "--cell", 200)
 
 
 def beyond(study):
     """Extrapolation within the safe range."""
-    arm = [mesh for mesh in study.synth("arm", "--count", 4) if mesh.stem in ("arm_straight", "arm_bent")]
-    arm.sort(key=lambda mesh: mesh.stem, reverse=True)
+    arm = study.arms()[::3]
     for lengths in ("plain", "squared"):
         common = ["--extrapolate", "--lengths", lengths]
         figures, _ = study.interpolate(f"range_{lengths}", arm, "--frames", 2, *common)
         print(f"safe range of the arm, {lengths}: {figures['safe_range']}")
-    figures, frames = study.interpolate("beyond", arm, "--frames", 5, "--range=-0.5:1.5", "--extrapolate")
-    print_errors("arm, t = -0.5 to 1.5", "dihedral", figures)
+    figures, frames = study.interpolate("beyond", arm, "--frames", 5, "--range=-0.5:1.2", "--extrapolate")
+    print_errors("arm, t = -0.5 to 1.2", "dihedral", figures)
     study.draw("beyond.png", frames, "--columns", 5, "--cell", 200)
 
 

@@ -10,6 +10,9 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/residual_field.h"
+#include "libshape/embedding/sequence_jumps.h"
+#include "libshape/io/vertex_scalars.h"
 #include "tools/common/arguments.h"
 
 namespace shape::tools {
@@ -69,6 +72,54 @@ std::string table_row(const Json& figures)
                      number("dihedral_rms_deg"), number("seconds"));
 }
 
+void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets)
+{
+    for (const EmbeddingTarget& target : targets) {
+        const ShapePoint point = target.point();
+        const Admissibility found = check_admissibility(topology, point.edge_lengths);
+        if (!found.admissible())
+            throw NumericalError(join(target.name, ": infeasible target, ",
+                                      describe(found, topology, point.edge_lengths),
+                                      " (--strict)"));
+    }
+}
+
+void write_residuals(const std::filesystem::path& path, const Topology& topology,
+                     const Points& points, const ShapePoint& target)
+{
+    const ResidualField field = residual_field(topology, points, target);
+    write_vertex_scalars(
+        path, points, topology.faces(),
+        {{"edge_error", field.edge_error}, {"dihedral_drift", field.dihedral_drift}});
+}
+
+/// Warns of jumps; returns them as figures.
+Json jump_figures(const Session& session, const std::vector<EmbeddingTarget>& targets,
+                  const std::vector<SequenceStep>& steps)
+{
+    Json jumps = Json::array();
+    for (const SequenceJump& jump : find_jumps(steps)) {
+        const std::string& from = targets[jump.from].name;
+        const std::string& to = targets[jump.from + 1].name;
+        session.warn(join("the sequence jumps from ", from, " to ", to, ", ",
+                          print_row("%.1f", jump.ratio), " times as far as nearby"));
+        jumps.push_back({{"from", from}, {"to", to}, {"ratio", jump.ratio}});
+    }
+    return jumps;
+}
+
+Json animation_figures(const Session& session, const GlbAnimation& animation, std::size_t frames)
+{
+    session.message(
+        print_row("animation: %zu of %zu frames kept, %.2f s; the others within %.2g of"
+                  " the bounding box diagonal",
+                  animation.keyframes.size(), frames, animation.seconds, animation.error));
+    return {{"frames", frames},
+            {"keyframes", animation.keyframes},
+            {"error", animation.error},
+            {"seconds", animation.seconds}};
+}
+
 } // namespace
 
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
@@ -104,56 +155,73 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
                   "An infeasible target ends the run with exit code 4 before anything is\n"
                   "written (default: the nearest mesh is written, with a warning)")
         ->group("Embedding");
+    command
+        .add_flag("--residuals", arguments.residuals,
+                  "Write NAME_residuals.ply beside each mesh: that mesh with the properties\n"
+                  "edge_error (largest relative error of the edges at a vertex) and\n"
+                  "dihedral_drift (largest of their angles [deg]); `shape draw --color-by` shows\n"
+                  "them")
+        ->group("Embedding");
 }
 
 Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
                      const Topology& topology, std::vector<Points> references,
-                     const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
+                     const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
+                     TargetOrder order)
 {
-    if (arguments.strict)
-        refuse_infeasible(topology, targets);
+    prepare_output(arguments, topology, targets, output);
     const EmbeddingOptions options = embedding_options(session, arguments);
     const Embedder embedder(topology, std::move(references), options);
     const auto make = [&](std::size_t i, const ShapePoint& point) {
         return finish(targets[i].name, name(options.method), [&] { return embedder.embed(point); });
     };
-    return make_and_write(session, topology, targets, make, output);
+    return make_and_write(session, arguments, topology, targets, make, output, order);
 }
 
-Json make_and_write(const Session& session, const Topology& topology,
-                    const std::vector<EmbeddingTarget>& targets, const MeshMaker& make,
-                    MeshOutput& output)
+void prepare_output(const EmbeddingArguments& arguments, const Topology& topology,
+                    const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
+{
+    if (arguments.residuals)
+        output.add_companions("_residuals.ply");
+    if (arguments.strict)
+        refuse_infeasible(topology, targets);
+}
+
+Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
+                    const Topology& topology, const std::vector<EmbeddingTarget>& targets,
+                    const MeshMaker& make, MeshOutput& output, TargetOrder order)
 {
     const Progress progress = session.progress();
     Json embeddings = Json::array();
     std::vector<std::string> rows{table_head()};
+    std::vector<SequenceStep> steps;
+    Points previous;
     for (std::size_t i = 0; i < targets.size(); ++i) {
         progress("embedding", i, targets.size());
-        const FinishedMesh mesh = make(i, targets[i].point());
+        const ShapePoint point = targets[i].point();
+        FinishedMesh mesh = make(i, point);
         if (!mesh.reason.empty())
             session.warn(join(targets[i].name, ": infeasible target, ", mesh.reason,
                               "; the nearest mesh is written"));
         output.write(i, mesh.points, topology.faces());
-        embeddings.push_back(mesh.figures);
+        if (arguments.residuals)
+            write_residuals(output.staged_companion(i), topology, mesh.points, point);
+        if (order == TargetOrder::Sequence && i > 0)
+            steps.push_back(measure_step(topology, previous, mesh.points));
         rows.push_back(table_row(mesh.figures));
+        embeddings.push_back(std::move(mesh.figures));
+        previous = std::move(mesh.points);
     }
     progress("embedding", targets.size(), targets.size());
     output.commit();
     for (const std::string& row : rows)
         session.message(row);
-    return {{"outputs", output.paths()}, {"embeddings", embeddings}};
-}
-
-void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets)
-{
-    for (const EmbeddingTarget& target : targets) {
-        const ShapePoint point = target.point();
-        const Admissibility found = check_admissibility(topology, point.edge_lengths);
-        if (!found.admissible())
-            throw NumericalError(join(target.name, ": infeasible target, ",
-                                      describe(found, topology, point.edge_lengths),
-                                      " (--strict)"));
-    }
+    Json result{{"outputs", output.paths()}, {"embeddings", embeddings}};
+    if (order == TargetOrder::Sequence)
+        result["jumps"] = jump_figures(session, targets, steps);
+    if (output.animation())
+        result["animation"] = animation_figures(session, *output.animation(), targets.size());
+    return result;
 }
 
 FinishedMesh finish(const std::string& target, const std::string& method,

@@ -78,17 +78,18 @@ MatrixX2d places(const PathDescription& path, const MatrixX2d& default_track)
 {
     if (path.at.rows() > 0)
         return path.at;
-    MatrixX2d result;
     if (path.grid) {
-        const Vector2d steps = *path.grid - Vector2d::Ones();
-        for (double row = 0; row <= steps.y(); ++row)
-            for (double column = 0; column <= steps.x(); ++column)
-                append_row(result, {column / steps.x(), row / steps.y()});
+        const auto columns = static_cast<Eigen::Index>((*path.grid)[0]);
+        const auto rows = static_cast<Eigen::Index>((*path.grid)[1]);
+        MatrixX2d result(columns * rows, 2);
+        for (Eigen::Index i = 0; i < result.rows(); ++i)
+            result.row(i) << static_cast<double>(i % columns) / static_cast<double>(columns - 1),
+                static_cast<double>(i / columns) / static_cast<double>(rows - 1);
         return result;
     }
     const MatrixX2d& track = path.track.rows() > 0 ? path.track : default_track;
     const auto last = static_cast<double>(*path.frames - 1);
-    result.resize(*path.frames, 2);
+    MatrixX2d result(*path.frames, 2);
     for (Eigen::Index i = 0; i < result.rows(); ++i)
         result.row(i) = point_on_track(track, static_cast<double>(i) / last).transpose();
     return result;

@@ -56,11 +56,10 @@ public:
     }
     [[nodiscard]] MatrixX2d points() const
     {
-        MatrixX2d rows;
-        for (const Value& item : list()) {
-            rows.conservativeResize(rows.rows() + 1, 2);
-            rows.bottomRows<1>() = item.pair().transpose();
-        }
+        const std::vector<Value> items = list();
+        MatrixX2d rows(static_cast<Eigen::Index>(items.size()), 2);
+        for (std::size_t i = 0; i < items.size(); ++i)
+            rows.row(static_cast<Eigen::Index>(i)) = items[i].pair().transpose();
         return rows;
     }
     [[nodiscard]] std::int64_t count(std::int64_t most) const
@@ -80,7 +79,6 @@ public:
         }
         fail("must be one of " + known);
     }
-    [[nodiscard]] const std::string& place() const { return place_; }
 
 private:
     [[noreturn]] void fail(const std::string& rule) const

@@ -11,6 +11,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/version.h"
 #include "libshape/embedding/in_betweens.h"
+#include "libshape/io/table_file.h"
 #include "libshape/mesh/alignment.h"
 #include "tools/common/arguments.h"
 #include "tools/common/frame_store.h"
@@ -58,7 +59,7 @@ Json identity(const EmbeddingOptions& options, const SequenceArguments& argument
             {"blends", blends},
             {"--method", name(options.method)},
             {"--quality", options.quality == EmbeddingQuality::Fine ? "fine" : "preview"},
-            {"--smoothness", join(options.smoothness)},
+            {"--smoothness", print_number(options.smoothness)},
             {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
                                                                                  : "incremental"},
             {"--seed", join(options.seed)},
@@ -159,25 +160,27 @@ private:
     Points previous_; ///< What the next mesh is placed as.
 };
 
-Json run(const Session& session, const EmbeddingOptions& options,
+Json run(const Session& session, const EmbeddingArguments& embedding,
          const SequenceArguments& arguments, const Sequence& sequence, FrameStore& store,
          MeshOutput& output)
 {
+    const EmbeddingOptions options = embedding_options(session, embedding);
+    const TargetOrder order = sequence.is_path ? TargetOrder::Sequence : TargetOrder::Any;
     Maker maker(options, sequence, store);
     if (arguments.keyframes == 0)
         return make_and_write(
-            session, sequence.topology, sequence.targets,
+            session, embedding, sequence.topology, sequence.targets,
             [&](std::size_t i, const ShapePoint& point) { return maker.embedded(i, point); },
-            output);
+            output, order);
     const auto every = static_cast<std::size_t>(arguments.keyframes);
     const InBetweens between = in_betweens(options, arguments.between, sequence,
                                            maker.keyframes(session.progress(), every));
     return make_and_write(
-        session, sequence.topology, sequence.targets,
+        session, embedding, sequence.topology, sequence.targets,
         [&](std::size_t i, const ShapePoint& point) {
             return maker.filled(i, point, between, between_name(arguments.between));
         },
-        output);
+        output, order);
 }
 
 } // namespace
@@ -210,15 +213,15 @@ Json embed_sequence(const Session& session, const EmbeddingArguments& embedding,
 {
     if (arguments.keyframes > 0 && !sequence.is_path)
         throw UsageError("--keyframes needs --frames: only a path has meshes in between");
-    if (embedding.strict)
-        refuse_infeasible(sequence.topology, sequence.targets);
-    const EmbeddingOptions options = embedding_options(session, embedding);
-    FrameStore store(session, path, identity(options, arguments, sequence), arguments.resume);
+    prepare_output(embedding, sequence.topology, sequence.targets, output);
+    FrameStore store(session, path,
+                     identity(embedding_options(session, embedding), arguments, sequence),
+                     arguments.resume);
     const std::size_t total = sequence.targets.size();
     if (arguments.resume)
         session.message(join(store.count(), " of ", total, " meshes are finished already"));
     try {
-        return run(session, options, arguments, sequence, store, output);
+        return run(session, embedding, arguments, sequence, store, output);
     } catch (const Interrupted&) {
         if (!store.keep())
             throw;
