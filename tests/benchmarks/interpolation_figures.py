@@ -207,8 +207,7 @@ def growing_hand(study):
     for method in METHODS:
         figures, frames = study.interpolate(f"growing_{method}", arm, "--frames", 5, "--method", method, *tags)
         print_errors("hand grows to twice its size", method, figures)
-        if method == "dihedral":
-            study.draw("growing.png", frames, "--columns", 5, "--cell", 200)
+        study.draw(f"growing_{method}.png", frames, "--columns", 5, "--cell", 160)
 
 
 def beyond(study):
@@ -218,14 +217,14 @@ def beyond(study):
         common = ["--extrapolate", "--lengths", lengths]
         figures, _ = study.interpolate(f"range_{lengths}", arm, "--frames", 2, *common)
         print(f"safe range of the arm, {lengths}: {figures['safe_range']}")
-    figures, frames = study.interpolate("beyond", arm, "--frames", 5, "--range=-0.5:1.2", "--extrapolate")
-    print_errors("arm, t = -0.5 to 1.2", "dihedral", figures)
+    figures, frames = study.interpolate("beyond", arm, "--frames", 5, "--range", "0:1.2", "--extrapolate")
+    print_errors("arm, t = 0 to 1.2", "dihedral", figures)
     study.draw("beyond.png", frames, "--columns", 5, "--cell", 200)
 
 
 def keyframes(study):
     """All frames embedded, or every tenth and the rest filled in."""
-    meshes = [study.data / "mh_arm" / f"elbow_{angle}.ply" for angle in ("000", "1000")]
+    meshes = study.arms()[::3]
     print("| in between | seconds | edge RMS | worst edge | largest step across a keyframe / elsewhere |")
     print("|---|---|---|---|---|")
     for between in (None, "multiscale", "dihedral", "linear", "spline"):
