@@ -97,7 +97,8 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
     }
     MeshOutput output(session, arguments.output, names(targets), input_files(arguments.mesh));
     Json figures = embed_and_write(session, arguments.embedding, topology,
-                                   {points, placed_sphere(map, points)}, targets, output);
+                                   {points, placed_sphere(map, points)}, targets, output,
+                                   TargetOrder::Sequence);
     figures["frames"] = frames;
     return figures;
 }
@@ -116,6 +117,8 @@ void run(const Session& session, const Arguments& arguments)
     const Collection collection = read_meshes(session, arguments.mesh);
     if (collection.size() != 1)
         throw InvalidInput(join("a conformal map is made of one mesh, not ", collection.size()));
+    if (arguments.embedding.residuals && arguments.steps == 0)
+        throw UsageError("--residuals needs --steps: the sphere alone is not embedded");
     if (!arguments.factors.empty())
         check_output(session, arguments.factors, input_files(arguments.mesh));
     const Topology& topology = collection.topology;
@@ -152,6 +155,7 @@ Run set_up_conformal(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->mesh, "MESH");
     add_mesh_output(command, arguments->output);
+    add_animation_options(command, arguments->output);
     add_integer(command, "--steps", arguments->steps,
                 "N frames of the morph, equally spaced, both ends included, [2, 1000000]", 2,
                 1'000'000);
