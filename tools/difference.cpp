@@ -13,9 +13,9 @@
 #include "tools/common/interrupt.h"
 #include "tools/common/mesh_input.h"
 #include "tools/common/mesh_output.h"
-#include "tools/common/model_tables.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
 
 namespace shape::tools {
 namespace {

@@ -14,6 +14,7 @@
 #include "tools/common/model_tables.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
 
 namespace shape::tools {
 namespace {
@@ -24,29 +25,32 @@ struct Arguments
     std::string output;
     std::int64_t modes = 0;
     double variance = 1.0;
-    Scale scale = Scale::Unit;
+    SpaceOptions space;
 };
 
 void run(const Session& session, const Arguments& arguments)
 {
+    check_space_options(arguments.space);
     check_ending("-o", arguments.output, ".h5");
     check_output(session, arguments.output, input_files(arguments.meshes));
     const Collection collection = read_meshes(session, arguments.meshes);
     const ShapeModel model = fit_model(collection, {.modes = static_cast<int>(arguments.modes),
                                                     .variance = arguments.variance,
-                                                    .scale = arguments.scale});
+                                                    .space = arguments.space});
+    warn_of_alignment(session, model.space);
     throw_if_interrupted();
     write_model(arguments.output, model);
     session.message(join(arguments.output, ": ", model.mode_count(), " modes of ",
                          collection.size(), " meshes\n", mode_table(model)));
-    session.print_figures({{"outputs", {arguments.output}},
-                           {"meshes", collection.size()},
-                           {"vertices", model.topology.vertex_count()},
-                           {"edges", model.topology.edge_count()},
-                           {"scale", name(model.scale)},
-                           {"mean_size", model.mean_size()},
-                           {"total_variance", model.total_variance},
-                           {"modes", mode_figures(model)}});
+    Json figures{{"outputs", {arguments.output}},
+                 {"meshes", collection.size()},
+                 {"vertices", model.topology.vertex_count()},
+                 {"edges", model.topology.edge_count()}};
+    figures.update(space_figures(model.space));
+    figures["mean_size"] = model.mean_size();
+    figures["total_variance"] = model.total_variance;
+    figures["modes"] = mode_figures(model);
+    session.print_figures(figures);
 }
 
 } // namespace
@@ -54,9 +58,12 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_stats(CLI::App& command)
 {
     command.description(
-        "Fit a statistical model of meshes in correspondence: the mean edge lengths, the\n"
+        "Fit a statistical model of meshes in correspondence: the mean in a space of shapes, the\n"
         "principal modes with their variances (divisor N - 1), and the scores of the meshes.");
-    command.footer("Example:\n  shape stats faces.h5 -o model.h5 --variance 0.95");
+    command.footer(
+        "Examples:\n"
+        "  shape stats faces.h5 -o model.h5 --variance 0.95\n"
+        "  shape stats faces.h5 -o aligned.h5 --space procrustes");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_labels(command, arguments->meshes);
@@ -69,11 +76,7 @@ Run set_up_stats(CLI::App& command)
                "Keep the fewest modes with this share of the total variance, (0, 1]",
                Sign::Positive)
         ->excludes(modes);
-    add_choice(
-        command, "--scale", arguments->scale,
-        "unit: lengths are divided by their sum, size is kept apart (default); none: lengths\n"
-        "stay as they are, size is part of the shape",
-        {{"unit", Scale::Unit}, {"none", Scale::None}});
+    add_space_options(command, arguments->space);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

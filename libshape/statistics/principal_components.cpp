@@ -162,15 +162,17 @@ void measure_variances(PrincipalComponents& components)
 
 } // namespace
 
-PrincipalComponents principal_components(const RowMatrix& data,
+PrincipalComponents principal_components(RowMatrix data,
                                          const PrincipalComponentsOptions& options)
 {
     check(data, options);
     PrincipalComponents result;
     result.mean = mean_of_rows(data);
-    const RowMatrix centred = data.rowwise() - result.mean.transpose();
+    const double squares = data.squaredNorm();
+    data.rowwise() -= result.mean.transpose();
+    const RowMatrix& centred = data;
     const Eigen::MatrixXd gram = inner_products(centred);
-    if (gram.trace() <= 1e-24 * data.squaredNorm())
+    if (gram.trace() <= 1e-24 * squares)
         throw InvalidInput(join("principal components: all ", data.rows(),
                                 " observations are equal, they have no modes"));
     result.total_variance = gram.trace() / static_cast<double>(data.rows() - 1);

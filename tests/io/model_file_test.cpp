@@ -39,14 +39,27 @@ const DifferenceOptions bumpy_minus_calm = {.pair_by = "subject",
                                             .to_label = "state",
                                             .to_value = "bumpy"};
 
+void expect_equal(const ShapeSpace& a, const ShapeSpace& b)
+{
+    ASSERT_EQ(a.index(), b.index());
+    EXPECT_EQ(scale_of(a), scale_of(b));
+    if (const EdgeSpace* edge = std::get_if<EdgeSpace>(&a)) {
+        const EdgeSpace& other = std::get<EdgeSpace>(b);
+        EXPECT_EQ(edge->coordinates, other.coordinates);
+        EXPECT_EQ(edge->length_factors, other.length_factors);
+        EXPECT_EQ(edge->dihedral_factors, other.dihedral_factors);
+        EXPECT_EQ(edge->branch_angles, other.branch_angles);
+    }
+}
+
 void expect_equal(const ShapeModel& a, const ShapeModel& b)
 {
     EXPECT_TRUE(a.topology == b.topology);
     EXPECT_EQ(a.reference_points, b.reference_points);
-    EXPECT_EQ(a.scale, b.scale);
-    EXPECT_EQ(a.mean_edge_lengths, b.mean_edge_lengths);
+    expect_equal(a.space, b.space);
+    EXPECT_EQ(a.mean, b.mean);
     EXPECT_EQ(a.mean_dihedral_angles, b.mean_dihedral_angles);
-    EXPECT_EQ(a.mode_edge_lengths, b.mode_edge_lengths);
+    EXPECT_EQ(a.modes, b.modes);
     EXPECT_EQ(a.mode_dihedral_angles, b.mode_dihedral_angles);
     EXPECT_EQ(a.variances, b.variances);
     EXPECT_EQ(a.total_variance, b.total_variance);
@@ -78,7 +91,7 @@ TEST(ModelFile, GivesEveryBitBack)
 {
     const test::TemporaryDirectory directory;
     for (const Scale scale : {Scale::Unit, Scale::None}) {
-        const ModelOptions options{.modes = 2, .scale = scale};
+        const ModelOptions options{.modes = 2, .space = {.scale = scale}};
         const ShapeModel model = fit_model(paired_collection(), options);
         write_model(directory / "m.h5", model, options);
         expect_equal(read_model(directory / "m.h5"), model);
@@ -131,12 +144,12 @@ TEST(ModelFile, RefusesToWriteWhatItWouldNotRead)
         {"/variances", message([](M& m) { m.variances.reverseInPlace(); })},
         {"/variances", message([](M& m) { m.variances.tail(1)[0] = -1e-9; })},
         {"/total_variance", message([](M& m) { m.total_variance *= 0.99; })},
-        {"/modes/edge_lengths", message([](M& m) { m.mode_edge_lengths(0, 0) += 1e-3; })},
-        {"/modes/edge_lengths", message([](M& m) { m.mode_edge_lengths.row(1) *= 2.0; })},
+        {"/modes/edge_lengths", message([](M& m) { m.modes(0, 0) += 1e-3; })},
+        {"/modes/edge_lengths", message([](M& m) { m.modes.row(1) *= 2.0; })},
         {"/modes/edge_lengths",
-         message([](M& m) { m.mode_edge_lengths.row(1) = m.mode_edge_lengths.row(0); })},
-        {"/mean/edge_lengths", message([](M& m) { m.mean_edge_lengths *= 1.001; })},
-        {"/mean/edge_lengths", message([](M& m) { m.mean_edge_lengths[3] *= -1.0; })},
+         message([](M& m) { m.modes.row(1) = m.modes.row(0); })},
+        {"/mean/edge_lengths", message([](M& m) { m.mean *= 1.001; })},
+        {"/mean/edge_lengths", message([](M& m) { m.mean[3] *= -1.0; })},
         {"/sizes", message([](M& m) { m.sizes[2] = 0.0; })},
         {"/scores", message([](M& m) { m.scores(1, 0) = std::nan(""); })},
         {"/scores", message([](M& m) { m.scores.conservativeResize(5, Eigen::NoChange); })},
@@ -254,7 +267,7 @@ TEST(ModelFile, TellsH5pyWhatWasAskedFor)
     if (test::python_with_h5py().empty())
         GTEST_SKIP() << "no Python with h5py";
     const test::TemporaryDirectory directory;
-    const ModelOptions options{.modes = 2, .variance = 0.95, .scale = Scale::None};
+    const ModelOptions options{.modes = 2, .variance = 0.95, .space = {.scale = Scale::None}};
     write_model(directory / "m.h5", fit_model(paired_collection(), options), options);
     EXPECT_EQ(
         test::run_h5py(directory / "m.h5", "r",

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -28,11 +29,11 @@ const char* method_name(EmbeddingMethod method)
     return "";
 }
 
-Json figures(const std::string& mesh, EmbeddingMethod method, const Embedding& embedding)
+Json figures(const std::string& mesh, const char* method, const Embedding& embedding)
 {
     const EmbeddingReport& report = embedding.report;
     return {{"name", mesh},
-            {"method", method_name(method)},
+            {"method", method},
             {"vertices", embedding.points.rows()},
             {"status", name(report.status)},
             {"edge_rms", report.edge_rms},
@@ -73,25 +74,51 @@ std::string table_row(const std::string& mesh, const EmbeddingReport& report)
 void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets)
 {
     for (const EmbeddingTarget& target : targets) {
-        const ShapePoint point = target.point();
-        const Admissibility found = check_admissibility(topology, point.edge_lengths);
+        const DecodedShape shape = target.shape();
+        const ShapePoint* point = std::get_if<ShapePoint>(&shape);
+        if (point == nullptr)
+            continue;
+        const Admissibility found = check_admissibility(topology, point->edge_lengths);
         if (!found.admissible())
             throw NumericalError(join(target.name, ": infeasible target, ",
-                                      describe(found, topology, point.edge_lengths),
+                                      describe(found, topology, point->edge_lengths),
                                       " (--strict)"));
     }
 }
 
-Embedding embed(const Embedder& embedder, const EmbeddingTarget& target)
+/// Embeds shapes as they come; the embedder is made for the first that needs it.
+class Decoder
 {
-    try {
-        return embedder.embed(target.point());
-    } catch (const InvalidInput& error) {
-        throw InvalidInput(join(target.name, ": ", error.what()));
-    } catch (const NumericalError& error) {
-        throw NumericalError(join(target.name, ": ", error.what()));
+public:
+    Decoder(const Topology& topology, std::vector<Points> references,
+            const EmbeddingOptions& options)
+        : topology_(topology), references_(std::move(references)), options_(options)
+    {
     }
-}
+
+    /// The mesh, and how it was made.
+    std::pair<Embedding, const char*> operator()(const EmbeddingTarget& target)
+    {
+        try {
+            DecodedShape shape = target.shape();
+            if (Points* points = std::get_if<Points>(&shape))
+                return {as_embedding(topology_, std::move(*points)), "procrustes"};
+            if (!embedder_)
+                embedder_.emplace(topology_, std::move(references_), options_);
+            return {embedder_->embed(std::get<ShapePoint>(shape)), method_name(options_.method)};
+        } catch (const InvalidInput& error) {
+            throw InvalidInput(join(target.name, ": ", error.what()));
+        } catch (const NumericalError& error) {
+            throw NumericalError(join(target.name, ": ", error.what()));
+        }
+    }
+
+private:
+    const Topology& topology_;
+    std::vector<Points> references_;
+    EmbeddingOptions options_;
+    std::optional<Embedder> embedder_;
+};
 
 } // namespace
 
@@ -129,19 +156,19 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
 {
     if (arguments.strict)
         refuse_infeasible(topology, targets);
-    const Embedder embedder(topology, std::move(references), arguments.options);
+    Decoder decoder(topology, std::move(references), arguments.options);
     const Progress progress = session.progress();
     Json embeddings = Json::array();
     std::vector<std::string> rows{table_head()};
     for (std::size_t i = 0; i < targets.size(); ++i) {
         progress("embedding", i, targets.size());
         const std::string& mesh = targets[i].name;
-        const Embedding embedding = embed(embedder, targets[i]);
+        const auto [embedding, method] = decoder(targets[i]);
         if (embedding.report.status == EmbeddingStatus::Infeasible)
             session.warn(join(mesh, ": infeasible target, ", embedding.report.reason,
                               "; the nearest mesh is written"));
         output.write(i, embedding.points, topology.faces());
-        embeddings.push_back(figures(mesh, arguments.options.method, embedding));
+        embeddings.push_back(figures(mesh, method, embedding));
         rows.push_back(table_row(mesh, embedding.report));
     }
     progress("embedding", targets.size(), targets.size());

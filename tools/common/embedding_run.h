@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "libshape/edge_space/shape_space.h"
 #include "libshape/embedding/embedder.h"
 #include "tools/common/mesh_output.h"
 #include "tools/common/session.h"
@@ -26,14 +27,14 @@ struct EmbeddingArguments
 /// Adds --method, --quality, --smoothness and --strict.
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments);
 
-/// A mesh to be made. The point is made when it is needed: all of them may not fit into memory.
+/// A mesh to be made. The shape is made when it is needed: all of them may not fit into memory.
 struct EmbeddingTarget
 {
     std::string name;
-    std::function<ShapePoint()> point;
+    std::function<DecodedShape()> shape;
 };
 
-/// Embeds all targets and writes them, target i into output i; prints a table of what they are
+/// Embeds all targets that are no meshes yet and writes them, target i into output i; prints a table of what they are
 /// worth and warns of infeasible ones.
 /// @param references  As Embedder takes them.
 /// @return The fields `outputs` and `embeddings`.
