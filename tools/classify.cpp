@@ -65,10 +65,12 @@ Table prediction_table(const Collection& collection, const Grouping& groups, con
     return table;
 }
 
-/// Confusion as lines of text.
+/// Confusion as lines of text, unless there are too many groups to read.
 std::string confusion_text(const Table& table)
 {
     std::string text;
+    if (table.rows.size() > 12)
+        return text;
     const auto add = [&](const std::vector<std::string>& cells) {
         char cell[128];
         for (std::size_t c = 0; c < cells.size(); ++c) {

@@ -101,6 +101,9 @@ std::string summary(const Findings& findings)
 {
     std::string text = join("all ", findings.groups.group_count(),
                             " groups: ", describe(findings.comparison.overall), "\n");
+    constexpr std::size_t most_lines = 45; // ten groups
+    if (findings.comparison.pairs.size() > most_lines)
+        return text;
     for (const PairComparison& pair : findings.comparison.pairs)
         text += join(findings.groups.names[static_cast<std::size_t>(pair.first)], " - ",
                      findings.groups.names[static_cast<std::size_t>(pair.second)], ": distance ",
