@@ -25,7 +25,7 @@ struct Arguments
     std::string output;
     std::int64_t modes = 0;
     double variance = 1.0;
-    SpaceOptions space;
+    SpaceOptions space = {};
 };
 
 void run(const Session& session, const Arguments& arguments)
