@@ -222,9 +222,11 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_generate(CLI::App& command)
 {
     command.description(
-        "Make meshes from points of a model, in the space it was fitted in: its mean, points along\n"
+        "Make meshes from points of a model, in the space it was fitted in: its mean, points "
+        "along\n"
         "a mode, given scores, or seeded samples. Points of Procrustes space are meshes already:\n"
-        "the embedding options do not touch them. Choose exactly one of --mean, --mode, --scores, --scores-file, --sample.");
+        "the embedding options do not touch them. Choose exactly one of --mean, --mode, --scores, "
+        "--scores-file, --sample.");
     command.footer(
         "Examples:\n"
         "  shape generate model.h5 -o mean.ply --mean\n"

@@ -28,7 +28,7 @@ struct Arguments
     std::string output;
     std::int64_t modes = 0;
     double variance = 1.0;
-    SpaceOptions space;
+    SpaceOptions space = {};
     std::int64_t replicates = 0;
     std::string within;
 };

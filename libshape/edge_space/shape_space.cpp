@@ -25,9 +25,9 @@ void check(const Collection& collection, const SpaceOptions& options)
     if (!(options.dihedral_weight >= 0.0 && std::isfinite(options.dihedral_weight)))
         throw InvalidInput(join("space: dihedral_weight is ", options.dihedral_weight,
                                 ", must be >= 0 and finite"));
-    if (options.kind != SpaceKind::Edge && (options.coordinates != LengthCoordinates::Plain ||
-                                            options.weighting != EdgeWeighting::Uniform ||
-                                            options.dihedral_weight != 0.0))
+    if (options.kind != SpaceKind::Edge &&
+        (options.coordinates != LengthCoordinates::Plain ||
+         options.weighting != EdgeWeighting::Uniform || options.dihedral_weight != 0.0))
         throw InvalidInput("space: coordinates, weighting and dihedral_weight are of edge space");
 }
 
@@ -121,10 +121,9 @@ Eigen::VectorXd encode_mesh(const EdgeSpace& space, const Topology& topology, co
     if (space.length_factors.size() > 0)
         coordinates.head(edges).array() *= space.length_factors.array();
     if (space.dihedral_factors.size() > 0)
-        coordinates.tail(edges) =
-            dihedral_angles(topology, points)
-                .binaryExpr(space.branch_angles, &on_branch)
-                .cwiseProduct(space.dihedral_factors);
+        coordinates.tail(edges) = dihedral_angles(topology, points)
+                                      .binaryExpr(space.branch_angles, &on_branch)
+                                      .cwiseProduct(space.dihedral_factors);
     return coordinates;
 }
 
@@ -155,8 +154,7 @@ void check_fit(const ProcrustesSpace& space, const Collection& collection)
 {
     if (space.mean.rows() != collection.topology.vertex_count())
         throw InvalidInput(join("space: it is of ", space.mean.rows(),
-                                " vertices, the meshes have ",
-                                collection.topology.vertex_count()));
+                                " vertices, the meshes have ", collection.topology.vertex_count()));
 }
 
 DecodedShape decode_point(const EdgeSpace& space, const Eigen::VectorXd& coordinates,
@@ -173,9 +171,9 @@ DecodedShape decode_point(const EdgeSpace& space, const Eigen::VectorXd& coordin
     Eigen::VectorXd values = coordinates.head(edges);
     if (space.length_factors.size() > 0)
         values.array() /= space.length_factors.array();
-    ShapePoint point{to_lengths(space.coordinates, values),
-                     with_angles ? coordinates.tail(edges).cwiseQuotient(space.dihedral_factors)
-                                 : companion};
+    ShapePoint point{
+        to_lengths(space.coordinates, values),
+        with_angles ? coordinates.tail(edges).cwiseQuotient(space.dihedral_factors) : companion};
     if (space.scale == Scale::Unit) {
         // The sum of combined plain lengths is 1 already; that of others is not.
         const bool is_linear = space.coordinates == LengthCoordinates::Plain;

@@ -16,19 +16,19 @@ namespace shape {
 /// too, d_e = b_e theta_e. Knows no pose.
 struct EdgeSpace
 {
-    Scale scale = Scale::Unit; ///< Unit: l is divided by its sum.
+    Scale scale = Scale::Unit;                                ///< Unit: l is divided by its sum.
     LengthCoordinates coordinates = LengthCoordinates::Plain; ///< f.
-    Eigen::VectorXd length_factors;   ///< a: #E, > 0; empty: all 1.
-    Eigen::VectorXd dihedral_factors; ///< b: #E, > 0; empty: angles are no coordinates.
-    Eigen::VectorXd branch_angles;    ///< #E [rad], as dihedral_factors: angles near the fold are
-                                      ///< measured on the branch around it (unify_branches).
+    Eigen::VectorXd length_factors = {};                      ///< a: #E, > 0; empty: all 1.
+    Eigen::VectorXd dihedral_factors = {}; ///< b: #E, > 0; empty: angles are no coordinates.
+    Eigen::VectorXd branch_angles = {}; ///< #E [rad], as dihedral_factors: angles near the fold are
+                                        ///< measured on the branch around it (unify_branches).
 };
 
 /// Vertex positions as coordinates, x y z of one vertex after the other, aligned with a mean.
 struct ProcrustesSpace
 {
     Scale scale = Scale::Unit; ///< Unit: centroid size 1.
-    Points mean;               ///< #V by 3, centroid at 0: what meshes are aligned with.
+    Points mean = {};          ///< #V by 3, centroid at 0: what meshes are aligned with.
     int iterations = 0;        ///< Of the alignment that found the mean; not kept in files.
     bool converged = true;     ///< So did it; not kept in files.
 };
@@ -80,7 +80,7 @@ struct SpaceOptions
 [[nodiscard]] bool is_plain(const ShapeSpace& space);
 
 /// The meshes as points of the space, N by D; each depends on itself and the space alone.
-/// @throws InvalidInput if the meshes have other edges or vertices than the space.
+/// @throws InvalidInput if the space holds something per vertex or edge, and of another number.
 [[nodiscard]] RowMatrix encode(const ShapeSpace& space, const Collection& collection);
 
 /// Sizes of meshes, N [length]: sums of edge lengths, centroid sizes in Procrustes space.

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/closure.h"
 #include "libshape/embedding/edge_laplacian.h"
 #include "libshape/embedding/face_layout.h"
@@ -70,10 +71,11 @@ DihedralEmbedder::~DihedralEmbedder() = default;
 DihedralEmbedder::DihedralEmbedder(DihedralEmbedder&&) noexcept = default;
 DihedralEmbedder& DihedralEmbedder::operator=(DihedralEmbedder&&) noexcept = default;
 
-DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& target,
+DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
     const State& s = *state_;
+    const ShapePoint target{positive_lengths(point.edge_lengths), point.dihedral_angles};
     const LengthDihedralEnergy energy(s.topology, target, options.smoothness);
     const EdgeLaplacian laplacian = s.laplacian.reweighted(target.edge_lengths);
     const Points corners = corner_angles(s.topology, target.edge_lengths);

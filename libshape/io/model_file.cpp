@@ -99,8 +99,7 @@ void add_space(Hdf5Content& content, const ShapeSpace& space)
     if (edge == nullptr || is_plain(space))
         return;
     content.attributes.emplace_back(
-        "coordinates",
-        std::string(length_names.at(static_cast<std::size_t>(edge->coordinates))));
+        "coordinates", std::string(length_names.at(static_cast<std::size_t>(edge->coordinates))));
     if (edge->length_factors.size() > 0)
         add_numbers(content, "/space/length_factors", {edge->length_factors.size()},
                     edge->length_factors);
@@ -242,12 +241,11 @@ ShapeModel read_model(const std::filesystem::path& path)
         .reference_points = reference_points,
         .space = space,
         .mean = file.numbers("/mean/" + name, extents).reshaped<Eigen::RowMajor>(),
-        .mean_dihedral_angles = companions ? file.numbers("/mean/dihedral_angles", {edges})
-                                           : RowMatrix(0, 1),
+        .mean_dihedral_angles =
+            companions ? file.numbers("/mean/dihedral_angles", {edges}) : RowMatrix(0, 1),
         .modes = file.numbers("/modes/" + name, Extents{modes} + extents),
-        .mode_dihedral_angles = companions
-                                    ? file.numbers("/modes/dihedral_angles", {modes, edges})
-                                    : RowMatrix(modes, 0),
+        .mode_dihedral_angles = companions ? file.numbers("/modes/dihedral_angles", {modes, edges})
+                                           : RowMatrix(modes, 0),
         .variances = variances,
         .total_variance = read_number(file, "/total_variance"),
         .scores = file.numbers("/scores", {count, modes}),

@@ -38,7 +38,7 @@ struct ModelOptions
 {
     int modes = 0;         ///< K in [1, N - 1]; 0: as many as `variance` asks for.
     double variance = 1.0; ///< Smallest share of the total variance to keep, in (0, 1].
-    SpaceOptions space;
+    SpaceOptions space = {};
 };
 
 /// Fits a model: PCA of the coordinates through the N by N Gram matrix; never a D by D one.

@@ -162,8 +162,7 @@ void measure_variances(PrincipalComponents& components)
 
 } // namespace
 
-PrincipalComponents principal_components(RowMatrix data,
-                                         const PrincipalComponentsOptions& options)
+PrincipalComponents principal_components(RowMatrix data, const PrincipalComponentsOptions& options)
 {
     check(data, options);
     PrincipalComponents result;

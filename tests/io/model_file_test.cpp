@@ -13,6 +13,7 @@
 #include "tests/support/files.h"
 #include "tests/support/h5py.h"
 #include "tests/support/meshes.h"
+#include "tests/support/spaces.h"
 
 namespace shape {
 namespace {
@@ -90,8 +91,8 @@ void expect_equal(const DifferenceVector& a, const DifferenceVector& b)
 TEST(ModelFile, GivesEveryBitBack)
 {
     const test::TemporaryDirectory directory;
-    for (const Scale scale : {Scale::Unit, Scale::None}) {
-        const ModelOptions options{.modes = 2, .space = {.scale = scale}};
+    for (const SpaceOptions& space : test::sample_spaces()) {
+        const ModelOptions options{.modes = 2, .space = space};
         const ShapeModel model = fit_model(paired_collection(), options);
         write_model(directory / "m.h5", model, options);
         expect_equal(read_model(directory / "m.h5"), model);
@@ -146,8 +147,7 @@ TEST(ModelFile, RefusesToWriteWhatItWouldNotRead)
         {"/total_variance", message([](M& m) { m.total_variance *= 0.99; })},
         {"/modes/edge_lengths", message([](M& m) { m.modes(0, 0) += 1e-3; })},
         {"/modes/edge_lengths", message([](M& m) { m.modes.row(1) *= 2.0; })},
-        {"/modes/edge_lengths",
-         message([](M& m) { m.modes.row(1) = m.modes.row(0); })},
+        {"/modes/edge_lengths", message([](M& m) { m.modes.row(1) = m.modes.row(0); })},
         {"/mean/edge_lengths", message([](M& m) { m.mean *= 1.001; })},
         {"/mean/edge_lengths", message([](M& m) { m.mean[3] *= -1.0; })},
         {"/sizes", message([](M& m) { m.sizes[2] = 0.0; })},
@@ -259,6 +259,83 @@ TEST(ModelFile, NamesFileDatasetAndRuleOfWhatItRefuses)
             test::message_of<InvalidInput>([&] { (void)read_model(files[i]); });
         EXPECT_EQ(message.find(files[i].string() + ": " + cases[i].place + ": "), 0u) << message;
         EXPECT_NE(message.find(cases[i].rule), std::string::npos) << message;
+    }
+}
+
+TEST(ModelFile, HasTheCoordinatesOfItsSpaceUnderTheirName)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    const test::TemporaryDirectory directory;
+    const auto printed = [&](const SpaceOptions& space) {
+        write_model(directory / "m.h5",
+                    fit_model(paired_collection(), {.modes = 2, .space = space}));
+        return test::run_h5py(directory / "m.h5", "r",
+                              "print(f.attrs['space'].decode(), f.attrs['scale'].decode(), "
+                              "f.attrs.get('coordinates'))\n"
+                              "f.visititems(lambda n, d: print(n, d.shape) if n.startswith("
+                              "('mean/', 'modes/', 'space/')) else None)\n");
+    };
+    EXPECT_EQ(printed({}),
+              "edge unit None\nmean/dihedral_angles (120,)\nmean/edge_lengths (120,)\n"
+              "modes/dihedral_angles (2, 120)\nmodes/edge_lengths (2, 120)\n");
+    EXPECT_EQ(printed({.kind = SpaceKind::Procrustes, .scale = Scale::None}),
+              "procrustes none None\nmean/points (42, 3)\nmodes/points (2, 42, 3)\n");
+    EXPECT_EQ(printed({.coordinates = LengthCoordinates::Log,
+                       .weighting = EdgeWeighting::Area,
+                       .dihedral_weight = 0.5}),
+              "edge unit b'log'\nmean/coordinates (240,)\nmodes/coordinates (2, 240)\n"
+              "space/branch_angles (120,)\nspace/dihedral_factors (120,)\n"
+              "space/length_factors (120,)\n");
+}
+
+TEST(ModelFile, OfBeforeThereWasAChoiceIsOfEdgeSpace)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    const test::TemporaryDirectory directory;
+    const ShapeModel model = fit_model(paired_collection(), {.modes = 2});
+    write_model(directory / "m.h5", model);
+    const auto files = test::edit_with_h5py(directory / "m.h5", {"del f.attrs['space']"});
+    expect_equal(read_model(files.front()), model);
+}
+
+TEST(ModelFile, NamesWhatItRefusesOfOtherSpaces)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    struct Case
+    {
+        SpaceOptions space;
+        std::string edit;
+        std::string said;
+    };
+    const SpaceOptions procrustes{.kind = SpaceKind::Procrustes};
+    const SpaceOptions weighted{.coordinates = LengthCoordinates::Squared,
+                                .weighting = EdgeWeighting::Area,
+                                .dihedral_weight = 0.5};
+    const std::vector<Case> cases = {
+        {procrustes, "f.attrs['space'] = np.bytes_('angles')",
+         "attribute space: is 'angles', must be 'edge' or 'procrustes'"},
+        {procrustes, "f.attrs['space'] = np.bytes_('edge')", "/mean/edge_lengths: is missing"},
+        {procrustes, "v = f['mean/points'][...]; del f['mean/points']; f['mean/points'] = v[:5]",
+         "/mean/points: is 5 by 3, must be 42 by 3"},
+        {procrustes, "f['modes/points'][0] *= 2", "/modes/points: rows must be orthonormal"},
+        {weighted, "f.attrs['coordinates'] = np.bytes_('cubic')",
+         "attribute coordinates: is 'cubic', must be 'plain', 'squared' or 'log'"},
+        {weighted, "f['space/length_factors'][7] = 0", "/space/length_factors: must be > 0"},
+        {weighted, "f['space/dihedral_factors'][7] = -1", "/space/dihedral_factors: must be > 0"},
+        {weighted, "del f['space/branch_angles']", "/space/branch_angles: is missing"},
+        {weighted, "del f['space']", "/mean/coordinates: is 240, must be 120"},
+    };
+    for (const Case& c : cases) {
+        const test::TemporaryDirectory directory;
+        write_model(directory / "m.h5",
+                    fit_model(paired_collection(), {.modes = 2, .space = c.space}));
+        const auto files = test::edit_with_h5py(directory / "m.h5", {c.edit});
+        const std::string message =
+            test::message_of<InvalidInput>([&] { (void)read_model(files.front()); });
+        EXPECT_NE(message.find(c.said), std::string::npos) << message;
     }
 }
 

@@ -40,8 +40,7 @@ TEST(FitModel, CarriesWhatTheCollectionHas)
     EXPECT_EQ(model.labels.at(0).values, collection.labels[0].values);
     EXPECT_EQ(model.sizes, vectors.sizes);
     EXPECT_DOUBLE_EQ(model.mean_size(), vectors.sizes.mean());
-    EXPECT_LE((model.mean.transpose() - vectors.edge_lengths.colwise().mean()).norm(),
-              1e-16);
+    EXPECT_LE((model.mean.transpose() - vectors.edge_lengths.colwise().mean()).norm(), 1e-16);
     EXPECT_LE(
         (model.mean_dihedral_angles.transpose() - vectors.dihedral_angles.colwise().mean()).norm(),
         1e-14);
@@ -182,8 +181,7 @@ TEST(Project, SplitsTheDistanceFromTheMeanIntoScoresAndResidual)
     const ShapeVectors vectors = encode(others, Scale::Unit);
     const Projection projection = project(model, others);
     for (Index i = 0; i < 5; ++i) {
-        const double distance =
-            (vectors.edge_lengths.row(i) - model.mean.transpose()).norm();
+        const double distance = (vectors.edge_lengths.row(i) - model.mean.transpose()).norm();
         EXPECT_GT(projection.residuals[i], 1e-3 * distance);
         EXPECT_NEAR(std::hypot(projection.scores.row(i).norm(), projection.residuals[i]), distance,
                     1e-13 * distance);
