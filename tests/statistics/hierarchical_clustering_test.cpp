@@ -80,7 +80,11 @@ TEST(AverageLinkage, OfPointsOnALine)
     expect(2, 5, 4, 2.5, 3);
     expect(3, 6, 7, (5 + 4 + 2 + 7 + 6 + 4) / 6.0, 5);
     EXPECT_EQ(clustering.order, (std::vector<int>{0, 2, 1, 3, 4}));
-    EXPECT_EQ(joining_heights(clustering), (std::vector<double>{0.0, 2.0, 28.0 / 6.0, 1.0, 2.5}));
+    const std::vector<double> heights = joining_heights(clustering);
+    const std::vector<double> expected{0.0, 2.0, 28.0 / 6.0, 1.0, 2.5};
+    ASSERT_EQ(heights.size(), expected.size());
+    for (std::size_t i = 0; i < heights.size(); ++i)
+        EXPECT_DOUBLE_EQ(heights[i], expected[i]);
 }
 
 TEST(AverageLinkage, IsThatOfItsDefinition)
