@@ -70,7 +70,7 @@ void draw_tree(Svg& svg, const Clustering& clustering, double left, double botto
         const double y = bottom - (highest > 0.0 ? tree_height * merge.height / highest : 0.0);
         Eigen::MatrixX2d bracket(4, 2);
         bracket << a.x(), a.y(), a.x(), y, b.x(), y, b.x(), b.y();
-        svg.polyline(bracket, tree_colour, 1.0);
+        svg.polyline(bracket, tree_colour, cell < 4.0 ? 0.4 : 1.0);
         top[count + k] = {0.5 * (a.x() + b.x()), y};
     }
 }
