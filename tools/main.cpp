@@ -25,7 +25,7 @@ struct Command
     Run (*set_up)(CLI::App&);
 };
 
-/// In the order of the work: put together, look, model, make, draw.
+/// In the order of the work: put together, look, model, compare, make, draw.
 constexpr Command commands[] = {
     {"collect", set_up_collect},
     {"check", set_up_check},
@@ -34,6 +34,10 @@ constexpr Command commands[] = {
     {"project", set_up_project},
     {"distance", set_up_distance},
     {"generate", set_up_generate},
+    {"groups", set_up_groups},
+    {"classify", set_up_classify},
+    {"regress", set_up_regress},
+    {"remove", set_up_remove},
     {"difference", set_up_difference},
     {"interpolate", set_up_interpolate},
     {"reconstruct", set_up_reconstruct},

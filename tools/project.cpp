@@ -87,11 +87,7 @@ void check_outputs(const Session& session, const Arguments& arguments)
         return;
     check_ending("--plot", arguments.plot, ".svg");
     check_output(session, arguments.plot, inputs);
-    const auto resolved = [](const std::string& path) {
-        return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
-    };
-    if (resolved(arguments.plot) == resolved(arguments.output))
-        throw UsageError(join("--plot: '", arguments.plot, "' is the file of -o"));
+    check_different("--plot", arguments.plot, "-o", arguments.output);
 }
 
 void run(const Session& session, const Arguments& arguments)

@@ -7,9 +7,12 @@
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/shape_model.h"
+#include "libshape/statistics/bootstrap.h"
+#include "libshape/statistics/principal_components.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/interrupt.h"
+#include "tools/common/label_input.h"
 #include "tools/common/mesh_input.h"
 #include "tools/common/model_tables.h"
 #include "tools/common/output_rules.h"
@@ -26,7 +29,40 @@ struct Arguments
     std::int64_t modes = 0;
     double variance = 1.0;
     SpaceOptions space = {};
+    std::int64_t replicates = 0;
+    std::string within;
 };
+
+/// Scores in the modes of the model and in further ones, up to 99 % of the variance: resampled modes
+/// leave the span of the model's, and what they find beyond 99 % is less than 1 % of 1 / N.
+RowMatrix wide_scores(const Collection& collection, const ShapeModel& model)
+{
+    RowMatrix scores =
+        principal_components(encode(model.space, collection), {.variance = 0.99}).scores;
+    return scores.cols() > model.mode_count() ? scores : model.scores;
+}
+
+/// The modes of the model and, if they are asked for, 95 % intervals of their variances.
+Json figures_of_modes(const Session& session, const Arguments& arguments,
+                      const Collection& collection, const ShapeModel& model)
+{
+    Json modes = mode_figures(model);
+    if (arguments.replicates == 0)
+        return modes;
+    const std::vector<Interval> intervals =
+        variance_intervals(wide_scores(collection, model), model.mode_count(),
+                           {group_by_label_or_each(collection, arguments.within),
+                            one_group(model.scores.rows())},
+                           {.replicates = static_cast<int>(arguments.replicates),
+                            .seed = static_cast<std::uint64_t>(session.seed)});
+    for (std::size_t k = 0; k < intervals.size(); ++k) {
+        modes[k]["variance_low"] = intervals[k].low;
+        modes[k]["variance_high"] = intervals[k].high;
+        session.message(join("mode ", k + 1, ": variance ", intervals[k].low, " to ",
+                             intervals[k].high, " (95 %)"));
+    }
+    return modes;
+}
 
 void run(const Session& session, const Arguments& arguments)
 {
@@ -39,6 +75,7 @@ void run(const Session& session, const Arguments& arguments)
                                                     .space = arguments.space});
     warn_of_alignment(session, model.space);
     throw_if_interrupted();
+    const Json modes = figures_of_modes(session, arguments, collection, model);
     write_model(arguments.output, model);
     session.message(join(arguments.output, ": ", model.mode_count(), " modes of ",
                          collection.size(), " meshes\n", mode_table(model)));
@@ -49,7 +86,7 @@ void run(const Session& session, const Arguments& arguments)
     figures.update(space_figures(model.space));
     figures["mean_size"] = model.mean_size();
     figures["total_variance"] = model.total_variance;
-    figures["modes"] = mode_figures(model);
+    figures["modes"] = modes;
     session.print_figures(figures);
 }
 
@@ -76,6 +113,14 @@ Run set_up_stats(CLI::App& command)
                "Keep the fewest modes with this share of the total variance, (0, 1]",
                Sign::Positive)
         ->excludes(modes);
+    CLI::Option* bootstrap = add_integer(
+        command, "--bootstrap", arguments->replicates,
+        "Find 95 % intervals of the variances from N resampled collections, [0, 1000000]\n"
+        "(default: 0, none)",
+        0, 1000000);
+    add_label(command, "--within", arguments->within,
+              "Resample meshes with the same value of it together, such as all of a subject")
+        ->needs(bootstrap);
     add_space_options(command, arguments->space);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

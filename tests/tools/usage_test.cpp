@@ -9,9 +9,10 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-const Arguments commands{"collect",  "check",      "info",        "stats",       "project",
-                         "generate", "difference", "interpolate", "reconstruct", "conformal",
-                         "draw",     "synth",      "distance"};
+const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
+                         "generate",  "distance", "quality",    "groups",      "classify",
+                         "regress",   "remove",   "difference", "interpolate", "reconstruct",
+                         "conformal", "draw",     "synth"};
 
 Arguments operator+(Arguments a, const Arguments& b)
 {

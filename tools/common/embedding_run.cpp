@@ -11,6 +11,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/mesh/alignment.h"
 #include "tools/common/arguments.h"
 
 namespace shape::tools {
@@ -120,6 +121,11 @@ private:
     std::optional<Embedder> embedder_;
 };
 
+Points in_place(const Points& points, const EmbeddingTarget& target)
+{
+    return target.place ? best_rigid_motion(points, *target.place)(points) : points;
+}
+
 } // namespace
 
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
@@ -167,7 +173,7 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
         if (embedding.report.status == EmbeddingStatus::Infeasible)
             session.warn(join(mesh, ": infeasible target, ", embedding.report.reason,
                               "; the nearest mesh is written"));
-        output.write(i, embedding.points, topology.faces());
+        output.write(i, in_place(embedding.points, targets[i]), topology.faces());
         embeddings.push_back(figures(mesh, method, embedding));
         rows.push_back(table_row(mesh, embedding.report));
     }

@@ -32,6 +32,7 @@ struct EmbeddingTarget
 {
     std::string name;
     std::function<DecodedShape()> shape;
+    const Points* place = nullptr; ///< A mesh that the result is moved rigidly onto, if any.
 };
 
 /// Embeds all targets that are no meshes yet and writes them, target i into output i; prints a table of what they are

@@ -54,13 +54,18 @@ void check_names(const std::vector<std::string>& names)
 
 } // namespace
 
-CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
+void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments)
 {
     command
         .add_option("--format", arguments.format,
                     "Format of the files in a directory (default: ply, binary with doubles)")
         ->check(CLI::IsMember({"obj", "ply", "off"}))
         ->option_text("obj|ply|off");
+}
+
+CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
+{
+    add_mesh_format(command, arguments);
     return command
         .add_option("-o,--output", arguments.path,
                     "One mesh: a file (.obj .ply .off) or a directory; several: a directory.\n"

@@ -24,6 +24,9 @@ struct MeshOutputArguments
     std::string format; ///< Ending without the dot, for directories; empty: ply.
 };
 
+/// Adds --format alone, for commands that have options of their own for where meshes go.
+void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments);
+
 /// Adds -o, which is required and returned, and --format.
 CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments);
 
