@@ -22,6 +22,7 @@ using Run = std::function<void(const Session&)>;
 [[nodiscard]] Run set_up_collect(CLI::App& command);
 [[nodiscard]] Run set_up_conformal(CLI::App& command);
 [[nodiscard]] Run set_up_difference(CLI::App& command);
+[[nodiscard]] Run set_up_distance(CLI::App& command);
 [[nodiscard]] Run set_up_draw(CLI::App& command);
 [[nodiscard]] Run set_up_generate(CLI::App& command);
 [[nodiscard]] Run set_up_groups(CLI::App& command);

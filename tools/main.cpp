@@ -32,6 +32,7 @@ constexpr Command commands[] = {
     {"info", set_up_info},
     {"stats", set_up_stats},
     {"project", set_up_project},
+    {"distance", set_up_distance},
     {"generate", set_up_generate},
     {"groups", set_up_groups},
     {"classify", set_up_classify},

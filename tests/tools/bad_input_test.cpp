@@ -331,6 +331,29 @@ std::vector<BadInput> bad_requests()
 {
     return {
         {"StatisticsOfOneMesh", 3, {"2"}, running({"stats", "a.ply", "-o", "out.h5"})},
+        {"DistancesOfOneMesh", 3, {"2", "1"}, running({"distance", "a.ply", "-o", "d.csv"})},
+        {"DistancesColouredByAnUnknownLabel",
+         3,
+         {"colour", "mood"},
+         running(
+             {"distance", "good.h5", "-o", "d.csv", "--plot", "p.svg", "--color-by", "colour"})},
+        {"DistancesWithLabelsOfSomeMeshes",
+         3,
+         {"l.csv", "b"},
+         running_with("l.csv", "mesh,k\na,1\n",
+                      {"distance", "a.ply", "b.ply", "--labels", "l.csv", "-o", "d.csv"})},
+        {"LabelNamedAsACoordinateOfThePlane",
+         3,
+         {"mds1"},
+         running_with("l.csv", "mesh,mds1\na,1\nb,2\n",
+                      {"distance", "a.ply", "b.ply", "--labels", "l.csv", "-o", "d.csv"})},
+        {"MeshNamedAsTheFirstColumn",
+         3,
+         {"mesh"},
+         [](const Folder& folder) -> Arguments {
+             folder.write("mesh.ply", folder.read("a.ply"));
+             return {"distance", "mesh.ply", "b.ply", "-o", "d.csv"};
+         }},
         {"MoreModesThanMeshesAllow",
          3,
          {"3", "2"},

@@ -99,5 +99,66 @@ TEST_F(Spaces, EveryChoiceOfCoordinatesComesBackFromItsScores)
     EXPECT_EQ(run({"info", "m.h5"})["area_weighted"], true);
 }
 
+TEST_F(Spaces, DistancesAreAMatrixThatCarriesTheNames)
+{
+    const Json figures =
+        run({"distance", "a.ply", "b.ply", "c.ply", "-o", "d.csv", "--metric", "edge"});
+    EXPECT_EQ(figures["space"], "edge");
+    EXPECT_EQ(figures["scale"], "none");
+    const Table table = read_table(folder_ / "d.csv");
+    EXPECT_EQ(table.columns, (Arguments{"mesh", "a", "b", "c"}));
+    const NamedMesh first = read_mesh(folder_ / "a.ply");
+    const Topology topology(first.faces, static_cast<int>(first.points.rows()));
+    double largest = 0.0;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            EXPECT_EQ(table.rows[i][0], table.columns[i + 1]);
+            const double distance = (edge_lengths(topology, points(table.columns[i + 1] + ".ply")) -
+                                     edge_lengths(topology, points(table.columns[j + 1] + ".ply")))
+                                        .norm();
+            EXPECT_NEAR(parse_number(table.rows[i][j + 1], "d"), distance, 1e-12);
+            largest = std::max(largest, distance);
+        }
+    EXPECT_NEAR(figures["largest"].get<double>(), largest, 1e-12);
+}
+
+TEST_F(Spaces, MetricsAreShortForSpacesAndScales)
+{
+    const std::vector<std::pair<Arguments, Arguments>> same = {
+        {{}, {"--metric", "edge-unit"}},
+        {{"--space", "edge", "--scale", "none"}, {"--metric", "edge"}},
+        {{"--space", "procrustes"}, {"--metric", "procrustes"}}};
+    for (const auto& [long_form, short_form] : same) {
+        const Arguments distance{"distance", "a.ply", "b.ply", "c.ply", "--force", "-o"};
+        (void)run(distance + Arguments{"long.csv"} + long_form);
+        (void)run(distance + Arguments{"short.csv"} + short_form);
+        EXPECT_EQ(folder_.read("long.csv"), folder_.read("short.csv"));
+    }
+}
+
+TEST_F(Spaces, DistancesAreScaledClusteredAndDrawn)
+{
+    const Json figures = run({"distance", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o",
+                              "d.csv", "--mds", "mds.csv", "--plot", "mds.svg", "--cluster",
+                              "order.csv", "--heat-map", "map.svg", "--color-by", "mood"});
+    EXPECT_EQ(figures["outputs"], Json({"d.csv", "mds.csv", "mds.svg", "order.csv", "map.svg"}));
+    EXPECT_NEAR(figures["mds_share"].get<double>(), 1.0, 1e-12); // three meshes lie in a plane
+    const Table matrix = read_table(folder_ / "d.csv");
+    const Table plane = read_table(folder_ / "mds.csv");
+    EXPECT_EQ(plane.columns, (Arguments{"mesh", "subject", "mood", "mds1", "mds2"}));
+    const auto number = [](const std::string& cell) { return parse_number(cell, "cell"); };
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            EXPECT_NEAR(std::hypot(number(plane.rows[i][3]) - number(plane.rows[j][3]),
+                                   number(plane.rows[i][4]) - number(plane.rows[j][4])),
+                        number(matrix.rows[i][j + 1]), 1e-12);
+    const Table order = read_table(folder_ / "order.csv");
+    EXPECT_EQ(order.columns, (Arguments{"mesh", "subject", "mood", "joins_at"}));
+    EXPECT_EQ(order.rows[0][0], "a");
+    EXPECT_EQ(order.rows[0][3], "0");
+    for (const char* drawing : {"mds.svg", "map.svg"})
+        EXPECT_NE(folder_.read(drawing).find("glad"), std::string::npos) << drawing;
+}
+
 } // namespace
 } // namespace shape::test

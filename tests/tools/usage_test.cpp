@@ -9,10 +9,10 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-const Arguments commands{"collect",    "check",       "info",        "stats",     "project",
-                         "generate",   "groups",      "classify",    "regress",   "remove",
-                         "difference", "interpolate", "reconstruct", "conformal", "draw",
-                         "synth"};
+const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
+                         "generate",  "distance", "quality",    "groups",      "classify",
+                         "regress",   "remove",   "difference", "interpolate", "reconstruct",
+                         "conformal", "draw",     "synth"};
 
 Arguments operator+(Arguments a, const Arguments& b)
 {
@@ -37,6 +37,7 @@ std::vector<WrongUsage> wrong_usages()
 {
     const Arguments stats{"stats", "a.ply", "b.ply", "-o", "out.h5"};
     const Arguments blend{"interpolate", "a.ply", "b.ply", "-o", "new"};
+    const Arguments distance{"distance", "a.ply", "b.ply", "-o", "d.csv"};
     const Arguments generate{"generate", "model.h5", "-o", "new"};
     const Arguments mean = generate + Arguments{"--mean"};
     const Arguments difference{"difference", "a.ply", "-o", "out.h5", "--pair-by", "k"};
@@ -75,6 +76,18 @@ std::vector<WrongUsage> wrong_usages()
         {"PlotOverTheScores",
          "--plot",
          {"project", "model.h5", "a.ply", "-o", "s.svg", "--plot", "./s.svg"}},
+        {"UnknownMetric", "--metric", distance + Arguments{"--metric", "geodesic"}},
+        {"MetricAndSpace", "--space",
+         distance + Arguments{"--metric", "edge", "--space", "procrustes"}},
+        {"MetricAndScale", "--scale", distance + Arguments{"--metric", "edge", "--scale", "none"}},
+        {"MetricOfPositionsWithEdgeWeights", "--area-weighted",
+         distance + Arguments{"--metric", "procrustes", "--area-weighted"}},
+        {"DistancesWithoutOutput", "--output", {"distance", "a.ply", "b.ply"}},
+        {"PlaneDrawnIntoAnotherEnding", "--plot", distance + Arguments{"--plot", "mds.png"}},
+        {"MapDrawnIntoAnotherEnding", "--heat-map", distance + Arguments{"--heat-map", "m.csv"}},
+        {"TwoTablesInOneFile", "--mds", distance + Arguments{"--mds", "./d.csv"}},
+        {"TwoDrawingsInOneFile", "--heat-map",
+         distance + Arguments{"--plot", "m.svg", "--heat-map", "m.svg"}},
         {"NoBlend", "--weights", blend},
         {"WeightsAndFrames", "--frames", blend + Arguments{"--weights", "0,1", "--frames", "3"}},
         {"WeightsThatAreNoNumbers", "--weights", blend + Arguments{"--weights", "0.5;0.5"}},
