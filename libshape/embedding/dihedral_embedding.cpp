@@ -99,9 +99,9 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     };
     // The Laplacian bounds the stiffness of an edge in every direction; it has it in one only.
     constexpr double laplacian_scale = 10.0 / 3.0;
+    const SinglePrecisionSolve inverse = laplacian.single_precision();
     const Preconditioner precondition = [&](const VectorXd& g) -> VectorXd {
-        const Eigen::Map<const Points> rows(g.data(), s.topology.vertex_count(), 3);
-        return laplacian_scale * laplacian.solve(rows).reshaped<Eigen::RowMajor>();
+        return laplacian_scale * inverse.solve(g);
     };
     // Rounding: strains of 1e-13 an edge are none.
     const double nothing = 1e-26 * s.topology.edge_count();
