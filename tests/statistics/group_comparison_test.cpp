@@ -170,6 +170,23 @@ protected:
     }
 };
 
+TEST_F(CompareFaces, AgreesWithNumpy)
+{
+    // F of the 600 faces by an independent program, in double precision.
+    const Collection faces = test::ict_faces();
+    const MatrixXd products = centred_inner_products(encode(faces, Scale::Unit).edge_lengths);
+    const Grouping expressions = group_by(find_label(faces.labels, "expression").values);
+    const Grouping subjects = group_by(find_label(faces.labels, "subject").values);
+    const PermutationOptions few{.permutations = 9};
+    const GroupComparison paired =
+        compare_groups(products, expressions, subjects, MatrixXd(600, 0), few);
+    EXPECT_NEAR(paired.overall.f, 1924.444470663147, 1e-6);
+    const GroupComparison unpaired =
+        compare_groups(products, expressions, groups_of_one(600), MatrixXd(600, 0), few);
+    EXPECT_NEAR(unpaired.overall.f, 157.501017605726, 1e-7);
+    EXPECT_NEAR(unpaired.overall.r_squared, 0.34539619765038937, 1e-10);
+}
+
 TEST_F(CompareFaces, FindsExpressionsButNotShuffledOnes)
 {
     const Collection faces = test::ict_faces();
