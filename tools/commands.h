@@ -29,6 +29,7 @@ using Run = std::function<void(const Session&)>;
 [[nodiscard]] Run set_up_info(CLI::App& command);
 [[nodiscard]] Run set_up_interpolate(CLI::App& command);
 [[nodiscard]] Run set_up_project(CLI::App& command);
+[[nodiscard]] Run set_up_quality(CLI::App& command);
 [[nodiscard]] Run set_up_reconstruct(CLI::App& command);
 [[nodiscard]] Run set_up_regress(CLI::App& command);
 [[nodiscard]] Run set_up_remove(CLI::App& command);

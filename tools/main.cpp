@@ -33,6 +33,7 @@ constexpr Command commands[] = {
     {"stats", set_up_stats},
     {"project", set_up_project},
     {"distance", set_up_distance},
+    {"quality", set_up_quality},
     {"generate", set_up_generate},
     {"groups", set_up_groups},
     {"classify", set_up_classify},

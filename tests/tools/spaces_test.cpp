@@ -136,6 +136,68 @@ TEST_F(Spaces, MetricsAreShortForSpacesAndScales)
     }
 }
 
+TEST_F(Spaces, QualityHasARowForEveryNumberOfModes)
+{
+    (void)run({"synth", "femurs", "--count", "8", "--vertices", "300", "-o", "bones"});
+    for (const char* space : {"edge", "procrustes"}) {
+        const Json figures = run({"quality", "bones", "-o", "q.csv", "--plot", "q.svg", "--modes",
+                                  "1,3,5", "--samples", "4", "--space", space, "--force"});
+        EXPECT_EQ(figures["folds"], 8); // one by one
+        EXPECT_EQ(figures["tests"], 8);
+        EXPECT_EQ(figures["decoded"], 3 * (8 + 4));
+        const Table table = read_table(folder_ / "q.csv");
+        EXPECT_EQ(
+            table.columns,
+            (Arguments{"modes", "compactness", "generalisation_vertex", "generalisation_vertex_sd",
+                       "generalisation_edge", "generalisation_edge_sd", "specificity_vertex",
+                       "specificity_vertex_sd", "specificity_edge", "specificity_edge_sd"}));
+        ASSERT_EQ(table.rows.size(), 3U);
+        const auto number = [&](std::size_t row, std::size_t column) {
+            return parse_number(table.rows[row][column], "cell");
+        };
+        EXPECT_LT(number(0, 1), number(2, 1));
+        EXPECT_GT(number(0, 2), number(2, 2));
+        EXPECT_GT(number(0, 4), number(2, 4));
+        EXPECT_EQ(figures["specificity_edge"][1].get<double>(), number(1, 8));
+        EXPECT_NE(folder_.read("q.svg").find("Compactness"), std::string::npos);
+    }
+}
+
+/// Mean distance of barbells that share their ends over that of those that share their bar.
+double ends_over_bar(const Table& distances)
+{
+    const auto d = [&](std::size_t i, std::size_t j) {
+        return parse_number(distances.rows[i][j + 1], "distance");
+    };
+    return (d(0, 1) + d(2, 3)) / (d(0, 2) + d(1, 3));
+}
+
+TEST_F(Spaces, BarbellsThatShareTheirEndsAreNearerByLengthsThanByPositions)
+{
+    // Rojas 2014, Fig. 7, for bars of several lengths and meshes of several sizes.
+    for (const std::string vertices : {"400", "1500", "5000"}) {
+        (void)run({"synth", "barbells", "--count", "8", "--vertices", vertices, "-o", "bells",
+                   "--force"});
+        for (const auto& [first, second] : std::vector<std::pair<std::string, std::string>>{
+                 {"00", "01"}, {"00", "03"}, {"01", "02"}, {"02", "03"}}) {
+            const Arguments meshes{
+                "bells/barbell_a_" + first + ".ply", "bells/barbell_a_" + second + ".ply",
+                "bells/barbell_b_" + first + ".ply", "bells/barbell_b_" + second + ".ply"};
+            const auto ratio = [&](const Arguments& metric) {
+                (void)run(Arguments{"distance"} + meshes + Arguments{"-o", "d.csv", "--force"} +
+                          metric);
+                return ends_over_bar(read_table(folder_ / "d.csv"));
+            };
+            const double positions = ratio({"--metric", "procrustes"});
+            const double plain = vertices == "400" ? 1.0 : 0.9;
+            EXPECT_LT(ratio({"--metric", "edge-unit"}), plain * positions)
+                << vertices << " vertices, bars " << first << " and " << second;
+            EXPECT_LT(ratio({"--metric", "edge-unit", "--area-weighted"}), 0.85 * positions)
+                << vertices << " vertices, bars " << first << " and " << second;
+        }
+    }
+}
+
 TEST_F(Spaces, DistancesAreScaledClusteredAndDrawn)
 {
     const Json figures = run({"distance", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o",

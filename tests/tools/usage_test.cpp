@@ -38,6 +38,7 @@ std::vector<WrongUsage> wrong_usages()
     const Arguments stats{"stats", "a.ply", "b.ply", "-o", "out.h5"};
     const Arguments blend{"interpolate", "a.ply", "b.ply", "-o", "new"};
     const Arguments distance{"distance", "a.ply", "b.ply", "-o", "d.csv"};
+    const Arguments quality{"quality", "a.ply", "b.ply", "-o", "q.csv"};
     const Arguments generate{"generate", "model.h5", "-o", "new"};
     const Arguments mean = generate + Arguments{"--mean"};
     const Arguments difference{"difference", "a.ply", "-o", "out.h5", "--pair-by", "k"};
@@ -88,6 +89,17 @@ std::vector<WrongUsage> wrong_usages()
         {"TwoTablesInOneFile", "--mds", distance + Arguments{"--mds", "./d.csv"}},
         {"TwoDrawingsInOneFile", "--heat-map",
          distance + Arguments{"--plot", "m.svg", "--heat-map", "m.svg"}},
+        {"ModesThatDescend", "--modes", quality + Arguments{"--modes", "2,1"}},
+        {"ModesOfFractions", "--modes", quality + Arguments{"--modes", "1,1.5"}},
+        {"NoModesToMeasure", "--modes", quality + Arguments{"--modes", "0,1"}},
+        {"FoldsAndLabel", "--folds", quality + Arguments{"--folds", "2", "--leave-out", "subject"}},
+        {"OneFold", "--folds", quality + Arguments{"--folds", "1"}},
+        {"NoTests", "--tests", quality + Arguments{"--tests", "0"}},
+        {"NoSamples", "--samples", quality + Arguments{"--samples", "0"}},
+        {"QualityOfAnotherEnding", "--plot", quality + Arguments{"--plot", "q.png"}},
+        {"QualityPlotOverTheTable",
+         "--plot",
+         {"quality", "a.ply", "b.ply", "-o", "q.svg", "--plot", "./q.svg"}},
         {"NoBlend", "--weights", blend},
         {"WeightsAndFrames", "--frames", blend + Arguments{"--weights", "0,1", "--frames", "3"}},
         {"WeightsThatAreNoNumbers", "--weights", blend + Arguments{"--weights", "0.5;0.5"}},

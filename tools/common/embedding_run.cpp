@@ -128,9 +128,8 @@ Points in_place(const Points& points, const EmbeddingTarget& target)
 
 } // namespace
 
-void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
+void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
 {
-    EmbeddingOptions& options = arguments.options;
     add_choice(command, "--method", options.method,
                "dihedral: lengths and dihedral angles together (default); closure: as in Rojas\n"
                "2014, section 2; multiscale: as in Winkler 2010, section 3",
@@ -149,6 +148,11 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
                     options.smoothness, "); of the method dihedral"),
                Sign::Positive)
         ->group("Embedding");
+}
+
+void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
+{
+    add_embedder_options(command, arguments.options);
     command
         .add_flag("--strict", arguments.strict,
                   "An infeasible target ends the run with exit code 4 before anything is\n"

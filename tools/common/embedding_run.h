@@ -24,7 +24,10 @@ struct EmbeddingArguments
     bool strict = false; ///< An infeasible target ends the run before anything is written.
 };
 
-/// Adds --method, --quality, --smoothness and --strict.
+/// Adds --method, --quality and --smoothness.
+void add_embedder_options(CLI::App& command, EmbeddingOptions& options);
+
+/// Adds those and --strict.
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments);
 
 /// A mesh to be made. The shape is made when it is needed: all of them may not fit into memory.
