@@ -29,9 +29,10 @@ const std::vector<Entry>& entries()
           {2500, 200, most}},
          make_arm},
         {{"barbells",
-          "two kinds of ends on a short and a long bar (Rojas 2014, Fig. 7)",
-          "barbells",
-          {4, 4, 4},
+          "two kinds of ends on a short and a long bar (Rojas 2014, Fig. 7), or on bars of "
+          "lengths from 1 to 12",
+          "barbells, an even number",
+          {4, 4, 100},
           {1500, 300, most}},
          make_barbells},
         {{"faces",

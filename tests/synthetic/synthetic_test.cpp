@@ -179,6 +179,19 @@ TEST(Barbells, WithEqualEndsDifferInTheBarAlone)
         EXPECT_GT(in_ends, small.rows() / 4);
     }
     EXPECT_NE(mesh_named(set, "barbell_a_short"), mesh_named(set, "barbell_b_short"));
+
+    // Six bars, each as much longer than the one before; the ends reach 2 beyond them.
+    const Collection many = make_synthetic("barbells", {.count = 12});
+    ASSERT_EQ(many.size(), 12U);
+    EXPECT_EQ(many.labels[1].values[4], "04");
+    const auto bar = [&](const std::string& name) {
+        const Points& points = mesh_named(many, name);
+        return points.col(0).maxCoeff() - points.col(0).minCoeff();
+    };
+    const double ends = bar("barbell_a_00") - 1.0;
+    EXPECT_NEAR(bar("barbell_a_05") - ends, 12.0, 1e-9);
+    EXPECT_NEAR(bar("barbell_a_01") - ends, std::pow(12.0, 0.2), 1e-9);
+    EXPECT_THROW((void)make_synthetic("barbells", {.count = 5}), InvalidInput);
 }
 
 TEST(Femurs, WithEqualEndsDifferInTheShaftAlone)
