@@ -16,7 +16,7 @@ namespace shape {
 struct SphereMapOptions
 {
     int infinite_vertex = -1; ///< Vertex whose star is taken out to solve; -1: central_vertex().
-    FlatMetricOptions repair;
+    FlatMetricOptions repair = {};
 };
 
 /// A discrete conformal map to a sphere about 0 with the area of the mesh.
