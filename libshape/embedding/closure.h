@@ -51,7 +51,8 @@ public:
     [[nodiscard]] Eigen::Index edge_count() const { return edge_slots_.rows(); }
 
 private:
-    static constexpr int lanes = 4; // vertices walked side by side
+    static constexpr int lanes =
+        2; // vertices walked side by side: as many as fit the registers of SSE2
 
     struct Block
     {

@@ -45,7 +45,7 @@ struct Run
         Run& run = *static_cast<Run*>(instance);
         const Eigen::Index size = run.result.point.size();
         double value = 0.0;
-        std::fill(g, g + n, 0.0); // libLBFGS may round up the number of variables
+        std::fill(g + size, g + n, 0.0); // libLBFGS may round up the number of variables
         try {
             std::copy_n(x, size, run.result.point.begin());
             value = run.objective(run.result.point, run.gradient);

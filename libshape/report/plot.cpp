@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -50,7 +51,7 @@ Axis fitted_axis(Extent extent, double begin, double end)
 {
     if (extent.low > extent.high)
         extent = {0.0, 1.0};
-    const int wanted = std::max(3, static_cast<int>(std::abs(end - begin) / 80.0));
+    const int wanted = std::max(3, static_cast<int>(std::abs(end - begin) / 110.0));
     return {round_ticks(extent.low, extent.high, wanted), begin, end};
 }
 
@@ -66,12 +67,18 @@ void make_equal(Axis& x, Axis& y)
     }
 }
 
-/// A tick's value with the digits that its distance to the next one needs.
+/// A tick's value with as many decimals as the step has.
 std::string tick_text(double value, double step)
 {
-    // Rounding leaves the noise of adding steps behind.
-    const double clean = std::round(value / step) * step;
-    std::string text = join(std::abs(clean) < 0.5 * step ? 0.0 : clean);
+    const double clean = std::abs(value) < 0.5 * step ? 0.0 : value;
+    const bool plain = step >= 1e-5 && std::abs(value) < 1e7;
+    const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
+    std::array<char, 64> digits{};
+    const auto end = plain ? std::to_chars(digits.data(), digits.data() + digits.size(), clean,
+                                           std::chars_format::fixed, decimals)
+                           : std::to_chars(digits.data(), digits.data() + digits.size(), clean,
+                                           std::chars_format::general, 6);
+    std::string text(digits.data(), end.ptr);
     if (text.front() == '-')
         text.replace(0, 1, "\u2212");
     return text;
@@ -87,8 +94,9 @@ Marker marker_of(std::size_t series)
 
 std::vector<double> round_ticks(double low, double high, int wanted)
 {
-    if (low == high) {
-        const double margin = low == 0.0 ? 1.0 : 0.1 * std::abs(low);
+    const double magnitude = std::max(std::abs(low), std::abs(high));
+    if (high - low <= 1e-9 * magnitude) { // finer steps would drown in rounding
+        const double margin = magnitude == 0.0 ? 1.0 : 0.1 * magnitude;
         low -= margin;
         high += margin;
     }

@@ -47,7 +47,7 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot);
 
 /// Round numbers (1, 2 or 5 times a power of ten apart), about `wanted` of them, the first not above
 /// low and the last not below high.
-/// @param low  Finite, <= high. Equal ends are widened.
+/// @param low  Finite, <= high. Ends as good as equal are widened.
 [[nodiscard]] std::vector<double> round_ticks(double low, double high, int wanted = 6);
 
 /// The scores of meshes along two modes, one series a label value in the order of first appearance.

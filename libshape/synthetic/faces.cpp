@@ -242,28 +242,26 @@ Vector3d shift_of_person(double x, double y, const Person& p)
 Vector3d shift_of_mood(double x, double y, const Mood& mood)
 {
     Vector3d smile = Vector3d::Zero();
-    const double corner = both(x, y, mouth_x, mouth_y, 11.0, 11.0);
-    smile += Vector3d(0.0, 9.0, -4.0) * corner;
-    smile.x() += 8.0 * apart(x, y, mouth_x, mouth_y, 12.0, 11.0);
-    smile.y() -= 1.5 * spot(x, y, 0.0, mouth_y, 10.0, 9.0);
-    smile.y() += 4.5 * both(x, y, 40.0, -34.0, 14.0, 11.0);
-    smile.y() += 2.3 * both(x, y, eye_x, -5.0, 10.0, 4.0);
-    smile.y() += 1.0 * both(x, y, 32.0, 20.0, 18.0, 7.0);
-    smile.x() += 1.6 * apart(x, y, 13.0, -46.0, 6.0, 6.0);
+    smile += Vector3d(0.0, 8.5, -4.0) * both(x, y, mouth_x, mouth_y, 13.0, 13.0);
+    smile.x() += 7.5 * apart(x, y, mouth_x, mouth_y, 14.0, 13.0);
+    smile.y() -= 1.5 * spot(x, y, 0.0, mouth_y, 10.0, 10.0);
+    smile.y() += 4.0 * both(x, y, 40.0, -34.0, 15.0, 13.0);
+    smile.y() += 2.0 * both(x, y, eye_x, -6.0, 11.0, 5.0);
+    smile.y() += 1.0 * both(x, y, 32.0, 20.0, 18.0, 8.0);
+    smile.x() += 1.6 * apart(x, y, 13.0, -46.0, 7.0, 7.0);
 
     Vector3d scowl = Vector3d::Zero();
-    scowl += Vector3d(0.0, -7.5, 2.5) * both(x, y, 16.0, 18.0, 11.0, 8.0);
-    scowl.x() -= 3.5 * apart(x, y, 18.0, 18.0, 10.0, 8.0);
-    scowl.y() += 3.0 * both(x, y, 47.0, 20.0, 10.0, 9.0);
-    scowl.y() -= 2.6 * both(x, y, 27.0, 6.0, 9.0, 3.5);
-    scowl.y() += 0.8 * both(x, y, eye_x, -4.5, 10.0, 3.5);
-    scowl += Vector3d(0.0, -5.0, -1.0) * both(x, y, mouth_x, mouth_y, 10.0, 9.0);
-    scowl.x() -= 2.5 * apart(x, y, mouth_x, mouth_y, 11.0, 10.0);
-    scowl.y() -= 1.4 * spot(x, y, 0.0, mouth_y + 5.0, 18.0, 3.5);
-    scowl.y() += 1.6 * spot(x, y, 0.0, mouth_y - 5.5, 18.0, 3.5);
-    scowl.y() += 2.0 * spot(x, y, 0.0, -102.0, 18.0, 9.0);
-    scowl += Vector3d(0.0, 1.5, 1.0) * both(x, y, 13.0, -46.0, 6.0, 6.0);
-    scowl.x() += 2.4 * apart(x, y, 13.0, -46.0, 6.0, 6.0);
+    scowl += Vector3d(0.0, -7.0, 2.5) * both(x, y, 16.0, 19.0, 12.0, 11.0);
+    scowl.x() -= 3.0 * apart(x, y, 18.0, 18.0, 11.0, 9.0);
+    scowl.y() += 3.0 * both(x, y, 48.0, 20.0, 11.0, 10.0);
+    scowl.y() -= 1.4 * both(x, y, 28.0, 6.0, 10.0, 4.5);
+    scowl.y() += 0.6 * both(x, y, eye_x, -5.0, 10.0, 4.5);
+    scowl += Vector3d(0.0, -5.0, -1.0) * both(x, y, mouth_x, mouth_y, 12.0, 12.0);
+    scowl.x() -= 2.0 * apart(x, y, mouth_x, mouth_y, 13.0, 12.0);
+    scowl.y() += 1.5 * spot(x, y, 0.0, mouth_y, 14.0, 9.0);
+    scowl.y() += 1.0 * spot(x, y, 0.0, -102.0, 20.0, 12.0);
+    scowl += Vector3d(0.0, 1.2, 1.0) * both(x, y, 13.0, -46.0, 7.0, 7.0);
+    scowl.x() += 2.2 * apart(x, y, 13.0, -46.0, 7.0, 7.0);
     return mood.happy * smile + mood.angry * scowl;
 }
 

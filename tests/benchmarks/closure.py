@@ -20,18 +20,21 @@ import sys
 import tempfile
 
 
+ONE_THREAD = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+
+
 def ours(benchmark, meshes, lengths):
     command = [benchmark, *meshes] + ([lengths] if lengths else [])
-    return json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    return json.loads(subprocess.run(command, check=True, capture_output=True,
+                                     env=ONE_THREAD).stdout)
 
 
 def theirs(peer, meshes, lengths):
     with tempfile.TemporaryDirectory() as folder:
         report = os.path.join(folder, "report.json")
         command = [sys.executable, peer, *meshes, "--t", "0.5", "--json", report]
-        environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
         subprocess.run(command + (["--lengths", lengths] if lengths else []), check=True,
-                       env=environment)
+                       env=ONE_THREAD)
         with open(report) as file:
             return json.load(file)
 

@@ -103,8 +103,8 @@ TEST(RenderMesh, CastsShadows)
     const Colour lit = render_mesh(wall, points, small_picture()).at(20, 20);
     const Eigen::RowVector3d to_light = Eigen::RowVector3d(-0.58, 0.48, 0.66).normalized();
     Points with_plate(8, 3);
-    with_plate << points, points * Eigen::RowVector3d(0.15, 0.15, 1.0).asDiagonal();
-    with_plate.bottomRows(4).rowwise() += 1.2 * to_light;
+    with_plate << points, points * Eigen::RowVector3d(0.25, 0.25, 1.0).asDiagonal();
+    with_plate.bottomRows(4).rowwise() += to_light;
     const Faces both{{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
     const Colour shaded = render_mesh(both, with_plate, small_picture()).at(20, 20);
     EXPECT_LT(shaded.green + 15, lit.green);

@@ -333,11 +333,14 @@ TEST_F(Commands, EmbeddingErrorsAreThoseOfTheWrittenMesh)
                 error.cwiseAbs().cwiseQuotient(target).maxCoeff(), 1e-12);
 }
 
-TEST_F(Commands, TheMethodOfRojasCanBeChosen)
+TEST_F(Commands, EveryMethodCanBeChosen)
 {
-    const Json figures = run({"interpolate", "a.ply", "b.ply", "--weights", "0.5,0.5", "-o",
-                              "half.ply", "--method", "closure"});
-    EXPECT_EQ(figures["embeddings"][0]["method"], "closure");
+    for (const std::string method : {"dihedral", "closure", "multiscale"}) {
+        const Json figures = run({"interpolate", "a.ply", "b.ply", "--weights", "0,1", "-o",
+                                  method + ".ply", "--method", method});
+        EXPECT_EQ(figures["embeddings"][0]["method"], method);
+        EXPECT_LT(difference(lengths(method + ".ply"), lengths("b.ply")), 1e-6) << method;
+    }
 }
 
 TEST_F(Commands, InterpolationEndsAtItsInputs)
