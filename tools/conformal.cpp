@@ -159,6 +159,8 @@ Run set_up_conformal(CLI::App& command)
         .add_option("--factors", arguments->factors,
                     "CSV file for the log factors: columns vertex,u")
         ->option_text("FILE");
+    // The lengths are the conformal map itself; the angles only choose between meshes.
+    arguments->embedding.options.smoothness = 1e-4;
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

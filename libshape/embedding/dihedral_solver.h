@@ -24,7 +24,7 @@ struct DihedralSolution
 /// SciPy's fmin_l_bfgs_b, which the paper used, has memory 10 and gradient tolerance 1e-5;
 /// docs/closure.md says why these differ.
 inline constexpr LbfgsOptions dihedral_solver_defaults{
-    .memory = 5, .gradient_tolerance = 5e-6, .decrease_tolerance = 2.2e-9, .max_iterations = 15000};
+    .memory = 5, .gradient_tolerance = 5e-6, .decrease_tolerance = 1.5e-9, .max_iterations = 15000};
 
 /// Dihedral angles that close the walk around every interior vertex: lowers E (closure.h) by L-BFGS
 /// from an initial guess (Rojas 2014, section 2.1). E has many local minima; the one that is

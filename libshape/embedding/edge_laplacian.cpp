@@ -13,7 +13,8 @@ using Eigen::VectorXd;
 
 VectorXd weights_of(const VectorXd& lengths)
 {
-    return lengths.array().square().inverse();
+    constexpr double shortest = 1e-3; // of the mean: more would cost the factor its digits
+    return lengths.cwiseMax(shortest * lengths.mean()).array().square().inverse();
 }
 
 /// Lower triangle. Edges are sorted by their lower vertex, then by their higher one: column v holds

@@ -12,12 +12,12 @@
 namespace shape {
 
 /// The Laplacian of a mesh whose edges weigh 1 / l^2, once for every face they have, and its
-/// factorisation. Relative errors of edges count alike in it, as they do in what is minimised.
+/// factorisation. Lengths below 1e-3 of the mean count as that. Relative errors of edges count alike in it, as they do in what is minimised.
 class EdgeLaplacian
 {
 public:
     /// @param lengths  #E [length], > 0.
-    /// @throws NumericalError if the weights span too many orders of magnitude to factorise.
+    /// @throws NumericalError if the factorisation breaks down all the same.
     /// Cost: one sparse Cholesky factorisation of size #V.
     EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths);
 
