@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/conformal_morph.h"
+#include "libshape/embedding/path_follower.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -71,20 +73,65 @@ void tell(const Session& session, const SphereMap& map)
                          " faces reversed; residual of eq. (13) ", map.edges.worst));
 }
 
+/// Makes the frames of the morph: the mesh, meshes that follow from it, and the sphere.
+class MorphMaker
+{
+public:
+    MorphMaker(const Topology& topology, const Points& points, const Points& sphere,
+               const ConformalMorph& morph, const EmbeddingOptions& options)
+        : topology_(topology),
+          sphere_(sphere),
+          follower_(topology, points,
+                    [&morph](double s) {
+                        return morph_frame(morph, morph_parameter(s)).point.edge_lengths;
+                    },
+                    morph.dihedral_angles.row(1).transpose(),
+                    {.continuation = {.smoothness = options.smoothness}})
+    {
+    }
+
+    [[nodiscard]] Embedding embed(double k, const ShapePoint& point)
+    {
+        const auto start = std::chrono::steady_clock::now();
+        PathMesh made{point, {sphere_, 0.0, 0, true}};
+        if (k < 1.0)
+            made = follower_.at(morph_pace(k));
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        Embedding embedding{made.mesh.points,
+                            measure_embedding(topology_, made.mesh.points, made.target)};
+        embedding.report.iterations = made.mesh.iterations;
+        embedding.report.converged = made.mesh.converged;
+        embedding.report.seconds = seconds.count();
+        return embedding;
+    }
+
+    /// Largest distance of a vertex between the last mesh that followed and the sphere.
+    [[nodiscard]] double gap()
+    {
+        const Points last = follower_.at(1.0).mesh.points;
+        return (best_rigid_motion(last, sphere_)(last) - sphere_).rowwise().norm().maxCoeff();
+    }
+
+private:
+    const Topology& topology_;
+    const Points& sphere_;
+    PathFollower follower_;
+};
+
 /// Embeds and writes the frames of the morph; returns their figures.
 Json write_morph(const Session& session, const Arguments& arguments, const Topology& topology,
                  const Points& points, const SphereMap& map)
 {
     const ConformalMorph morph = make_conformal_morph(topology, points, map);
-    const auto parameter = [&](std::int64_t i) {
+    const auto parameter = [&](std::size_t i) {
         return static_cast<double>(i) / static_cast<double>(arguments.steps - 1);
     };
     std::vector<EmbeddingTarget> targets;
     Json frames = Json::array();
-    for (std::int64_t i = 0; i < arguments.steps; ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(arguments.steps); ++i) {
         const double k = parameter(i);
         const MorphFrame frame = morph_frame(morph, k);
-        const std::string frame_name = numbered_name("frame", targets.size());
+        const std::string frame_name = numbered_name("frame", i);
         if (!frame.mended_faces.empty())
             session.warn(join(frame_name, ": the factors break ", frame.mended_faces.size(),
                               " faces, first face ", frame.mended_faces.front(),
@@ -96,8 +143,26 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
         targets.push_back({frame_name, [&morph, k] { return morph_frame(morph, k).point; }});
     }
     MeshOutput output(session, arguments.output, names(targets), input_files(arguments.mesh));
-    Json figures = embed_and_write(session, arguments.embedding, topology,
-                                   {points, placed_sphere(map, points)}, targets, output);
+    const Points sphere = placed_sphere(map, points);
+    const EmbeddingOptions& options = arguments.embedding.options;
+    Json figures;
+    if (options.method == EmbeddingMethod::Dihedral && options.quality == EmbeddingQuality::Fine) {
+        if (arguments.embedding.strict)
+            refuse_infeasible(topology, targets);
+        MorphMaker maker(topology, points, sphere, morph, options);
+        const auto make = [&](std::size_t i, const ShapePoint& point) {
+            return finish(targets[i].name, "dihedral",
+                          [&] { return maker.embed(parameter(i), point); });
+        };
+        figures = make_and_write(session, topology, targets, make, output);
+        figures["end_gap"] = maker.gap() / map.radius;
+        session.message(join("the path from the mesh ends within ",
+                             100.0 * figures["end_gap"].get<double>(),
+                             " % of the radius from the sphere"));
+    } else {
+        figures = embed_and_write(session, arguments.embedding, topology, {points, sphere}, targets,
+                                  output);
+    }
     figures["frames"] = frames;
     return figures;
 }

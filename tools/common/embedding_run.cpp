@@ -28,11 +28,11 @@ const char* method_name(EmbeddingMethod method)
     return "";
 }
 
-Json figures(const std::string& mesh, EmbeddingMethod method, const Embedding& embedding)
+Json figures_of(const std::string& mesh, const std::string& method, const Embedding& embedding)
 {
     const EmbeddingReport& report = embedding.report;
     return {{"name", mesh},
-            {"method", method_name(method)},
+            {"method", method},
             {"vertices", embedding.points.rows()},
             {"status", name(report.status)},
             {"edge_rms", report.edge_rms},
@@ -63,34 +63,13 @@ std::string table_head()
                      "dihedral RMS", "time");
 }
 
-std::string table_row(const std::string& mesh, const EmbeddingReport& report)
+std::string table_row(const Json& figures)
 {
-    return print_row("%-24s %-12s %9.4f%% %9.4f%% %8.3f deg %7.3f s", mesh.c_str(),
-                     name(report.status), 100.0 * report.edge_rms, 100.0 * report.edge_max,
-                     report.dihedral_rms_deg, report.seconds);
-}
-
-void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets)
-{
-    for (const EmbeddingTarget& target : targets) {
-        const ShapePoint point = target.point();
-        const Admissibility found = check_admissibility(topology, point.edge_lengths);
-        if (!found.admissible())
-            throw NumericalError(join(target.name, ": infeasible target, ",
-                                      describe(found, topology, point.edge_lengths),
-                                      " (--strict)"));
-    }
-}
-
-Embedding embed(const Embedder& embedder, const EmbeddingTarget& target)
-{
-    try {
-        return embedder.embed(target.point());
-    } catch (const InvalidInput& error) {
-        throw InvalidInput(join(target.name, ": ", error.what()));
-    } catch (const NumericalError& error) {
-        throw NumericalError(join(target.name, ": ", error.what()));
-    }
+    const auto number = [&](const char* field) { return figures.at(field).get<double>(); };
+    const auto text = [&](const char* field) { return figures.at(field).get<std::string>(); };
+    return print_row("%-24s %-12s %9.4f%% %9.4f%% %8.3f deg %7.3f s", text("name").c_str(),
+                     text("status").c_str(), 100.0 * number("edge_rms"), 100.0 * number("edge_max"),
+                     number("dihedral_rms_deg"), number("seconds"));
 }
 
 } // namespace
@@ -130,25 +109,62 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
     if (arguments.strict)
         refuse_infeasible(topology, targets);
     const Embedder embedder(topology, std::move(references), arguments.options);
+    const auto make = [&](std::size_t i, const ShapePoint& point) {
+        return finish(targets[i].name, method_name(arguments.options.method),
+                      [&] { return embedder.embed(point); });
+    };
+    return make_and_write(session, topology, targets, make, output);
+}
+
+Json make_and_write(const Session& session, const Topology& topology,
+                    const std::vector<EmbeddingTarget>& targets, const MeshMaker& make,
+                    MeshOutput& output)
+{
     const Progress progress = session.progress();
     Json embeddings = Json::array();
     std::vector<std::string> rows{table_head()};
     for (std::size_t i = 0; i < targets.size(); ++i) {
         progress("embedding", i, targets.size());
-        const std::string& mesh = targets[i].name;
-        const Embedding embedding = embed(embedder, targets[i]);
-        if (embedding.report.status == EmbeddingStatus::Infeasible)
-            session.warn(join(mesh, ": infeasible target, ", embedding.report.reason,
+        const FinishedMesh mesh = make(i, targets[i].point());
+        if (!mesh.reason.empty())
+            session.warn(join(targets[i].name, ": infeasible target, ", mesh.reason,
                               "; the nearest mesh is written"));
-        output.write(i, embedding.points, topology.faces());
-        embeddings.push_back(figures(mesh, arguments.options.method, embedding));
-        rows.push_back(table_row(mesh, embedding.report));
+        output.write(i, mesh.points, topology.faces());
+        embeddings.push_back(mesh.figures);
+        rows.push_back(table_row(mesh.figures));
     }
     progress("embedding", targets.size(), targets.size());
     output.commit();
     for (const std::string& row : rows)
         session.message(row);
     return {{"outputs", output.paths()}, {"embeddings", embeddings}};
+}
+
+void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets)
+{
+    for (const EmbeddingTarget& target : targets) {
+        const ShapePoint point = target.point();
+        const Admissibility found = check_admissibility(topology, point.edge_lengths);
+        if (!found.admissible())
+            throw NumericalError(join(target.name, ": infeasible target, ",
+                                      describe(found, topology, point.edge_lengths),
+                                      " (--strict)"));
+    }
+}
+
+FinishedMesh finish(const std::string& target, const std::string& method,
+                    const std::function<Embedding()>& embed)
+{
+    try {
+        Embedding embedding = embed();
+        Json figures = figures_of(target, method, embedding);
+        return {std::move(embedding.points), std::move(figures),
+                std::move(embedding.report.reason)};
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(join(target, ": ", error.what()));
+    } catch (const NumericalError& error) {
+        throw NumericalError(join(target, ": ", error.what()));
+    }
 }
 
 std::string numbered_name(const std::string& stem, std::size_t number)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,14 @@ struct EmbeddingTarget
     std::function<ShapePoint()> point;
 };
 
+/// A mesh as it is written, and what is said about it.
+struct FinishedMesh
+{
+    Points points;
+    Json figures;       ///< One object of `embeddings`.
+    std::string reason; ///< Why its target is infeasible; else empty.
+};
+
 /// Embeds all targets and writes them, target i into output i; prints a table of what they are
 /// worth and warns of infeasible ones.
 /// @param references  As Embedder takes them.
@@ -42,6 +51,21 @@ struct EmbeddingTarget
 [[nodiscard]] Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
                                    const Topology& topology, std::vector<Points> references,
                                    const std::vector<EmbeddingTarget>& targets, MeshOutput& output);
+
+/// Makes the mesh of target `index`, whose point is given.
+using MeshMaker = std::function<FinishedMesh(std::size_t index, const ShapePoint& point)>;
+
+/// The same with meshes that come from elsewhere; they are made in order.
+[[nodiscard]] Json make_and_write(const Session& session, const Topology& topology,
+                                  const std::vector<EmbeddingTarget>& targets,
+                                  const MeshMaker& make, MeshOutput& output);
+
+/// @throws NumericalError naming the first target that is infeasible.
+void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets);
+
+/// What `embed` makes of a target, with its figures; errors name the target.
+[[nodiscard]] FinishedMesh finish(const std::string& target, const std::string& method,
+                                  const std::function<Embedding()>& embed);
 
 /// "frame_0007": a name with a number of at least four digits.
 [[nodiscard]] std::string numbered_name(const std::string& stem, std::size_t number);
