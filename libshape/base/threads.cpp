@@ -2,11 +2,15 @@
 
 #include "libshape/base/threads.h"
 
-#include <omp.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <memory>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -22,6 +26,31 @@ std::atomic<int>& configured_threads()
         std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 1024)};
     return count;
 }
+
+/// Where a number of threads works.
+struct Workshop
+{
+    explicit Workshop(int threads)
+        : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
+          arena(threads)
+    {
+    }
+    tbb::global_control limit; // otherwise TBB stops at the number of processors
+    tbb::task_arena arena;
+};
+
+/// Made anew after set_thread_count().
+std::shared_ptr<Workshop> workshop()
+{
+    static std::mutex mutex;
+    static std::shared_ptr<Workshop> current;
+    const std::lock_guard lock(mutex);
+    if (!current || current->arena.max_concurrency() != thread_count())
+        current = std::make_shared<Workshop>(thread_count());
+    return current;
+}
+
+thread_local bool inside_loop = false; ///< This thread runs a chunk.
 
 } // namespace
 
@@ -42,20 +71,25 @@ void parallel_for(std::size_t count, std::size_t grain,
     const auto run = [&](std::size_t chunk) {
         body(chunk * grain, std::min(count, (chunk + 1) * grain));
     };
-    if (chunks <= 1 || thread_count() == 1 || omp_in_parallel()) {
+    if (chunks <= 1 || thread_count() == 1 || inside_loop) {
         for (std::size_t chunk = 0; chunk < chunks; ++chunk)
             run(chunk);
         return;
     }
     std::vector<std::exception_ptr> errors(chunks);
-#pragma omp parallel for schedule(dynamic) num_threads(thread_count())
-    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+    const auto guarded = [&](std::size_t chunk) {
+        inside_loop = true;
         try {
             run(chunk);
         } catch (...) {
             errors[chunk] = std::current_exception();
         }
-    }
+        inside_loop = false;
+    };
+    // The caller does what no other thread takes, so a busy machine costs no waiting.
+    workshop()->arena.execute([&] {
+        tbb::parallel_for(std::size_t{0}, chunks, guarded, tbb::simple_partitioner{});
+    });
     for (const std::exception_ptr& error : errors)
         if (error)
             std::rethrow_exception(error);

@@ -15,15 +15,20 @@ namespace {
 
 constexpr double angle_rounding = 1e-12; ///< [rad]
 
+void check_finite(const Eigen::VectorXd& lengths, const char* argument)
+{
+    for (Eigen::Index e = 0; e < lengths.size(); ++e)
+        if (!std::isfinite(lengths[e]))
+            throw InvalidInput(
+                join(argument, " of edge ", e, " is ", lengths[e], ", must be finite"));
+}
+
 void check_size(const Topology& topology, const Eigen::VectorXd& lengths, const char* argument)
 {
     if (lengths.size() != topology.edge_count())
         throw InvalidInput(join(argument, " has ", lengths.size(), " entries, the topology ",
                                 topology.edge_count(), " edges"));
-    for (Eigen::Index e = 0; e < lengths.size(); ++e)
-        if (!std::isfinite(lengths[e]))
-            throw InvalidInput(
-                join(argument, " of edge ", e, " is ", lengths[e], ", must be finite"));
+    check_finite(lengths, argument);
 }
 
 /// Lengths of the sides of a face.
@@ -74,6 +79,15 @@ Admissibility check_admissibility(const Topology& topology, const Eigen::VectorX
     sort_worst_first(result.triangles);
     sort_worst_first(result.vertices);
     return result;
+}
+
+Eigen::VectorXd positive_lengths(const Eigen::VectorXd& lengths)
+{
+    check_finite(lengths, "length");
+    const double mean = lengths.mean();
+    if (!(mean > 0.0))
+        throw InvalidInput(join("the mean of the lengths is ", mean, ", must be > 0"));
+    return (lengths.array() > 0.0).select(lengths, 1e-2 * mean);
 }
 
 std::string describe(const Admissibility& admissibility, const Topology& topology,

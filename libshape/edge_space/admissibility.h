@@ -43,6 +43,11 @@ struct Admissibility
 [[nodiscard]] Admissibility check_admissibility(const Topology& topology,
                                                 const Eigen::VectorXd& lengths);
 
+/// The lengths with those <= 0 raised to a hundredth of the mean: what to aim at where a point of a
+/// model has left the lengths behind. Such a point breaks triangle inequalities; this is no mend.
+/// @throws InvalidInput if an entry is not finite, or the mean not > 0.
+[[nodiscard]] Eigen::VectorXd positive_lengths(const Eigen::VectorXd& lengths);
+
 /// One sentence about the worst violations; empty if admissible.
 [[nodiscard]] std::string describe(const Admissibility& admissibility, const Topology& topology,
                                    const Eigen::VectorXd& lengths);

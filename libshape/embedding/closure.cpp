@@ -5,11 +5,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/vector_math.h"
 #include "libshape/embedding/local_frames.h"
 
 namespace shape {
@@ -30,42 +30,6 @@ std::vector<int> by_degree(const Topology& topology)
         return topology.outgoing(a).size() > topology.outgoing(b).size();
     });
     return order;
-}
-
-/// cosines[i] = cos(-angles[i]), sines[i] = sin(-angles[i]), both within 1e-15 for |angles[i]| <
-/// 1e6. The loop has no branch and no call, so that the compiler vectorises it; the library's sine
-/// and cosine took longer than the walks.
-void turn_cosines(const double* angles, std::size_t count, double* cosines, double* sines)
-{
-    constexpr double turn = 2.0 * std::numbers::pi;
-    constexpr double turn_low = 2.4492935982947064e-16; // 2 pi - turn
-    constexpr double round = 0x1.8p52;                  // (x + round) - round is x to the nearest
-    for (std::size_t i = 0; i < count; ++i) {
-        const double turns = (angles[i] * (1.0 / turn) + round) - round;
-        const double q = -0.25 * ((angles[i] - turns * turn) - turns * turn_low);
-        const double t = q * q; // q in [-pi/4, pi/4]: Taylor to q^15 and q^16
-        double s = -1.0 / 1307674368000.0;
-        s = s * t + 1.0 / 6227020800.0;
-        s = s * t - 1.0 / 39916800.0;
-        s = s * t + 1.0 / 362880.0;
-        s = s * t - 1.0 / 5040.0;
-        s = s * t + 1.0 / 120.0;
-        s = s * t - 1.0 / 6.0;
-        s = s * t * q + q;
-        double c = 1.0 / 20922789888000.0;
-        c = c * t - 1.0 / 87178291200.0;
-        c = c * t + 1.0 / 479001600.0;
-        c = c * t - 1.0 / 3628800.0;
-        c = c * t + 1.0 / 40320.0;
-        c = c * t - 1.0 / 720.0;
-        c = c * t + 1.0 / 24.0;
-        c = c * t - 0.5;
-        c = c * t + 1.0;
-        const double s2 = 2.0 * s * c; // the angle doubled twice
-        const double c2 = 1.0 - 2.0 * s * s;
-        sines[i] = 2.0 * s2 * c2;
-        cosines[i] = 1.0 - 2.0 * s2 * s2;
-    }
 }
 
 } // namespace
@@ -136,8 +100,10 @@ double ClosureEnergy::evaluate(const Eigen::Ref<const Eigen::VectorXd>& dihedral
                                 edge_count(), " edges"));
     const auto edges = static_cast<std::size_t>(edge_count());
     parallel_for(edges, edge_grain, [&](std::size_t begin, std::size_t end) {
-        turn_cosines(dihedral_angles.data() + begin, end - begin, cosine_.data() + begin,
-                     sine_.data() + begin);
+        sines_cosines(dihedral_angles.data() + begin, end - begin, sine_.data() + begin,
+                      cosine_.data() + begin);
+        for (std::size_t e = begin; e < end; ++e)
+            sine_[e] = -sine_[e]; // the walk turns by -theta
     });
     const double energy =
         parallel_sum(blocks_.size(), block_grain, [&](std::size_t begin, std::size_t end) {

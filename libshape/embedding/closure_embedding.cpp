@@ -18,13 +18,6 @@ namespace {
 
 void check(const Topology& topology, const Eigen::VectorXd& lengths)
 {
-    if (lengths.size() != topology.edge_count())
-        throw InvalidInput(join("edge_lengths has ", lengths.size(), " entries, the topology ",
-                                topology.edge_count(), " edges"));
-    for (Eigen::Index e = 0; e < lengths.size(); ++e)
-        if (!std::isfinite(lengths[e]) || lengths[e] <= 0.0)
-            throw InvalidInput(
-                join("length of edge ", e, " is ", lengths[e], ", must be finite and > 0"));
     const Admissibility admissibility = check_admissibility(topology, lengths);
     if (!admissibility.triangles.empty())
         throw NumericalError(describe(admissibility, topology, lengths));

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/closure.h"
 #include "libshape/embedding/edge_laplacian.h"
 #include "libshape/embedding/face_layout.h"
@@ -70,10 +71,11 @@ DihedralEmbedder::~DihedralEmbedder() = default;
 DihedralEmbedder::DihedralEmbedder(DihedralEmbedder&&) noexcept = default;
 DihedralEmbedder& DihedralEmbedder::operator=(DihedralEmbedder&&) noexcept = default;
 
-DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& target,
+DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
     const State& s = *state_;
+    const ShapePoint target{positive_lengths(point.edge_lengths), point.dihedral_angles};
     const LengthDihedralEnergy energy(s.topology, target, options.smoothness);
     const EdgeLaplacian laplacian = s.laplacian.reweighted(target.edge_lengths);
     const Points corners = corner_angles(s.topology, target.edge_lengths);
@@ -97,9 +99,9 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& target,
     };
     // The Laplacian bounds the stiffness of an edge in every direction; it has it in one only.
     constexpr double laplacian_scale = 10.0 / 3.0;
+    const SinglePrecisionSolve inverse = laplacian.single_precision();
     const Preconditioner precondition = [&](const VectorXd& g) -> VectorXd {
-        const Eigen::Map<const Points> rows(g.data(), s.topology.vertex_count(), 3);
-        return laplacian_scale * laplacian.solve(rows).reshaped<Eigen::RowMajor>();
+        return laplacian_scale * inverse.solve(g);
     };
     // Rounding: strains of 1e-13 an edge are none.
     const double nothing = 1e-26 * s.topology.edge_count();

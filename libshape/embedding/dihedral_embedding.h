@@ -55,9 +55,11 @@ public:
     DihedralEmbedder(DihedralEmbedder&&) noexcept;
     DihedralEmbedder& operator=(DihedralEmbedder&&) noexcept;
 
-    /// Lengths that break a triangle inequality are taken as they are: the nearest mesh results.
-    /// @throws InvalidInput if target or options break a rule.
-    [[nodiscard]] DihedralEmbedding embed(const ShapePoint& target,
+    /// Lengths that break a triangle inequality are taken as they are, those <= 0 as in
+    /// positive_lengths(): the nearest mesh results.
+    /// @throws InvalidInput if point has other sizes or a value that is not finite, or options
+    ///     break a rule.
+    [[nodiscard]] DihedralEmbedding embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options = {}) const;
 
 private:

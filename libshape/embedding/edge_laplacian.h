@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "libshape/linalg/single_precision_solve.h"
 #include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
@@ -26,6 +27,12 @@ public:
 
     /// Solves for all three columns at once. A translation is held by a little weight at vertex 0.
     [[nodiscard]] Points solve(const Points& rhs) const;
+
+    /// The same in single precision, for preconditioning.
+    [[nodiscard]] SinglePrecisionSolve single_precision() const
+    {
+        return SinglePrecisionSolve(factor_);
+    }
 
     /// Positions whose edges are nearest to what the faces want: face f wants its half-edges h as
     /// frames[f] * halfedges.row(h).

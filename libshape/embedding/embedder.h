@@ -56,7 +56,7 @@ public:
     Embedder(Embedder&&) noexcept;
     Embedder& operator=(Embedder&&) noexcept;
 
-    /// @throws InvalidInput if target has other sizes, a value that is not finite or a length <= 0.
+    /// @throws InvalidInput if target has other sizes or a value that is not finite.
     /// @throws NumericalError if the method cannot start: published methods on a target that
     ///     breaks a triangle inequality, or a factorisation that breaks down.
     /// Safe to call concurrently.

@@ -2,18 +2,153 @@
 
 #include "libshape/embedding/length_dihedral_energy.h"
 
-#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
-#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/base/vector_math.h"
+#include "libshape/base/vectorised.h"
 
 namespace shape {
 
-using Eigen::Vector3d;
 using Eigen::VectorXd;
+
+namespace {
+
+/// Edges or faces are worked on by blocks, one array a coordinate, which the compiler vectorises and
+/// the first cache holds.
+constexpr int block = 128;
+using Row = double[block];
+struct alignas(64) Vectors
+{
+    Row x, y, z;
+
+    void set(int i, double to_x, double to_y, double to_z)
+    {
+        x[i] = to_x;
+        y[i] = to_y;
+        z[i] = to_z;
+    }
+    void set(int i, const double* from) { set(i, from[0], from[1], from[2]); }
+    void get(int i, double* to) const
+    {
+        to[0] = x[i];
+        to[1] = y[i];
+        to[2] = z[i];
+    }
+};
+
+/// Calls work(first, count) for consecutive blocks of [0, total).
+template <class Work>
+void for_blocks(int total, const Work& work)
+{
+    parallel_for(static_cast<std::size_t>(total), 16 * block,
+                 [&](std::size_t begin, std::size_t end) {
+                     for (int i = static_cast<int>(begin); i < static_cast<int>(end); i += block)
+                         work(i, std::min(block, static_cast<int>(end) - i));
+                 });
+}
+
+/// Normals as long as twice the area, and their inverse squares (0 where there is no area).
+SHAPE_VECTORISED void normals_of(int count, const Vectors& a, const Vectors& b, const Vectors& c,
+                                 Vectors& __restrict normal, double* __restrict inverse_squares)
+{
+    for (int i = 0; i < count; ++i) {
+        const double px = b.x[i] - a.x[i], py = b.y[i] - a.y[i], pz = b.z[i] - a.z[i];
+        const double qx = c.x[i] - a.x[i], qy = c.y[i] - a.y[i], qz = c.z[i] - a.z[i];
+        const double x = py * qz - pz * qy;
+        const double y = pz * qx - px * qz;
+        const double z = px * qy - py * qx;
+        const double square = x * x + y * y + z * z;
+        normal.x[i] = x;
+        normal.y[i] = y;
+        normal.z[i] = z;
+        inverse_squares[i] = square > 0.0 ? 1.0 / square : 0.0;
+    }
+}
+
+/// Lengths of edges p - q, and a vector in the direction theta - theta*: the bending of the normals
+/// on the left and the right, turned back by theta*.
+SHAPE_VECTORISED void bends(int count, const Vectors& p, const Vectors& q, const Vectors& left,
+                            const Vectors& right, const double* sines, const double* cosines,
+                            double* __restrict lengths, double* __restrict bend_sines,
+                            double* __restrict bend_cosines)
+{
+    for (int i = 0; i < count; ++i) {
+        const double x = q.x[i] - p.x[i], y = q.y[i] - p.y[i], z = q.z[i] - p.z[i];
+        const double length = std::sqrt(x * x + y * y + z * z);
+        const double s = x * (left.y[i] * right.z[i] - left.z[i] * right.y[i]) +
+                         y * (left.z[i] * right.x[i] - left.x[i] * right.z[i]) +
+                         z * (left.x[i] * right.y[i] - left.y[i] * right.x[i]);
+        const double c =
+            length * (left.x[i] * right.x[i] + left.y[i] * right.y[i] + left.z[i] * right.z[i]);
+        lengths[i] = length;
+        bend_sines[i] = s * cosines[i] - c * sines[i];
+        bend_cosines[i] = c * cosines[i] + s * sines[i];
+    }
+}
+
+/// What every edge adds to the energy, half of dE/dl / l, and dE/dtheta in the place of
+/// theta - theta*.
+SHAPE_VECTORISED void edge_terms(int count, double smoothness, const double* lengths,
+                                 const double* inverse_lengths, double* __restrict energies,
+                                 double* __restrict half_pulls, double* __restrict angles)
+{
+    for (int i = 0; i < count; ++i) {
+        const double strain = lengths[i] * inverse_lengths[i] - 1.0;
+        energies[i] = strain * strain + smoothness * angles[i] * angles[i];
+        half_pulls[i] = lengths[i] > 0.0 ? strain * inverse_lengths[i] / lengths[i] : 0.0;
+        angles[i] *= 2.0 * smoothness;
+    }
+}
+
+/// Corners of faces; of edge quantities x, y, z belong to the edges 0-1, 1-2, 2-0.
+struct Corners
+{
+    Vectors a{}, b{}, c{};
+};
+
+/// The gradient that every face adds at its corners.
+///
+/// Over edge i-j with opposite corner m, d theta / d x_m = -l n / |n|^2, and i and j share the
+/// opposite of it in proportion to where the foot of m lies.
+SHAPE_VECTORISED void corner_gradients(int count, const Corners& at, const Vectors& normal,
+                                       const double* inverse_squares, const Vectors& lengths,
+                                       const Vectors& moments, const Vectors& pulls,
+                                       Corners& __restrict gradient)
+{
+    const auto& [p, q, r] = at;
+    auto& [gp, gq, gr] = gradient;
+    for (int i = 0; i < count; ++i) {
+        const double a = lengths.x[i], b = lengths.y[i], c = lengths.z[i];
+        const double u = moments.x[i], v = moments.y[i], w = moments.z[i];
+        const double aa = a * a, bb = b * b, cc = c * c;
+        // From the first corner of each edge to the foot.
+        const double foot_a = a > 0.0 ? 0.5 * (aa + cc - bb) / a : 0.0;
+        const double foot_b = b > 0.0 ? 0.5 * (bb + aa - cc) / b : 0.0;
+        const double foot_c = c > 0.0 ? 0.5 * (cc + bb - aa) / c : 0.0;
+        const double mp = inverse_squares[i] * (u * (a - foot_a) - v * b + w * foot_c);
+        const double mq = inverse_squares[i] * (v * (b - foot_b) - w * c + u * foot_a);
+        const double mr = inverse_squares[i] * (w * (c - foot_c) - u * a + v * foot_b);
+        const auto along = [&](double np, const Row& x, const Row& y, const Row& z, Row& gx,
+                               Row& gy, Row& gz) {
+            const double xy = pulls.x[i] * (x[i] - y[i]);
+            const double yz = pulls.y[i] * (y[i] - z[i]);
+            const double zx = pulls.z[i] * (z[i] - x[i]);
+            gx[i] = mp * np + xy - zx;
+            gy[i] = mq * np + yz - xy;
+            gz[i] = mr * np + zx - yz;
+        };
+        along(normal.x[i], p.x, q.x, r.x, gp.x, gq.x, gr.x);
+        along(normal.y[i], p.y, q.y, r.y, gp.y, gq.y, gr.y);
+        along(normal.z[i], p.z, q.z, r.z, gp.z, gq.z, gr.z);
+    }
+}
+
+} // namespace
 
 LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const ShapePoint& target,
                                            double smoothness)
@@ -33,99 +168,107 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
                                     "; lengths must be > 0, both finite"));
     if (!(smoothness > 0.0 && std::isfinite(smoothness)))
         throw InvalidInput(join("smoothness is ", smoothness, ", must be > 0 and finite"));
+    inverse_lengths_ = target.edge_lengths.cwiseInverse();
+    sines_.resize(edges);
+    cosines_.resize(edges);
+    sines_cosines(target.dihedral_angles.data(), static_cast<std::size_t>(edges), sines_.data(),
+                  cosines_.data());
+    for (int e = 0; e < edges; ++e)
+        if (topology.is_boundary_edge(e)) {
+            sines_[e] = 0.0;
+            cosines_[e] = 1.0;
+        }
 }
 
 double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient) const
 {
     const Topology& t = topology_;
-    const auto point = [&](int v) { return points.segment<3>(3 * v); };
+    const int* const faces = t.faces().data();
+    const int* const face_edges = t.face_edges().data();
+    const auto gather_corners = [&](int first, int count, Corners& at) {
+        for (int i = 0; i < count; ++i) {
+            const int* const face = faces + 3 * (first + i);
+            at.a.set(i, points.data() + 3 * face[0]);
+            at.b.set(i, points.data() + 3 * face[1]);
+            at.c.set(i, points.data() + 3 * face[2]);
+        }
+    };
 
-    // Normals as long as twice the area, and their inverse squares (0 where there is no area).
     Points normals(t.face_count(), 3);
-    VectorXd inverse_square(t.face_count());
-    parallel_for(
-        static_cast<std::size_t>(t.face_count()), 2048, [&](std::size_t begin, std::size_t end) {
-            for (int f = static_cast<int>(begin); f < static_cast<int>(end); ++f) {
-                const Vector3d a = point(t.faces()(f, 0));
-                const Vector3d n = (point(t.faces()(f, 1)) - a).cross(point(t.faces()(f, 2)) - a);
-                normals.row(f) = n;
-                const double square = n.squaredNorm();
-                inverse_square[f] = square > 0.0 ? 1.0 / square : 0.0;
-            }
-        });
+    VectorXd inverse_squares(t.face_count());
+    for_blocks(t.face_count(), [&](int first, int count) {
+        Corners at;
+        gather_corners(first, count, at);
+        Vectors normal{};
+        normals_of(count, at.a, at.b, at.c, normal, inverse_squares.data() + first);
+        for (int i = 0; i < count; ++i)
+            normal.get(i, normals.data() + 3 * (first + i));
+    });
 
-    // Per edge: dE/dl / l and dE/dtheta.
-    VectorXd pull(t.edge_count());
-    VectorXd moment(t.edge_count());
-    const double energy = parallel_sum(
-        static_cast<std::size_t>(t.edge_count()), 2048, [&](std::size_t begin, std::size_t end) {
-            double sum = 0.0;
-            for (int e = static_cast<int>(begin); e < static_cast<int>(end); ++e) {
-                const Vector3d axis = point(t.edges()(e, 1)) - point(t.edges()(e, 0));
-                const double length = axis.norm();
-                const double strain = length / target_.edge_lengths[e] - 1.0;
-                sum += strain * strain;
-                pull[e] = length > 0.0 ? 2.0 * strain / (target_.edge_lengths[e] * length) : 0.0;
-                moment[e] = 0.0;
-                if (t.is_boundary_edge(e))
-                    continue;
-                const Vector3d left = normals.row(t.edge_halfedges()(e, 0) / 3);
-                const Vector3d right = normals.row(t.edge_halfedges()(e, 1) / 3);
-                const double angle =
-                    std::atan2(axis.dot(left.cross(right)), length * left.dot(right));
-                const double bend = wrapped_angle(angle - target_.dihedral_angles[e]);
-                sum += smoothness_ * bend * bend;
-                moment[e] = 2.0 * smoothness_ * bend;
-            }
-            return sum;
-        });
+    VectorXd lengths(t.edge_count());
+    VectorXd energies(t.edge_count());
+    VectorXd half_pulls(t.edge_count()); // dE/dl / 2 l; twice that on the boundary
+    VectorXd moments(t.edge_count());    // dE/dtheta
+    for_blocks(t.edge_count(), [&](int first, int count) {
+        Vectors p{}, q{}, left{}, right{};
+        for (int i = 0; i < count; ++i) {
+            const int* const ends = t.edges().data() + 2 * (first + i);
+            const int* const halfedges = t.edge_halfedges().data() + 2 * (first + i);
+            const int other = halfedges[halfedges[1] < 0 ? 0 : 1]; // the boundary is flat
+            p.set(i, points.data() + 3 * ends[0]);
+            q.set(i, points.data() + 3 * ends[1]);
+            left.set(i, normals.data() + 3 * (halfedges[0] / 3));
+            right.set(i, normals.data() + 3 * (other / 3));
+        }
+        Row sines, cosines;
+        bends(count, p, q, left, right, sines_.data() + first, cosines_.data() + first,
+              lengths.data() + first, sines, cosines);
+        double* const angles = moments.data() + first;
+        vector_angles(sines, cosines, static_cast<std::size_t>(count), angles);
+        edge_terms(count, smoothness_, lengths.data() + first, inverse_lengths_.data() + first,
+                   energies.data() + first, half_pulls.data() + first, angles);
+        for (int e = first; e < first + count; ++e)
+            if (t.is_boundary_edge(e))
+                half_pulls[e] *= 2.0; // it has one face
+    });
 
-    // A corner moves along the normal of its face: by how much, summed over the face's three edges.
-    // Over edge i-j with opposite corner m, d theta / d x_m = -l n / |n|^2, and i and j share the
-    // opposite of it in proportion to where the foot of m lies.
-    Points along_normal(t.face_count(), 3);
-    parallel_for(
-        static_cast<std::size_t>(t.face_count()), 2048, [&](std::size_t begin, std::size_t end) {
-            for (int f = static_cast<int>(begin); f < static_cast<int>(end); ++f) {
-                Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-                for (int i = 0; i < 3; ++i) {
-                    const int j = (i + 1) % 3;
-                    const int m = (i + 2) % 3;
-                    const double s = moment[t.face_edges()(f, i)];
-                    const Vector3d axis = point(t.faces()(f, j)) - point(t.faces()(f, i));
-                    const double length = axis.norm();
-                    const double foot =
-                        length > 0.0
-                            ? (point(t.faces()(f, m)) - point(t.faces()(f, i))).dot(axis) / length
-                            : 0.0;
-                    sum[m] -= s * length;
-                    sum[i] += s * (length - foot);
-                    sum[j] += s * foot;
-                }
-                along_normal.row(f) = inverse_square[f] * sum;
-            }
-        });
+    Points at_corners(t.halfedge_count(), 3);
+    for_blocks(t.face_count(), [&](int first, int count) {
+        Corners at, sum;
+        Vectors normal{}, length{}, moment{}, pull{};
+        gather_corners(first, count, at);
+        for (int i = 0; i < count; ++i) {
+            const int* const e = face_edges + 3 * (first + i);
+            normal.set(i, normals.data() + 3 * (first + i));
+            length.set(i, lengths[e[0]], lengths[e[1]], lengths[e[2]]);
+            moment.set(i, moments[e[0]], moments[e[1]], moments[e[2]]);
+            pull.set(i, half_pulls[e[0]], half_pulls[e[1]], half_pulls[e[2]]);
+        }
+        corner_gradients(count, at, normal, inverse_squares.data() + first, length, moment, pull,
+                         sum);
+        for (int i = 0; i < count; ++i) {
+            double* const corners = at_corners.data() + 9 * (first + i);
+            sum.a.get(i, corners);
+            sum.b.get(i, corners + 3);
+            sum.c.get(i, corners + 6);
+        }
+    });
 
     gradient.resize(points.size());
-    parallel_for(static_cast<std::size_t>(t.vertex_count()), 1024,
+    parallel_for(static_cast<std::size_t>(t.vertex_count()), 2048,
                  [&](std::size_t begin, std::size_t end) {
                      for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
-                         Vector3d sum = Vector3d::Zero();
-                         const Vector3d here = point(v);
-                         const auto pulled_from = [&](int h, int other) {
-                             sum += pull[t.edge(h)] * (here - point(other));
-                         };
-                         for (const int h : t.outgoing(v)) {
-                             sum += along_normal(h / 3, h % 3) * normals.row(h / 3).transpose();
-                             pulled_from(h, t.target(h));
-                             const int incoming = Topology::previous(h);
-                             if (t.opposite(incoming) < 0) // the last edge of an open fan
-                                 pulled_from(incoming, t.source(incoming));
-                         }
-                         gradient.segment<3>(3 * v) = sum;
+                         Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+                         for (const int h : t.outgoing(v))
+                             sum += at_corners.row(h);
+                         gradient.segment<3>(3 * v) = sum.transpose();
                      }
                  });
-    return energy;
+    return parallel_sum(static_cast<std::size_t>(t.edge_count()), 16 * block,
+                        [&](std::size_t begin, std::size_t end) {
+                            return std::accumulate(energies.data() + begin, energies.data() + end,
+                                                   0.0);
+                        });
 }
 
 } // namespace shape

@@ -39,6 +39,9 @@ private:
     Topology topology_;
     ShapePoint target_;
     double smoothness_;
+    Eigen::VectorXd inverse_lengths_; // of the target
+    Eigen::VectorXd sines_;           // of its dihedral angles; 0 on the boundary
+    Eigen::VectorXd cosines_;         // 1 on the boundary
 };
 
 } // namespace shape

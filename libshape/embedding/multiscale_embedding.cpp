@@ -363,9 +363,9 @@ void check_target(const Topology& topology, const ShapePoint& target)
         throw InvalidInput(join("target has ", lengths.size(), " edge lengths and ", angles.size(),
                                 " dihedral angles, the topology ", edges, " edges"));
     for (Eigen::Index e = 0; e < edges; ++e) {
-        if (!std::isfinite(lengths[e]) || lengths[e] <= 0.0)
+        if (!std::isfinite(lengths[e]))
             throw InvalidInput(
-                join("target: length of edge ", e, " is ", lengths[e], ", must be finite and > 0"));
+                join("target: length of edge ", e, " is ", lengths[e], ", must be finite"));
         if (!std::isfinite(angles[e]))
             throw InvalidInput(
                 join("target: dihedral angle of edge ", e, " is ", angles[e], ", must be finite"));

@@ -47,12 +47,13 @@ EmbeddingReport measure_embedding(const Topology& topology, const Points& points
     EmbeddingReport report;
     report.edge_rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.size())) /
                       target.edge_lengths.mean();
+    const Eigen::VectorXd wanted = positive_lengths(target.edge_lengths);
     std::vector<double> relative;
     std::vector<double> drift;
     std::vector<char> inverted(static_cast<std::size_t>(topology.face_count()), 0);
     double drift_squares = 0.0;
     for (int e = 0; e < topology.edge_count(); ++e) {
-        relative.push_back(std::abs(difference[e]) / target.edge_lengths[e]);
+        relative.push_back(std::abs(difference[e]) / wanted[e]);
         if (topology.is_boundary_edge(e))
             continue;
         drift.push_back(degrees * std::abs(wrapped_angle(angles[e] - target.dihedral_angles[e])));

@@ -25,7 +25,7 @@ struct EmbeddingReport
     std::string reason; ///< Why the target is infeasible, with the worst place; else empty.
 
     double edge_rms = 0.0;  ///< sqrt(mean (l - l*)^2) / mean(l*)  [1] (Rojas 2014, Fig. 12).
-    double edge_max = 0.0;  ///< max |l - l*| / l*  [1].
+    double edge_max = 0.0;  ///< max |l - l*| / l*  [1]; below, l* <= 0 as in positive_lengths().
     double edge_p999 = 0.0; ///< 99.9 % quantile of the same [1].
     double edge_p99 = 0.0;  ///< 99 % quantile [1].
 

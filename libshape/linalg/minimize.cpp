@@ -2,43 +2,116 @@
 
 #include "libshape/linalg/minimize.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
-#include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/threads.h"
+#include "libshape/linalg/dense.h"
 
 namespace shape {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// One step s and the change y of the gradient along it.
-struct Pair
-{
-    VectorXd s;
-    VectorXd y;
-    double sy;
-};
+constexpr std::size_t grain = 4096;
 
-/// - H g by the two-loop recursion.
-VectorXd search_direction(const std::deque<Pair>& pairs, const VectorXd& gradient,
-                          const Preconditioner& precondition)
+/// m^T v, the same bits for any number of threads.
+VectorXd transposed_product(const RowMatrix& m, const VectorXd& v)
 {
-    VectorXd q = -gradient;
-    std::vector<double> alpha(pairs.size());
-    for (std::size_t i = pairs.size(); i-- > 0;) {
-        alpha[i] = pairs[i].s.dot(q) / pairs[i].sy;
-        q.noalias() -= alpha[i] * pairs[i].y;
-    }
-    VectorXd direction = precondition(q);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const double beta = pairs[i].y.dot(direction) / pairs[i].sy;
-        direction.noalias() += (alpha[i] - beta) * pairs[i].s;
-    }
-    return direction;
+    const auto rows = static_cast<std::size_t>(m.rows());
+    MatrixXd parts(m.cols(), static_cast<Eigen::Index>((rows + grain - 1) / grain));
+    parallel_for(rows, grain, [&](std::size_t begin, std::size_t end) {
+        const auto first = static_cast<Eigen::Index>(begin);
+        const auto count = static_cast<Eigen::Index>(end - begin);
+        parts.col(static_cast<Eigen::Index>(begin / grain)).noalias() =
+            m.middleRows(first, count).transpose() * v.segment(first, count);
+    });
+    return parts.rowwise().sum();
 }
+
+/// v += m c.
+void add_product(VectorXd& v, const RowMatrix& m, const VectorXd& c)
+{
+    parallel_for(static_cast<std::size_t>(v.size()), grain,
+                 [&](std::size_t begin, std::size_t end) {
+                     const auto first = static_cast<Eigen::Index>(begin);
+                     const auto count = static_cast<Eigen::Index>(end - begin);
+                     v.segment(first, count).noalias() += m.middleRows(first, count) * c;
+                 });
+}
+
+double dot(const VectorXd& a, const VectorXd& b)
+{
+    return parallel_sum(static_cast<std::size_t>(a.size()), grain,
+                        [&](std::size_t begin, std::size_t end) {
+                            const auto first = static_cast<Eigen::Index>(begin);
+                            const auto count = static_cast<Eigen::Index>(end - begin);
+                            return a.segment(first, count).dot(b.segment(first, count));
+                        });
+}
+
+/// The last steps s and the changes y of the gradient along them. Inner products are kept, so that
+/// the two-loop recursion needs four passes over the vectors instead of four for every pair.
+class History
+{
+public:
+    History(Eigen::Index size, int memory)
+        : steps_(RowMatrix::Zero(size, memory)),
+          changes_(RowMatrix::Zero(size, memory)),
+          products_(MatrixXd::Zero(memory, memory))
+    {
+    }
+
+    /// Takes a pair if that keeps the Hessian positive definite; the oldest makes room.
+    void add(const VectorXd& s, const VectorXd& y)
+    {
+        const double sy = dot(s, y);
+        if (!(sy > 1e-12 * std::sqrt(dot(s, s) * dot(y, y))))
+            return;
+        const Eigen::Index memory = steps_.cols();
+        const Eigen::Index slot = ages_.size() < static_cast<std::size_t>(memory)
+                                      ? static_cast<Eigen::Index>(ages_.size())
+                                      : ages_.front();
+        if (ages_.size() == static_cast<std::size_t>(memory))
+            ages_.pop_front();
+        ages_.push_back(slot);
+        steps_.col(slot) = s;
+        changes_.col(slot) = y;
+        products_.row(slot) = transposed_product(changes_, s).transpose();
+        products_.col(slot) = transposed_product(steps_, y);
+    }
+
+    /// - H g by the two-loop recursion.
+    [[nodiscard]] VectorXd direction(const VectorXd& gradient,
+                                     const Preconditioner& precondition) const
+    {
+        VectorXd q = -gradient;
+        if (ages_.empty())
+            return precondition(q);
+        const VectorXd sq = transposed_product(steps_, q);
+        VectorXd alpha = VectorXd::Zero(sq.size());
+        for (auto i = ages_.rbegin(); i != ages_.rend(); ++i)
+            alpha[*i] = (sq[*i] - products_.row(*i).dot(alpha)) / products_(*i, *i);
+        add_product(q, changes_, -alpha);
+        VectorXd direction = precondition(q);
+        const VectorXd yd = transposed_product(changes_, direction);
+        VectorXd beta = VectorXd::Zero(yd.size());
+        for (const Eigen::Index i : ages_)
+            beta[i] = alpha[i] - (yd[i] + products_.col(i).dot(beta)) / products_(i, i);
+        add_product(direction, steps_, beta);
+        return direction;
+    }
+
+private:
+    RowMatrix steps_;               ///< n by memory; columns not in use are 0.
+    RowMatrix changes_;             ///< The same.
+    MatrixXd products_;             ///< s_i . y_j
+    std::deque<Eigen::Index> ages_; ///< Columns in use, the oldest first.
+};
 
 } // namespace
 
@@ -57,13 +130,13 @@ Minimum minimize(const Objective& objective, const Preconditioner& precondition,
     if (!std::isfinite(result.value))
         throw NumericalError("minimize: the function is not finite at the start");
 
-    std::deque<Pair> pairs;
+    History history(result.point.size(), options.memory);
     std::deque<double> window{result.value};
     VectorXd next_gradient(result.point.size());
     result.converged = result.value <= options.value_tolerance;
     while (!result.converged && result.iterations < options.max_iterations) {
-        const VectorXd direction = search_direction(pairs, gradient, precondition);
-        const double slope = gradient.dot(direction);
+        const VectorXd direction = history.direction(gradient, precondition);
+        const double slope = dot(gradient, direction);
         if (!(slope < 0.0)) // also where the gradient vanishes
             break;
         double step = 1.0;
@@ -79,13 +152,7 @@ Minimum minimize(const Objective& objective, const Preconditioner& precondition,
         }
         if (step <= smallest_step)
             break;
-        Pair pair{next - result.point, next_gradient - gradient, 0.0};
-        pair.sy = pair.s.dot(pair.y);
-        if (pair.sy > 1e-12 * pair.s.norm() * pair.y.norm()) { // keeps H positive definite
-            pairs.push_back(std::move(pair));
-            if (pairs.size() > static_cast<std::size_t>(options.memory))
-                pairs.pop_front();
-        }
+        history.add(next - result.point, next_gradient - gradient);
         result.point = std::move(next);
         result.value = value;
         gradient.swap(next_gradient);

@@ -15,7 +15,7 @@ using Preconditioner = std::function<Eigen::VectorXd(const Eigen::VectorXd& grad
 
 struct MinimizeOptions
 {
-    int memory = 8;          ///< Pairs kept by L-BFGS; >= 1.
+    int memory = 3;          ///< Pairs kept by L-BFGS; >= 1.
     int max_iterations = 60; ///< >= 0.
     /// Converged once f(x_k) - f(x_(k+window)) <= decrease_tolerance * f(x_(k+window)).
     double decrease_tolerance = 1e-3;

@@ -187,6 +187,20 @@ Eigen::Index SparseCholesky::size() const
     return factor_->size;
 }
 
+SupernodalFactor SparseCholesky::factor() const
+{
+    const cholmod_factor& f = *factor_->factor;
+    const auto view = [](const void* data, std::size_t count) {
+        return std::span(static_cast<const int*>(data), count);
+    };
+    return {.permutation = view(f.Perm, f.n),
+            .first_columns = view(f.super, f.nsuper + 1),
+            .first_rows = view(f.pi, f.nsuper + 1),
+            .first_values = view(f.px, f.nsuper + 1),
+            .rows = view(f.s, f.ssize),
+            .values = static_cast<const double*>(f.x)};
+}
+
 std::size_t SparseCholesky::nonzeros() const
 {
     return static_cast<std::size_t>(factor_->common.lnz);

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <memory>
+#include <span>
 
 namespace shape {
 
@@ -15,6 +16,20 @@ enum class Ordering
 {
     MinimumDegree,    ///< AMD: quick to find; small systems, or systems factored once.
     NestedDissection, ///< METIS: less fill on large meshes; worth it when factored repeatedly.
+};
+
+/// The factor of a SparseCholesky as it is stored, for solvers of another kind. Row i of the factor
+/// belongs to row permutation[i] of the matrix. Supernode s has the columns first_columns[s] to
+/// first_columns[s + 1] and a dense block of values, column by column: its rows, of which the
+/// first are the columns themselves, are rows[first_rows[s]] to rows[first_rows[s + 1]].
+struct SupernodalFactor
+{
+    std::span<const int> permutation;
+    std::span<const int> first_columns; ///< One more than supernodes, as the next two.
+    std::span<const int> first_rows;
+    std::span<const int> first_values;
+    std::span<const int> rows;
+    const double* values = nullptr;
 };
 
 /// Kept factorisation A = L L^T of a symmetric positive definite matrix (supernodal, CHOLMOD).
@@ -49,6 +64,9 @@ public:
     [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs) const;
 
     [[nodiscard]] Eigen::Index size() const;
+
+    /// A view, valid until the next refactor().
+    [[nodiscard]] SupernodalFactor factor() const;
 
     /// Entries of the factor.
     [[nodiscard]] std::size_t nonzeros() const;

@@ -12,20 +12,6 @@
 
 namespace shape {
 
-struct Topology::Tables
-{
-    int vertex_count = 0;
-    Faces faces;
-    Edges edges;
-    Faces face_edges;
-    Edges edge_halfedges;
-    std::vector<int> opposites;      // per half-edge, -1 on the boundary
-    std::vector<int> ring_begin;     // per vertex + 1
-    std::vector<int> ring;           // half-edges, see outgoing()
-    std::vector<char> boundary;      // per vertex
-    int boundary_loop_count = 0;
-};
-
 namespace {
 
 /// Connectivity only: OpenMesh needs a point type, but no position is ever set.
@@ -134,7 +120,7 @@ Topology::Topology(const Faces& faces, int vertex_count)
 
     // First half-edge of every ring: on the boundary if the vertex is, else of the lowest edge.
     std::vector<int> first(static_cast<std::size_t>(vertex_count), -1);
-    tables->boundary.assign(static_cast<std::size_t>(vertex_count), 0);
+    tables->on_boundary.assign(static_cast<std::size_t>(vertex_count), 0);
     for (int e = 0; e < edge_count; ++e)
         for (int side = 0; side < 2; ++side) {
             const int h = tables->edge_halfedges(e, side);
@@ -144,52 +130,24 @@ Topology::Topology(const Faces& faces, int vertex_count)
             const bool on_boundary = tables->edge_halfedges(e, 1) < 0;
             if (on_boundary) {
                 first[v] = h;
-                tables->boundary[v] = 1;
+                tables->on_boundary[v] = 1;
             } else if (first[v] < 0) {
                 first[v] = h;
             }
         }
-    tables->ring_begin.reserve(static_cast<std::size_t>(vertex_count) + 1);
-    tables->ring.reserve(static_cast<std::size_t>(3 * faces.rows()));
+    tables->ring_begins.reserve(static_cast<std::size_t>(vertex_count) + 1);
+    tables->rings.reserve(static_cast<std::size_t>(3 * faces.rows()));
     for (int v = 0; v < vertex_count; ++v) {
-        tables->ring_begin.push_back(static_cast<int>(tables->ring.size()));
+        tables->ring_begins.push_back(static_cast<int>(tables->rings.size()));
         int h = first[static_cast<std::size_t>(v)];
         do {
-            tables->ring.push_back(h);
+            tables->rings.push_back(h);
             h = tables->opposites[static_cast<std::size_t>(previous(h))];
         } while (h >= 0 && h != first[static_cast<std::size_t>(v)]);
     }
-    tables->ring_begin.push_back(static_cast<int>(tables->ring.size()));
+    tables->ring_begins.push_back(static_cast<int>(tables->rings.size()));
     tables_ = std::move(tables);
 }
-
-int Topology::vertex_count() const { return tables_->vertex_count; }
-int Topology::edge_count() const { return static_cast<int>(tables_->edges.rows()); }
-int Topology::face_count() const { return static_cast<int>(tables_->faces.rows()); }
-const Faces& Topology::faces() const { return tables_->faces; }
-const Edges& Topology::edges() const { return tables_->edges; }
-const Faces& Topology::face_edges() const { return tables_->face_edges; }
-const Edges& Topology::edge_halfedges() const { return tables_->edge_halfedges; }
-
-int Topology::opposite(int halfedge) const
-{
-    return tables_->opposites[static_cast<std::size_t>(halfedge)];
-}
-
-std::span<const int> Topology::outgoing(int vertex) const
-{
-    const auto v = static_cast<std::size_t>(vertex);
-    const auto begin = static_cast<std::size_t>(tables_->ring_begin[v]);
-    const auto end = static_cast<std::size_t>(tables_->ring_begin[v + 1]);
-    return {tables_->ring.data() + begin, end - begin};
-}
-
-bool Topology::is_boundary_vertex(int vertex) const
-{
-    return tables_->boundary[static_cast<std::size_t>(vertex)] != 0;
-}
-
-int Topology::boundary_loop_count() const { return tables_->boundary_loop_count; }
 
 int Topology::euler_characteristic() const { return vertex_count() - edge_count() + face_count(); }
 

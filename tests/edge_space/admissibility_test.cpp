@@ -178,6 +178,21 @@ TEST(FeasibleStep, IsZeroFromABrokenTriangle)
     EXPECT_EQ(feasible_step(topology, lengths, Eigen::VectorXd::Ones(6), 1.0), 0.0);
 }
 
+TEST(PositiveLengths, RaisesOnlyThoseThatAreNot)
+{
+    const Eigen::VectorXd lengths{{1.0, 0.0, 3.0, -2.0, 1e-9, 4.0}};
+    const double raised = 1e-2 * lengths.mean();
+    const Eigen::VectorXd expected{{1.0, raised, 3.0, raised, 1e-9, 4.0}};
+    EXPECT_EQ(positive_lengths(lengths), expected);
+    EXPECT_EQ(positive_lengths(expected), expected);
+}
+
+TEST(PositiveLengths, RefusesAMeanOfZeroAndValuesThatAreNotFinite)
+{
+    EXPECT_THROW((void)positive_lengths(Eigen::Vector3d(1.0, -2.0, 1.0)), InvalidInput);
+    EXPECT_THROW((void)positive_lengths(Eigen::Vector3d(1.0, std::nan(""), 1.0)), InvalidInput);
+}
+
 TEST(FeasibleStep, RefusesOtherSizes)
 {
     const Topology topology = test::tetrahedron().topology;

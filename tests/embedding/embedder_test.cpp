@@ -146,6 +146,26 @@ TEST(Embedder, AnInfeasibleTargetComesOutWholeAndSaysSo)
                      NumericalError);
 }
 
+TEST(Embedder, LengthsBelowZeroAreInfeasibleAndTheRestOfTheMeshKeepsItsShape)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.2, 1);
+    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    const int edge = mesh.topology.face_edges()(77, 0);
+    for (const double length : {0.0, -0.01, -1.0}) {
+        SCOPED_TRACE(length);
+        target.edge_lengths[edge] = length;
+        const Embedding embedding = Embedder(mesh.topology, {mesh.points}).embed(target);
+        EXPECT_EQ(embedding.report.status, EmbeddingStatus::Infeasible);
+        EXPECT_TRUE(embedding.points.allFinite());
+        EXPECT_LT(embedding.report.edge_p99, 0.3);
+        EXPECT_LT(rigid_distance(embedding.points, mesh.points), 0.1);
+        for (const EmbeddingMethod method : {EmbeddingMethod::Closure, EmbeddingMethod::Multiscale})
+            EXPECT_THROW(
+                (void)Embedder(mesh.topology, {mesh.points}, {.method = method}).embed(target),
+                NumericalError);
+    }
+}
+
 TEST(Embedder, PreviewIsNoBetterThanFineAndBothReportTheirSteps)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);

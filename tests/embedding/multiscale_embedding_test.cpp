@@ -185,7 +185,7 @@ TEST(MultiscaleEmbedding, RefusesBadTargetsAndOptions)
                  InvalidInput);
     EXPECT_THROW((void)embedder.embed({good.edge_lengths, good.dihedral_angles.head(3)}),
                  InvalidInput);
-    EXPECT_THROW((void)embedder.embed(changed_length(0.0)), InvalidInput);
+    EXPECT_THROW((void)embedder.embed(changed_length(0.0)), NumericalError);
     EXPECT_THROW((void)embedder.embed(changed_length(std::numeric_limits<double>::infinity())),
                  InvalidInput);
     ShapePoint no_angle = good;

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <cstddef>
+
+namespace shape {
+
+// The standard library's functions of angles for many values at once, in loops without a branch or
+// a call: several times faster. Same bits for a value wherever it stands.
+
+/// sines[i] = sin(angles[i]), cosines[i] = cos(angles[i]), both within 1e-15 for |angles[i]| < 1e6.
+/// @param angles  `count` values [rad].
+void sines_cosines(const double* angles, std::size_t count, double* sines, double* cosines);
+
+/// angles[i] = atan2(y[i], x[i]) in [-pi, pi], within 1e-15 relative; 0 where both are 0.
+void vector_angles(const double* y, const double* x, std::size_t count, double* angles);
+
+} // namespace shape
