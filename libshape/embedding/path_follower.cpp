@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
 
@@ -44,12 +45,29 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
     next_ = next_stop();
 }
 
+/// The mesh at the target; where lengths are not met, wanted again with the angles it got.
+ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target) const
+{
+    ContinuedMesh mesh{from, 0.0, 0, false};
+    for (int round = 0; round < options_.rounds; ++round) {
+        const int iterations = mesh.iterations;
+        mesh = continue_to(topology_, mesh.points, target, options_.continuation);
+        mesh.iterations += iterations;
+        const VectorXd lengths = edge_lengths(topology_, mesh.points);
+        const double worst = (lengths.array() / target.edge_lengths.array() - 1.0).abs().maxCoeff();
+        if (worst <= options_.edge_tolerance)
+            break;
+        target.dihedral_angles = dihedral_angles(topology_, mesh.points);
+    }
+    return mesh;
+}
+
 PathFollower::Stop PathFollower::next_stop() const
 {
     const double left = options_.steps - step_;
     const ShapePoint target{lengths_((step_ + 1.0) / options_.steps),
                             blend_angles(here_.angles, end_angles_, 1.0 / left)};
-    const ContinuedMesh mesh = continue_to(topology_, here_.points, target, options_.continuation);
+    const ContinuedMesh mesh = reach(here_.points, target);
     return {mesh.points, dihedral_angles(topology_, mesh.points)};
 }
 
@@ -72,14 +90,7 @@ PathMesh PathFollower::at(double s)
     }
     const double share = s * options_.steps - step_;
     ShapePoint target{lengths_(s), blend_angles(here_.angles, next_.angles, share)};
-    ContinuedMesh mesh{share < 0.5 ? here_.points : next_.points, 0.0, 0, false};
-    ShapePoint nearer = target;
-    for (int round = 0; round < options_.rounds; ++round) {
-        const int iterations = mesh.iterations;
-        mesh = continue_to(topology_, mesh.points, nearer, options_.continuation);
-        mesh.iterations += iterations;
-        nearer.dihedral_angles = dihedral_angles(topology_, mesh.points);
-    }
+    ContinuedMesh mesh = reach(share < 0.5 ? here_.points : next_.points, target);
     return {std::move(target), std::move(mesh)};
 }
 

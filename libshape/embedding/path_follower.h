@@ -15,7 +15,9 @@ namespace shape {
 struct PathFollowerOptions
 {
     int steps = 16; ///< From s = 0 to 1; >= 1.
-    int rounds = 2; ///< Times that a mesh asked for is moved on to its lengths; >= 1.
+    int rounds = 4; ///< Times at most that a mesh is moved on to its lengths; >= 1. It is over
+                    ///< once no edge is off by more than
+    double edge_tolerance = 2e-3; ///< relative to its length.
     ContinuationOptions continuation;
 };
 
@@ -34,9 +36,9 @@ struct PathMesh
 /// end's by the step's share of what is left; these are so near that they may weigh little, and
 /// the lengths are met.
 ///
-/// A mesh between two steps is wanted with the angles blended from both, then with those it got,
-/// which brings the lengths closer. So it depends on s alone, continuously as long as the solutions
-/// do, and not on which others are asked for.
+/// A mesh between two steps is wanted with the angles blended from both, so it depends on s alone,
+/// not on which others are asked for. It changes continuously as long as the meshes do that have
+/// the lengths; where they end, it jumps.
 class PathFollower
 {
 public:
@@ -60,6 +62,7 @@ private:
         Points points;
         Eigen::VectorXd angles; ///< Measured.
     };
+    [[nodiscard]] ContinuedMesh reach(const Points& from, ShapePoint target) const;
     [[nodiscard]] Stop next_stop() const;
 
     Topology topology_;
