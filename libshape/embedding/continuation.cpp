@@ -143,7 +143,8 @@ ContinuedMesh continue_to(const Topology& topology, const Points& from, const Sh
                         {.max_iterations = options.max_iterations,
                          .decrease_tolerance = options.decrease_tolerance,
                          .damping = 1e-10,
-                         .least_damping = 1e-13});
+                         .least_damping = 1e-13,
+                         .halvings = 3});
     const Points points = Eigen::Map<const Points>(found.points.data(), topology.vertex_count(), 3);
     return {best_rigid_motion(points, from)(points), found.value, found.iterations,
             found.converged};

@@ -228,12 +228,19 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
             continue;
         }
         const VectorXd step = factor->solve(linear.gradient);
-        VectorXd next = result.points;
-        for (std::size_t i = 0; i < vertices_.size(); ++i)
-            for (int k = carried_begin_[i]; k < carried_begin_[i + 1]; ++k)
-                next.segment<3>(3 * carried_[static_cast<std::size_t>(k)]) -=
-                    step.segment<3>(3 * static_cast<Eigen::Index>(i));
-        const double value = evaluate(energy, next, nullptr);
+        VectorXd next;
+        double value = 0.0;
+        double scale = 1.0;
+        for (int halving = 0; halving <= options.halvings; ++halving, scale *= 0.5) {
+            next = result.points;
+            for (std::size_t i = 0; i < vertices_.size(); ++i)
+                for (int k = carried_begin_[i]; k < carried_begin_[i + 1]; ++k)
+                    next.segment<3>(3 * carried_[static_cast<std::size_t>(k)]) -=
+                        scale * step.segment<3>(3 * static_cast<Eigen::Index>(i));
+            value = evaluate(energy, next, nullptr);
+            if (value < result.value)
+                break;
+        }
         if (value < result.value) {
             result.converged = result.value - value <= options.decrease_tolerance * value;
             result.points = std::move(next);

@@ -18,6 +18,8 @@ struct GaussNewtonOptions
     double decrease_tolerance = 1e-6;
     double damping = 1e-4;       ///< Of the first step, relative to the diagonal.
     double least_damping = 1e-9; ///< Of any step.
+    int halvings =
+        0; ///< Times that a step is halved if E does not fall, before it is damped; >= 0.
 };
 
 struct GaussNewtonResult
