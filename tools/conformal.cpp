@@ -162,21 +162,21 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
     const EmbeddingOptions& options = arguments.embedding.options;
     Json figures;
     if (options.method == EmbeddingMethod::Dihedral && options.quality == EmbeddingQuality::Fine) {
-        if (arguments.embedding.strict)
-            refuse_infeasible(topology, targets);
+        prepare_output(arguments.embedding, topology, targets, output);
         MorphMaker maker(topology, points, sphere, morph, options);
-        const auto make = [&](std::size_t i, const ShapePoint& point) {
-            return finish(targets[i].name, "dihedral",
-                          [&] { return maker.embed(parameter(i), point); });
+        const auto make = [&](std::size_t i, const DecodedShape& shape) {
+            return finish(targets[i].name, name(options.method),
+                          [&] { return maker.embed(parameter(i), std::get<ShapePoint>(shape)); });
         };
-        figures = make_and_write(session, topology, targets, make, output);
+        figures = make_and_write(session, arguments.embedding, topology, targets, make, output,
+                                 TargetOrder::Sequence);
         figures["end_gap"] = maker.gap() / map.radius;
         session.message(join("the path from the mesh ends within ",
                              100.0 * figures["end_gap"].get<double>(),
                              " % of the radius from the sphere"));
     } else {
         figures = embed_and_write(session, arguments.embedding, topology, {points, sphere}, targets,
-                                  output);
+                                  output, TargetOrder::Sequence);
     }
     figures["frames"] = frames;
     return figures;
@@ -211,6 +211,8 @@ void run(const Session& session, const Arguments& arguments)
     const std::size_t count = collection.size();
     if (count > 1 && arguments.steps > 0)
         throw InvalidInput(join("--steps: a morph is made of one mesh, not ", count));
+    if (arguments.embedding.residuals && arguments.steps == 0)
+        throw UsageError("--residuals needs --steps: the sphere alone is not embedded");
     if (!arguments.factors.empty())
         check_output(session, arguments.factors, input_files(arguments.mesh));
     const Topology& topology = collection.topology;
@@ -257,6 +259,7 @@ Run set_up_conformal(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->mesh);
     add_mesh_output(command, arguments->output);
+    add_animation_options(command, arguments->output);
     add_integer(command, "--steps", arguments->steps,
                 "N frames of the morph, equally spaced, both ends included, [2, 1000000]", 2,
                 1'000'000);

@@ -9,6 +9,7 @@
 #include "libshape/model/difference.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
+#include "tools/common/effects_output.h"
 #include "tools/common/embedding_run.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/mesh_input.h"
@@ -28,6 +29,7 @@ struct Arguments
     std::string to;
     Scale scale = Scale::Unit;
     std::string output;
+    std::string effects;
     bool apply = false;
     double amount = 1.0;
     std::optional<double> size;
@@ -68,20 +70,38 @@ Json apply(const Session& session, const Arguments& arguments, const DifferenceV
                            {difference.reference_points}, {target}, output);
 }
 
+/// Writes where the pairs differ, on the mean of the meshes that the difference starts from.
+Json find_effects(const Session& session, const Arguments& arguments,
+                  const DifferenceVector& difference, const ColumnEffects& effects)
+{
+    const Embedder embedder(difference.topology, {difference.reference_points},
+                            arguments.embedding.options);
+    const ShapePoint start = apply_difference(difference, 0.0, difference.from_size);
+    return write_effects(session, arguments.effects, difference.topology,
+                         embedder.embed(start).points, effects);
+}
+
 void run(const Session& session, const Arguments& arguments)
 {
     const DifferenceOptions options = difference_options(arguments);
     if (arguments.size && options.scale == Scale::None)
         throw UsageError("--size has no meaning with --scale none, lengths stay as they are");
+    if (arguments.embedding.residuals && !arguments.apply)
+        throw UsageError("--residuals needs --apply: no mesh comes out without it");
     check_ending("-o", arguments.output, ".h5");
     const std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
     check_output(session, arguments.output, inputs);
+    if (!arguments.effects.empty())
+        check_effects(session, arguments.effects, inputs);
     std::unique_ptr<MeshOutput> mesh;
     if (arguments.apply)
         mesh = std::make_unique<MeshOutput>(session, arguments.mesh,
                                             std::vector<std::string>{"applied"}, inputs);
-    const DifferenceVector difference =
-        mean_difference(read_meshes(session, arguments.meshes), options);
+    const Collection collection = read_meshes(session, arguments.meshes);
+    const DifferenceVector difference = mean_difference(collection, options);
+    std::optional<ColumnEffects> effects;
+    if (!arguments.effects.empty())
+        effects = difference_effects(collection, options);
     throw_if_interrupted();
     Json figures{{"outputs", Json::array()}};
     if (mesh)
@@ -95,6 +115,8 @@ void run(const Session& session, const Arguments& arguments)
     figures["to_size"] = difference.to_size;
     session.message(
         join(arguments.output, ": mean difference of ", difference.pairs.size(), " pairs"));
+    if (effects)
+        figures["effects"] = find_effects(session, arguments, difference, *effects);
     session.print_figures(figures);
 }
 
@@ -107,9 +129,11 @@ Run set_up_difference(CLI::App& command)
         "same person with two expressions) and apply it to the mean of the meshes it starts\n"
         "from. Meshes without a partner are left out.");
     command.footer(
-        "Example:\n"
+        "Examples:\n"
         "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"
-        "      --to expression=happy -o smile.h5 --apply --amount 1.5 --mesh smile.ply");
+        "      --to expression=happy -o smile.h5 --apply --amount 1.5 --mesh smile.ply\n"
+        "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"
+        "      --to expression=happy -o smile.h5 --effects smile_effects.ply");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_labels(command, arguments->meshes);
@@ -127,11 +151,13 @@ Run set_up_difference(CLI::App& command)
                "unit: lengths are divided by their sum (default); none: lengths stay as they are",
                {{"unit", Scale::Unit}, {"none", Scale::None}});
     add_output_file(command, arguments->output, "Difference to write (.h5)");
+    add_effects(command, arguments->effects);
     CLI::Option* apply_flag = command.add_flag("--apply", arguments->apply,
                                                "Make the mesh of mean(from) + amount x difference");
-    CLI::Option* mesh =
-        command.add_option("--mesh", arguments->mesh.path, "Where that mesh goes (.obj .ply .off)")
-            ->option_text("FILE");
+    CLI::Option* mesh = command
+                            .add_option("--mesh", arguments->mesh.path,
+                                        "Where that mesh goes (.obj .ply .off .glb)")
+                            ->option_text("FILE");
     apply_flag->needs(mesh);
     mesh->needs(apply_flag);
     add_number(command, "--amount", arguments->amount,

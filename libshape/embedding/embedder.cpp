@@ -8,9 +8,10 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/embedding/closure.h"
+#include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/closure_embedding.h"
 #include "libshape/embedding/dihedral_embedding.h"
+#include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/multiscale_embedding.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -23,12 +24,12 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// E of Rojas 2014, eq. 3, from the residuals' rotation angles.
+/// E of Rojas 2014, eq. 3.
 double closure_energy(const Topology& topology, const ShapePoint& target)
 {
-    const Points residuals = closure_residuals(
-        topology, corner_angles(topology, target.edge_lengths), target.dihedral_angles);
-    return (4.0 * (1.0 - residuals.rowwise().norm().array().cos())).sum();
+    const FaceLayout layout =
+        lay_out_faces(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
+    return (4.0 * (1.0 - closure_cosines(topology, layout.transitions).array())).sum();
 }
 
 } // namespace
@@ -57,7 +58,10 @@ Embedder::Embedder(const Topology& topology, std::vector<Points> references,
         throw InvalidInput(join("smoothness is ", options.smoothness, ", must be > 0"));
     state_ = std::make_unique<State>(State{topology, references.front(), options, {}, {}, 0.0});
     if (options.method == EmbeddingMethod::Multiscale)
-        state_->multiscale.emplace(topology, references.front());
+        state_->multiscale.emplace(
+            topology, references.front(),
+            MultiscaleOptions{.seed = options.seed,
+                              .registration = {.start = options.registration_start}});
     if (options.method == EmbeddingMethod::Dihedral)
         state_->dihedral.emplace(topology, std::move(references));
     state_->setup_seconds = seconds_since(start);
@@ -73,11 +77,13 @@ Embedding Embedder::embed(const ShapePoint& target) const
     const State& s = *state_;
     Points points;
     EmbeddingReport solver; // the fields that measure_embedding() leaves open
+    std::optional<MultiscaleTimes> multiscale;
     switch (s.options.method) {
         case EmbeddingMethod::Dihedral: {
-            DihedralEmbeddingOptions options{.smoothness = s.options.smoothness};
+            DihedralEmbeddingOptions options;
             if (s.options.quality == EmbeddingQuality::Preview)
-                options.max_iterations = 8;
+                options = dihedral_preview;
+            options.smoothness = s.options.smoothness;
             DihedralEmbedding nearest = s.dihedral->embed(target, options);
             points = std::move(nearest.points);
             solver.iterations = nearest.iterations;
@@ -92,16 +98,19 @@ Embedding Embedder::embed(const ShapePoint& target) const
             solver.closure_energy = closed.solution.energy;
             break;
         }
-        case EmbeddingMethod::Multiscale:
-            points = s.multiscale->embed(target).points;
+        case EmbeddingMethod::Multiscale: {
+            MultiscaleEmbedding pose = s.multiscale->embed(target);
+            points = std::move(pose.points);
+            multiscale = {s.multiscale->setup_times(), pose.times};
             solver.converged = true; // a fixed number of passes
             break;
+        }
     }
     points = best_rigid_motion(points, s.reference)(points);
     points.rowwise() -= Eigen::RowVector3d(points.colwise().mean());
     const double seconds = seconds_since(start);
 
-    Embedding embedding{points, measure_embedding(s.topology, points, target)};
+    Embedding embedding{points, measure_embedding(s.topology, points, target), multiscale};
     embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
                                           ? solver.closure_energy
                                           : closure_energy(s.topology, target);

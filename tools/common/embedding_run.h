@@ -21,10 +21,11 @@ namespace shape::tools {
 struct EmbeddingArguments
 {
     EmbeddingOptions options;
-    bool strict = false; ///< An infeasible target ends the run before anything is written.
+    bool strict = false;    ///< An infeasible target ends the run before anything is written.
+    bool residuals = false; ///< Beside every mesh goes NAME_residuals.ply.
 };
 
-/// Adds --method, --quality, --smoothness and --strict.
+/// Adds --method, --quality, --smoothness, --init, --strict and --residuals.
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments);
 
 /// A mesh to be made. The point is made when it is needed: all of them may not fit into memory.
@@ -42,30 +43,49 @@ struct FinishedMesh
     std::string reason; ///< Why its target is infeasible; else empty.
 };
 
+/// What the order of the targets means.
+enum class TargetOrder
+{
+    Any,
+    Sequence, ///< Each is near the one before it: jumps between them are looked for.
+};
+
 /// Embeds all targets and writes them, target i into output i; prints a table of what they are
-/// worth and warns of infeasible ones.
+/// worth and warns of infeasible ones and of jumps.
 /// @param references  As Embedder takes them.
-/// @return The fields `outputs` and `embeddings`.
+/// @return The fields `outputs` and `embeddings`; `jumps` of a sequence; `animation` if one is
+///     written.
 /// @throws NumericalError if a target is infeasible and `strict` is set; InvalidInput and
 ///     NumericalError of the embedder, naming the target.
 [[nodiscard]] Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
                                    const Topology& topology, std::vector<Points> references,
-                                   const std::vector<EmbeddingTarget>& targets, MeshOutput& output);
+                                   const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
+                                   TargetOrder order = TargetOrder::Any);
 
 /// Makes the mesh of target `index`, whose point is given.
 using MeshMaker = std::function<FinishedMesh(std::size_t index, const ShapePoint& point)>;
 
-/// The same with meshes that come from elsewhere; they are made in order.
-[[nodiscard]] Json make_and_write(const Session& session, const Topology& topology,
+/// The second half of embed_and_write(): the same with meshes that come from elsewhere; they are made
+/// in order.
+[[nodiscard]] Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
+                                  const Topology& topology,
                                   const std::vector<EmbeddingTarget>& targets,
-                                  const MeshMaker& make, MeshOutput& output);
+                                  const MeshMaker& make, MeshOutput& output, TargetOrder order);
 
-/// @throws NumericalError naming the first target that is infeasible.
-void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets);
+/// The first half: what --residuals and --strict ask for before anything is embedded.
+void prepare_output(const EmbeddingArguments& arguments, const Topology& topology,
+                    const std::vector<EmbeddingTarget>& targets, MeshOutput& output);
 
 /// What `embed` makes of a target, with its figures; errors name the target.
 [[nodiscard]] FinishedMesh finish(const std::string& target, const std::string& method,
                                   const std::function<Embedding()>& embed);
+
+/// "dihedral", "closure" or "multiscale".
+[[nodiscard]] const char* name(EmbeddingMethod method);
+
+/// The options as the library takes them; the seed is that of the session.
+[[nodiscard]] EmbeddingOptions embedding_options(const Session& session,
+                                                 const EmbeddingArguments& arguments);
 
 /// "frame_0007": a name with a number of at least four digits.
 [[nodiscard]] std::string numbered_name(const std::string& stem, std::size_t number);
