@@ -96,6 +96,7 @@ public:
                const ConformalMorph& morph, const EmbeddingOptions& options)
         : topology_(topology),
           sphere_(sphere),
+          morph_(morph),
           follower_(topology, points,
                     [&morph](double s) {
                         return morph_frame(morph, morph_parameter(s)).point.edge_lengths;
@@ -105,12 +106,12 @@ public:
     {
     }
 
-    [[nodiscard]] Embedding embed(double k, const ShapePoint& point)
+    [[nodiscard]] Embedding embed(double k)
     {
         const auto start = std::chrono::steady_clock::now();
-        PathMesh made{point, {sphere_, 0.0, 0, true}};
-        if (k < 1.0)
-            made = follower_.at(morph_pace(k));
+        const PathMesh made = k < 1.0
+                                  ? follower_.at(morph_pace(k))
+                                  : PathMesh{morph_frame(morph_, k).point, {sphere_, 0.0, 0, true}};
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         Embedding embedding{made.mesh.points,
                             measure_embedding(topology_, made.mesh.points, made.target)};
@@ -130,6 +131,7 @@ public:
 private:
     const Topology& topology_;
     const Points& sphere_;
+    const ConformalMorph& morph_;
     PathFollower follower_;
 };
 
@@ -164,9 +166,9 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
     if (options.method == EmbeddingMethod::Dihedral && options.quality == EmbeddingQuality::Fine) {
         prepare_output(arguments.embedding, topology, targets, output);
         MorphMaker maker(topology, points, sphere, morph, options);
-        const auto make = [&](std::size_t i, const DecodedShape& shape) {
+        const auto make = [&](std::size_t i, const auto&) {
             return finish(targets[i].name, name(options.method),
-                          [&] { return maker.embed(parameter(i), std::get<ShapePoint>(shape)); });
+                          [&] { return maker.embed(parameter(i)); });
         };
         figures = make_and_write(session, arguments.embedding, topology, targets, make, output,
                                  TargetOrder::Sequence);
