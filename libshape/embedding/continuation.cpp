@@ -116,8 +116,7 @@ Points linear_start(const Topology& topology, const Points& from, const ShapePoi
     constexpr int wedge_steps = 3;
     const VectorXd& lengths = target.edge_lengths;
     const GradedLaplacian laplacian(topology, lengths);
-    const FaceLayout layout =
-        lay_out_faces(topology, lengths, corner_angles(topology, lengths), target.dihedral_angles);
+    const FaceLayout layout = lay_out_faces(topology, lengths, target.dihedral_angles);
     std::vector<Matrix3d> frames = face_frames(topology, from);
     Points points = laplacian.positions(frames, layout.halfedges);
     for (int step = 0; step < wedge_steps; ++step) {
