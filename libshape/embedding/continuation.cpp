@@ -16,7 +16,6 @@
 #include "libshape/embedding/wedge_fit.h"
 #include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/alignment.h"
-#include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
 namespace {
