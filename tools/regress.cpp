@@ -150,7 +150,8 @@ std::unique_ptr<MeshOutput> mesh_output(const Session& session, const Arguments&
     if (path.empty())
         return nullptr;
     return std::make_unique<MeshOutput>(session,
-                                        MeshOutputArguments{path, arguments.expected.format},
+                                        MeshOutputArguments{.path = path,
+                                                            .format = arguments.expected.format},
                                         names(targets), input_files(arguments.input.meshes));
 }
 
