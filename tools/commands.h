@@ -18,15 +18,21 @@ using Run = std::function<void(const Session&)>;
 // Each function describes one subcommand (its options, help and example) and returns what it does.
 // A new one needs its file, its line here and its row in the table of main.cpp.
 [[nodiscard]] Run set_up_check(CLI::App& command);
+[[nodiscard]] Run set_up_classify(CLI::App& command);
 [[nodiscard]] Run set_up_collect(CLI::App& command);
 [[nodiscard]] Run set_up_conformal(CLI::App& command);
 [[nodiscard]] Run set_up_difference(CLI::App& command);
+[[nodiscard]] Run set_up_distance(CLI::App& command);
 [[nodiscard]] Run set_up_draw(CLI::App& command);
 [[nodiscard]] Run set_up_generate(CLI::App& command);
+[[nodiscard]] Run set_up_groups(CLI::App& command);
 [[nodiscard]] Run set_up_info(CLI::App& command);
 [[nodiscard]] Run set_up_interpolate(CLI::App& command);
 [[nodiscard]] Run set_up_project(CLI::App& command);
+[[nodiscard]] Run set_up_quality(CLI::App& command);
 [[nodiscard]] Run set_up_reconstruct(CLI::App& command);
+[[nodiscard]] Run set_up_regress(CLI::App& command);
+[[nodiscard]] Run set_up_remove(CLI::App& command);
 [[nodiscard]] Run set_up_stats(CLI::App& command);
 [[nodiscard]] Run set_up_synth(CLI::App& command);
 

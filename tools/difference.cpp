@@ -4,48 +4,45 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
 #include "libshape/model/difference.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/effects_output.h"
 #include "tools/common/embedding_run.h"
 #include "tools/common/interrupt.h"
+#include "tools/common/label_input.h"
+#include "tools/common/mesh_choice.h"
 #include "tools/common/mesh_input.h"
 #include "tools/common/mesh_output.h"
-#include "tools/common/model_tables.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
 
 namespace shape::tools {
 namespace {
 
 struct Arguments
 {
-    MeshInput meshes;
+    LabelledInput input;
     std::string pair_by;
     std::string from;
     std::string to;
     Scale scale = Scale::Unit;
     std::string output;
     std::string effects;
+    std::vector<std::string> load;
     bool apply = false;
-    double amount = 1.0;
+    std::string amounts;
+    std::vector<std::string> onto;
     std::optional<double> size;
     MeshOutputArguments mesh;
     EmbeddingArguments embedding;
 };
-
-/// The two sides of LABEL=VALUE.
-std::pair<std::string, std::string> label_and_value(const std::string& option,
-                                                    const std::string& text)
-{
-    const std::size_t sign = text.find('=');
-    if (sign == std::string::npos || sign == 0)
-        throw UsageError(join(option, ": '", text, "' must be LABEL=VALUE"));
-    return {text.substr(0, sign), text.substr(sign + 1)};
-}
 
 DifferenceOptions difference_options(const Arguments& arguments)
 {
@@ -59,15 +56,17 @@ DifferenceOptions difference_options(const Arguments& arguments)
             .scale = arguments.scale};
 }
 
-/// Embeds mean(from) + amount * difference.
-Json apply(const Session& session, const Arguments& arguments, const DifferenceVector& difference,
-           MeshOutput& output)
+/// One number for each difference; 1 where nothing is said.
+std::vector<double> amounts_of(const Arguments& arguments)
 {
-    const double size = arguments.size.value_or(difference.from_size);
-    const EmbeddingTarget target{
-        "applied", [&] { return apply_difference(difference, arguments.amount, size); }};
-    return embed_and_write(session, arguments.embedding, difference.topology,
-                           {difference.reference_points}, {target}, output);
+    const std::size_t count = std::max<std::size_t>(arguments.load.size(), 1);
+    if (arguments.amounts.empty())
+        return std::vector<double>(count, 1.0);
+    const std::vector<double> amounts = read_numbers(arguments.amounts, "--amount");
+    if (amounts.size() != count)
+        throw UsageError(join("--amount: ", amounts.size(), " numbers for ", count,
+                              " differences; give one for each"));
+    return amounts;
 }
 
 /// Writes where the pairs differ, on the mean of the meshes that the difference starts from.
@@ -76,36 +75,136 @@ Json find_effects(const Session& session, const Arguments& arguments,
 {
     const Embedder embedder(difference.topology, {difference.reference_points},
                             arguments.embedding.options);
-    const ShapePoint start = apply_difference(difference, 0.0, difference.from_size);
+    const ShapePoint start = start_of(difference, difference.from_size);
     return write_effects(session, arguments.effects, difference.topology,
                          embedder.embed(start).points, effects);
 }
 
-void run(const Session& session, const Arguments& arguments)
+/// The start of a transfer: a mesh, brought to the size that is wanted.
+ShapePoint shape_of(const Topology& topology, const Points& points,
+                    const std::optional<double>& size)
 {
+    ShapePoint point{edge_lengths(topology, points), dihedral_angles(topology, points)};
+    if (size)
+        point.edge_lengths *= *size / point.edge_lengths.sum();
+    return point;
+}
+
+/// Applies differences to their starting mean, or to each of some meshes.
+class Transfer
+{
+public:
+    /// @param run  The meshes that --onto may name; with their triangulation.
+    Transfer(const Session& session, const Arguments& arguments, const Collection& run,
+             std::vector<std::filesystem::path> inputs)
+        : session_(session), arguments_(arguments), onto_{run.topology, {}, {}, {}}
+    {
+        std::vector<std::string> names{"applied"};
+        if (!arguments.onto.empty()) {
+            const MeshChoice choice{"--onto", arguments.onto, arguments.input.meshes.triangulate};
+            for (std::filesystem::path& file : chosen_files(choice, run.names))
+                inputs.push_back(std::move(file));
+            onto_ = choose_meshes(choice, run);
+            names = onto_.names;
+        }
+        output_ = std::make_unique<MeshOutput>(session, arguments.mesh, names, inputs);
+    }
+
+    [[nodiscard]] Json apply(const std::vector<DifferenceVector>& differences)
+    {
+        const std::vector<double> amounts = amounts_of(arguments_);
+        const DifferenceVector& first = differences.front();
+        if (arguments_.size && first.scale == Scale::None)
+            throw UsageError("--size has no meaning with --scale none, lengths stay as they are");
+        std::vector<EmbeddingTarget> targets;
+        if (arguments_.onto.empty())
+            targets.push_back({"applied", [&] {
+                                   const double size = arguments_.size.value_or(first.from_size);
+                                   return apply_differences(start_of(first, size), differences,
+                                                            amounts);
+                               }});
+        for (std::size_t i = 0; i < onto_.size(); ++i)
+            targets.push_back({onto_.names[i],
+                               [&, i] {
+                                   return apply_differences(
+                                       shape_of(onto_.topology, onto_.points[i], arguments_.size),
+                                       differences, amounts);
+                               },
+                               &onto_.points[i]});
+        const Points& reference =
+            onto_.points.empty() ? first.reference_points : onto_.points.front();
+        return embed_and_write(session_, arguments_.embedding, first.topology, {reference}, targets,
+                               *output_);
+    }
+
+private:
+    const Session& session_;
+    const Arguments& arguments_;
+    Collection onto_;
+    std::unique_ptr<MeshOutput> output_;
+};
+
+/// Applies differences that were saved.
+void run_loaded(const Session& session, const Arguments& arguments)
+{
+    if (!arguments.input.meshes.paths.empty() || !arguments.output.empty())
+        throw UsageError("--load applies saved differences; it takes neither MESHES nor -o");
+    if (arguments.mesh.path.empty())
+        throw UsageError("--load needs --mesh, where the result goes");
+    std::vector<DifferenceVector> differences;
+    for (const std::string& file : arguments.load) {
+        differences.push_back(read_difference(file));
+        if (!(differences.back().topology == differences.front().topology))
+            throw InvalidInput(join(file, ": another triangulation than ", arguments.load.front()));
+        if (differences.back().scale != differences.front().scale)
+            throw InvalidInput(join(file, ": --scale ", name(differences.back().scale), ", but ",
+                                    arguments.load.front(), " has ",
+                                    name(differences.front().scale)));
+    }
+    const Collection none{differences.front().topology, {}, {}, {}};
+    Transfer transfer(session, arguments, none, {arguments.load.begin(), arguments.load.end()});
+    Json figures = transfer.apply(differences);
+    figures["differences"] = arguments.load;
+    figures["amounts"] = amounts_of(arguments);
+    figures["scale"] = name(differences.front().scale);
+    session.print_figures(figures);
+}
+
+/// Finds a difference, and applies it if that is wanted.
+void run_found(const Session& session, const Arguments& arguments)
+{
+    const std::pair<const char*, bool> required[] = {
+        {"MESHES", !arguments.input.meshes.paths.empty()},
+        {"--pair-by", !arguments.pair_by.empty()},
+        {"--from", !arguments.from.empty()},
+        {"--to", !arguments.to.empty()},
+        {"-o", !arguments.output.empty()}};
+    for (const auto& [option, is_given] : required)
+        if (!is_given)
+            throw UsageError(join(option, " is required (unless --load names differences)"));
     const DifferenceOptions options = difference_options(arguments);
     if (arguments.size && options.scale == Scale::None)
         throw UsageError("--size has no meaning with --scale none, lengths stay as they are");
     if (arguments.embedding.residuals && !arguments.apply)
         throw UsageError("--residuals needs --apply: no mesh comes out without it");
+    (void)amounts_of(arguments); // refuse them before any work
     check_ending("-o", arguments.output, ".h5");
-    const std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
+    const std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     check_output(session, arguments.output, inputs);
     if (!arguments.effects.empty())
         check_effects(session, arguments.effects, inputs);
-    std::unique_ptr<MeshOutput> mesh;
+    const Collection collection = read_labelled(session, arguments.input);
+    std::unique_ptr<Transfer> transfer;
     if (arguments.apply)
-        mesh = std::make_unique<MeshOutput>(session, arguments.mesh,
-                                            std::vector<std::string>{"applied"}, inputs);
-    const Collection collection = read_meshes(session, arguments.meshes);
+        transfer = std::make_unique<Transfer>(session, arguments, collection, inputs);
     const DifferenceVector difference = mean_difference(collection, options);
     std::optional<ColumnEffects> effects;
     if (!arguments.effects.empty())
         effects = difference_effects(collection, options);
     throw_if_interrupted();
     Json figures{{"outputs", Json::array()}};
-    if (mesh)
-        figures = apply(session, arguments, difference, *mesh);
+    if (transfer)
+        figures = transfer->apply({difference});
     write_difference(arguments.output, difference);
     figures["outputs"].push_back(arguments.output);
     figures["pairs"] = difference.pairs.size();
@@ -120,56 +219,106 @@ void run(const Session& session, const Arguments& arguments)
     session.print_figures(figures);
 }
 
+void add_finding_options(CLI::App& command, Arguments& arguments)
+{
+    const std::string group = "To find a difference";
+    add_labelled_input(command, arguments.input);
+    command.get_option("MESHES")->required(false)->option_text("PATH ...");
+    add_label(command, "--pair-by", arguments.pair_by,
+              "Meshes with the same value of it are a pair")
+        ->group(group);
+    command.add_option("--from", arguments.from, "Where the difference starts")
+        ->option_text("LABEL=VALUE")
+        ->group(group);
+    command.add_option("--to", arguments.to, "Where the difference ends")
+        ->option_text("LABEL=VALUE")
+        ->group(group);
+    add_choice(command, "--scale", arguments.scale,
+               "unit: lengths are divided by their sum (default); none: lengths stay as they are",
+               {{"unit", Scale::Unit}, {"none", Scale::None}})
+        ->group(group);
+    add_output_file(command, arguments.output, "Difference to write (.h5)")
+        ->required(false)
+        ->option_text("FILE")
+        ->group(group);
+    add_effects(command, arguments.effects);
+}
+
+void add_applying_options(CLI::App& command, Arguments& arguments)
+{
+    const std::string group = "To apply it";
+    CLI::Option* load =
+        command
+            .add_option("--load", arguments.load,
+                        "Instead of finding one, apply these saved differences, all at once")
+            ->option_text("FILE ...")
+            ->group(group);
+    for (const char* option : {"--pair-by", "--from", "--to", "--scale", "--labels", "--only", "--effects"})
+        load->excludes(command.get_option(option));
+    CLI::Option* apply = command
+                             .add_flag("--apply", arguments.apply,
+                                       "Make the mesh of start + amount x difference; implied by\n"
+                                       "--load")
+                             ->group(group);
+    CLI::Option* mesh =
+        command
+            .add_option("--mesh", arguments.mesh.path,
+                        "Where the result goes: a file (.obj .ply .off .glb), or a directory if there\n"
+                        "are several")
+            ->option_text("PATH")
+            ->group(group);
+    apply->needs(mesh);
+    command
+        .add_option("--amount,--amounts", arguments.amounts,
+                    "How much of the difference, any number (default: 1); with --load one for\n"
+                    "each file")
+        ->option_text("a1,a2,...")
+        ->needs(mesh)
+        ->group(group);
+    command
+        .add_option("--onto", arguments.onto,
+                    "Start from these meshes, one result each: names of MESHES, mesh files,\n"
+                    "directories or collection files of the same triangulation (default: start\n"
+                    "from the mean of the meshes where the (first) difference starts)")
+        ->option_text("MESH ...")
+        ->needs(mesh)
+        ->group(group);
+    add_number(command, "--size", arguments.size,
+               "Sum of the edge lengths of the start and of the result [unit of the input], > 0\n"
+               "(default: the mesh's own; without --onto the mean size of the `from` meshes)",
+               Sign::Positive)
+        ->needs(mesh)
+        ->group(group);
+    add_mesh_format(command, arguments.mesh);
+}
+
 } // namespace
 
 Run set_up_difference(CLI::App& command)
 {
     command.description(
         "Find the mean difference of pairs of meshes in edge-length space (for example of the\n"
-        "same person with two expressions) and apply it to the mean of the meshes it starts\n"
-        "from. Meshes without a partner are left out.");
+        "same person with two expressions), and apply it, or several that were saved: to the mean\n"
+        "of the meshes it starts from, or to any mesh (expression transfer). Meshes without a\n"
+        "partner are left out. A difference of --scale unit changes the shape of a mesh of any\n"
+        "size and keeps that size; one of --scale none adds lengths as they are.");
     command.footer(
         "Examples:\n"
         "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"
         "      --to expression=happy -o smile.h5 --apply --amount 1.5 --mesh smile.ply\n"
         "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"
-        "      --to expression=happy -o smile.h5 --effects smile_effects.ply");
+        "      --to expression=happy -o smile.h5 --effects smile_effects.ply\n"
+        "  shape difference --load smile.h5 age.h5 --amounts 1,-0.5 --onto anna.ply \\\n"
+        "      --mesh young_anna_smiles.ply");
     const auto arguments = std::make_shared<Arguments>();
-    add_mesh_input(command, arguments->meshes);
-    add_labels(command, arguments->meshes);
-    command
-        .add_option("--pair-by", arguments->pair_by, "Meshes with the same value of it are a pair")
-        ->required()
-        ->option_text("LABEL REQUIRED");
-    command.add_option("--from", arguments->from, "Where the difference starts")
-        ->required()
-        ->option_text("LABEL=VALUE REQUIRED");
-    command.add_option("--to", arguments->to, "Where the difference ends")
-        ->required()
-        ->option_text("LABEL=VALUE REQUIRED");
-    add_choice(command, "--scale", arguments->scale,
-               "unit: lengths are divided by their sum (default); none: lengths stay as they are",
-               {{"unit", Scale::Unit}, {"none", Scale::None}});
-    add_output_file(command, arguments->output, "Difference to write (.h5)");
-    add_effects(command, arguments->effects);
-    CLI::Option* apply_flag = command.add_flag("--apply", arguments->apply,
-                                               "Make the mesh of mean(from) + amount x difference");
-    CLI::Option* mesh = command
-                            .add_option("--mesh", arguments->mesh.path,
-                                        "Where that mesh goes (.obj .ply .off .glb)")
-                            ->option_text("FILE");
-    apply_flag->needs(mesh);
-    mesh->needs(apply_flag);
-    add_number(command, "--amount", arguments->amount,
-               "How much of the difference, any number (default: 1)")
-        ->needs(apply_flag);
-    add_number(command, "--size", arguments->size,
-               "Sum of the edge lengths of mean(from) [unit of the input], > 0\n"
-               "(default: the mean size of the `from` meshes)",
-               Sign::Positive)
-        ->needs(apply_flag);
+    add_finding_options(command, *arguments);
+    add_applying_options(command, *arguments);
     add_embedding_options(command, arguments->embedding);
-    return [arguments](const Session& session) { run(session, *arguments); };
+    return [arguments](const Session& session) {
+        if (!arguments->mesh.path.empty() && !arguments->apply && arguments->load.empty())
+            throw UsageError("--mesh needs --apply (or --load)");
+        arguments->load.empty() ? run_found(session, *arguments) : run_loaded(session, *arguments);
+    };
 }
 
 } // namespace shape::tools

@@ -202,7 +202,7 @@ std::vector<ModelPoint> wanted_points(const Session& session, const ShapeModel& 
 void run(const Session& session, const Arguments& arguments)
 {
     const ShapeModel model = read_model(arguments.model);
-    if (arguments.size && model.scale == Scale::None)
+    if (arguments.size && scale_of(model.space) == Scale::None)
         throw UsageError(join("--size: ", arguments.model,
                               " was made with --scale none, size is part of its modes"));
     std::vector<EmbeddingTarget> targets;
@@ -223,8 +223,11 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_generate(CLI::App& command)
 {
     command.description(
-        "Make meshes from points of a model: its mean, points along a mode, given scores, or\n"
-        "seeded samples. Choose exactly one of --mean, --mode, --scores, --scores-file, --sample.");
+        "Make meshes from points of a model, in the space it was fitted in: its mean, points "
+        "along\n"
+        "a mode, given scores, or seeded samples. Points of Procrustes space are meshes already:\n"
+        "the embedding options do not touch them. Choose exactly one of --mean, --mode, --scores, "
+        "--scores-file, --sample.");
     command.footer(
         "Examples:\n"
         "  shape generate model.h5 -o mean.ply --mean\n"
@@ -266,8 +269,8 @@ Run set_up_generate(CLI::App& command)
     mode->needs(sigma);
     sigma->needs(mode);
     add_number(command, "--size", arguments->size,
-               "Sum of the edge lengths of the model's mean [unit of the input], > 0\n"
-               "(default: the mean size of the meshes of the model)",
+               "Sum of the edge lengths of the model's mean, in Procrustes space the centroid\n"
+               "size [unit of the input], > 0 (default: the mean size of the model's meshes)",
                Sign::Positive);
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };

@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/common/model_tables.h"
 #include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
 
 namespace shape::tools {
 namespace {
@@ -53,7 +54,7 @@ Description describe_model(const std::string& file)
     const ShapeModel model = read_model(file);
     Json figures{{"kind", "model"}, {"meshes", model.names.size()}};
     figures.update(topology_figures(model.topology));
-    figures["scale"] = name(model.scale);
+    figures.update(space_figures(model.space));
     figures["mean_size"] = model.mean_size();
     figures["total_variance"] = model.total_variance;
     figures["labels"] = label_figures(model.labels);
@@ -110,7 +111,7 @@ Run set_up_info(CLI::App& command)
         "Say what is in a collection, a model or a difference. For a model: the variance of every\n"
         "mode, its share, the cumulative share, and how far one can go along it from the mean (up\n"
         "to 10 standard deviations) before a triangle inequality breaks. Sizes are sums of edge\n"
-        "lengths, in the unit of the input.");
+        "lengths, in models of Procrustes space centroid sizes, in the unit of the input.");
     command.footer("Example:\n  shape info model.h5");
     const auto file = std::make_shared<std::string>();
     command.add_option("FILE", *file, "Collection, model or difference (.h5)")

@@ -25,14 +25,20 @@ struct Command
     Run (*set_up)(CLI::App&);
 };
 
-/// In the order of the work: put together, look, model, make, draw.
+/// In the order of the work: put together, look, model, compare, make, draw.
 constexpr Command commands[] = {
     {"collect", set_up_collect},
     {"check", set_up_check},
     {"info", set_up_info},
     {"stats", set_up_stats},
     {"project", set_up_project},
+    {"distance", set_up_distance},
+    {"quality", set_up_quality},
     {"generate", set_up_generate},
+    {"groups", set_up_groups},
+    {"classify", set_up_classify},
+    {"regress", set_up_regress},
+    {"remove", set_up_remove},
     {"difference", set_up_difference},
     {"interpolate", set_up_interpolate},
     {"reconstruct", set_up_reconstruct},

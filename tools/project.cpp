@@ -87,11 +87,7 @@ void check_outputs(const Session& session, const Arguments& arguments)
         return;
     check_ending("--plot", arguments.plot, ".svg");
     check_output(session, arguments.plot, inputs);
-    const auto resolved = [](const std::string& path) {
-        return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
-    };
-    if (resolved(arguments.plot) == resolved(arguments.output))
-        throw UsageError(join("--plot: '", arguments.plot, "' is the file of -o"));
+    check_different("--plot", arguments.plot, "-o", arguments.output);
 }
 
 void run(const Session& session, const Arguments& arguments)
@@ -124,11 +120,12 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_project(CLI::App& command)
 {
     command.description(
-        "Write the scores of meshes, old or new, in a model. A score (pc1, pc2, ...) is the\n"
+        "Write the scores of meshes, old or new, in a model, in the space it was fitted in (new\n"
+        "meshes are aligned with the mean of a Procrustes model). A score (pc1, pc2, ...) is the\n"
         "coordinate along the mode, not in standard deviations: its variance over the meshes of\n"
-        "the model is the variance of the mode. `size` is the sum of the edge lengths [unit of\n"
-        "the input], `residual` the distance to the span of the modes, in the unit of the scores\n"
-        "(lengths divided by their sum, or lengths for a model of --scale none).");
+        "the model is the variance of the mode. `size` is the sum of the edge lengths, in\n"
+        "Procrustes space the centroid size [unit of the input], `residual` the distance to the\n"
+        "span of the modes, in the unit of the scores.");
     command.footer(
         "Example:\n"
         "  shape project model.h5 faces.h5 -o scores.csv --plot scores.svg --color-by mood");

@@ -7,13 +7,17 @@
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/shape_model.h"
+#include "libshape/statistics/bootstrap.h"
+#include "libshape/statistics/principal_components.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/interrupt.h"
+#include "tools/common/label_input.h"
 #include "tools/common/mesh_input.h"
 #include "tools/common/model_tables.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
 
 namespace shape::tools {
 namespace {
@@ -24,29 +28,66 @@ struct Arguments
     std::string output;
     std::int64_t modes = 0;
     double variance = 1.0;
-    Scale scale = Scale::Unit;
+    SpaceOptions space = {};
+    std::int64_t replicates = 0;
+    std::string within;
 };
+
+/// Scores in the modes of the model and in further ones, up to 99 % of the variance: resampled modes
+/// leave the span of the model's, and what they find beyond 99 % is less than 1 % of 1 / N.
+RowMatrix wide_scores(const Collection& collection, const ShapeModel& model)
+{
+    RowMatrix scores =
+        principal_components(encode(model.space, collection), {.variance = 0.99}).scores;
+    return scores.cols() > model.mode_count() ? scores : model.scores;
+}
+
+/// The modes of the model and, if they are asked for, 95 % intervals of their variances.
+Json figures_of_modes(const Session& session, const Arguments& arguments,
+                      const Collection& collection, const ShapeModel& model)
+{
+    Json modes = mode_figures(model);
+    if (arguments.replicates == 0)
+        return modes;
+    const std::vector<Interval> intervals =
+        variance_intervals(wide_scores(collection, model), model.mode_count(),
+                           {group_by_label_or_each(collection, arguments.within),
+                            one_group(model.scores.rows())},
+                           {.replicates = static_cast<int>(arguments.replicates),
+                            .seed = static_cast<std::uint64_t>(session.seed)});
+    for (std::size_t k = 0; k < intervals.size(); ++k) {
+        modes[k]["variance_low"] = intervals[k].low;
+        modes[k]["variance_high"] = intervals[k].high;
+        session.message(join("mode ", k + 1, ": variance ", intervals[k].low, " to ",
+                             intervals[k].high, " (95 %)"));
+    }
+    return modes;
+}
 
 void run(const Session& session, const Arguments& arguments)
 {
+    check_space_options(arguments.space);
     check_ending("-o", arguments.output, ".h5");
     check_output(session, arguments.output, input_files(arguments.meshes));
     const Collection collection = read_meshes(session, arguments.meshes);
     const ShapeModel model = fit_model(collection, {.modes = static_cast<int>(arguments.modes),
                                                     .variance = arguments.variance,
-                                                    .scale = arguments.scale});
+                                                    .space = arguments.space});
+    warn_of_alignment(session, model.space);
     throw_if_interrupted();
+    const Json modes = figures_of_modes(session, arguments, collection, model);
     write_model(arguments.output, model);
     session.message(join(arguments.output, ": ", model.mode_count(), " modes of ",
                          collection.size(), " meshes\n", mode_table(model)));
-    session.print_figures({{"outputs", {arguments.output}},
-                           {"meshes", collection.size()},
-                           {"vertices", model.topology.vertex_count()},
-                           {"edges", model.topology.edge_count()},
-                           {"scale", name(model.scale)},
-                           {"mean_size", model.mean_size()},
-                           {"total_variance", model.total_variance},
-                           {"modes", mode_figures(model)}});
+    Json figures{{"outputs", {arguments.output}},
+                 {"meshes", collection.size()},
+                 {"vertices", model.topology.vertex_count()},
+                 {"edges", model.topology.edge_count()}};
+    figures.update(space_figures(model.space));
+    figures["mean_size"] = model.mean_size();
+    figures["total_variance"] = model.total_variance;
+    figures["modes"] = modes;
+    session.print_figures(figures);
 }
 
 } // namespace
@@ -54,9 +95,12 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_stats(CLI::App& command)
 {
     command.description(
-        "Fit a statistical model of meshes in correspondence: the mean edge lengths, the\n"
+        "Fit a statistical model of meshes in correspondence: the mean in a space of shapes, the\n"
         "principal modes with their variances (divisor N - 1), and the scores of the meshes.");
-    command.footer("Example:\n  shape stats faces.h5 -o model.h5 --variance 0.95");
+    command.footer(
+        "Examples:\n"
+        "  shape stats faces.h5 -o model.h5 --variance 0.95\n"
+        "  shape stats faces.h5 -o aligned.h5 --space procrustes");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_labels(command, arguments->meshes);
@@ -69,11 +113,15 @@ Run set_up_stats(CLI::App& command)
                "Keep the fewest modes with this share of the total variance, (0, 1]",
                Sign::Positive)
         ->excludes(modes);
-    add_choice(
-        command, "--scale", arguments->scale,
-        "unit: lengths are divided by their sum, size is kept apart (default); none: lengths\n"
-        "stay as they are, size is part of the shape",
-        {{"unit", Scale::Unit}, {"none", Scale::None}});
+    CLI::Option* bootstrap = add_integer(
+        command, "--bootstrap", arguments->replicates,
+        "Find 95 % intervals of the variances from N resampled collections, [0, 1000000]\n"
+        "(default: 0, none)",
+        0, 1000000);
+    add_label(command, "--within", arguments->within,
+              "Resample meshes with the same value of it together, such as all of a subject")
+        ->needs(bootstrap);
+    add_space_options(command, arguments->space);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -44,6 +44,71 @@ void sort_worst_first(std::vector<Violation>& violations)
                      [](const Violation& a, const Violation& b) { return a.excess > b.excess; });
 }
 
+// How far the values of a triangle's sides can go along a change before an inequality breaks.
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+double step_of_lengths(const Eigen::Vector3d& side, const Eigen::Vector3d& change)
+{
+    double step = never;
+    for (int c = 0; c < 3; ++c) {
+        // Slack of the inequality "side c is shorter than the two others": linear in the step.
+        const double slack = side.sum() - 2.0 * side[c];
+        const double slope = change.sum() - 2.0 * change[c];
+        if (slope < 0.0)
+            step = std::min(step, slack / -slope);
+    }
+    return step;
+}
+
+/// The first positive root of (sum of squares)^2 - 2 (sum of fourth powers) = 16 area^2, which is
+/// quadratic in the step.
+double step_of_squares(const Eigen::Vector3d& square, const Eigen::Vector3d& change)
+{
+    const double c = square.sum() * square.sum() - 2.0 * square.squaredNorm();
+    const double b = 2.0 * square.sum() * change.sum() - 4.0 * square.dot(change);
+    const double a = change.sum() * change.sum() - 2.0 * change.squaredNorm();
+    const double discriminant = b * b - 4.0 * a * c;
+    if (discriminant < 0.0)
+        return never;
+    const double z = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+    double step = never;
+    if (z > 0.0)
+        step = c / z; // the root that b's sign makes accurate
+    if (a != 0.0 && z / a > 0.0)
+        step = std::min(step, z / a);
+    return step;
+}
+
+/// Newton's method from 0: the slack relative to the longest side, a sum of two exponentials less 1,
+/// is convex, so that the steps approach its first root from the left.
+double step_of_logarithms(const Eigen::Vector3d& logarithm, const Eigen::Vector3d& change,
+                          double limit)
+{
+    constexpr int most_steps = 200;
+    double least = limit;
+    for (int c = 0; c < 3; ++c) {
+        const int a = (c + 1) % 3;
+        const int b = (c + 2) % 3;
+        double step = 0.0;
+        for (int i = 0; i < most_steps && step < least; ++i) {
+            const double p = std::exp(logarithm[a] - logarithm[c] + step * (change[a] - change[c]));
+            const double q = std::exp(logarithm[b] - logarithm[c] + step * (change[b] - change[c]));
+            const double slope = p * (change[a] - change[c]) + q * (change[b] - change[c]);
+            if (slope >= 0.0) {
+                step = never;
+                break;
+            }
+            const double advance = (p + q - 1.0) / -slope;
+            step += std::max(advance, 0.0);
+            if (advance <= 1e-15 * step)
+                break;
+        }
+        least = std::min(least, step);
+    }
+    return least;
+}
+
 } // namespace
 
 Admissibility check_admissibility(const Topology& topology, const Eigen::VectorXd& lengths)
@@ -114,23 +179,29 @@ std::string describe(const Admissibility& admissibility, const Topology& topolog
     return text;
 }
 
-double feasible_step(const Topology& topology, const Eigen::VectorXd& lengths,
-                     const Eigen::VectorXd& direction, double limit)
+double feasible_step(const Topology& topology, const Eigen::VectorXd& values,
+                     const Eigen::VectorXd& direction, double limit, LengthCoordinates coordinates)
 {
-    check_size(topology, lengths, "lengths");
+    check_size(topology, values, "lengths");
     check_size(topology, direction, "direction");
+    const Eigen::VectorXd lengths = to_lengths(coordinates, values);
     double step = limit;
     for (int f = 0; f < topology.face_count(); ++f) {
         const Eigen::Vector3d side = sides(topology, lengths, f);
+        if (2.0 * side.maxCoeff() >= side.sum())
+            return 0.0;
+        const Eigen::Vector3d value = sides(topology, values, f);
         const Eigen::Vector3d change = sides(topology, direction, f);
-        for (int c = 0; c < 3; ++c) {
-            // Slack of the inequality "side c is shorter than the two others": linear in the step.
-            const double slack = side.sum() - 2.0 * side[c];
-            const double slope = change.sum() - 2.0 * change[c];
-            if (slack <= 0.0)
-                return 0.0;
-            if (slope < 0.0)
-                step = std::min(step, slack / -slope);
+        switch (coordinates) {
+            case LengthCoordinates::Plain:
+                step = std::min(step, step_of_lengths(value, change));
+                break;
+            case LengthCoordinates::Squared:
+                step = std::min(step, step_of_squares(value, change));
+                break;
+            case LengthCoordinates::Log:
+                step = std::min(step, step_of_logarithms(value, change, step));
+                break;
         }
     }
     return step;

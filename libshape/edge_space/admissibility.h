@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "libshape/edge_space/length_coordinates.h"
 #include "libshape/mesh/topology.h"
 
 namespace shape {
@@ -52,12 +53,14 @@ struct Admissibility
 [[nodiscard]] std::string describe(const Admissibility& admissibility, const Topology& topology,
                                    const Eigen::VectorXd& lengths);
 
-/// The largest step t in [0, limit] such that lengths + s * direction keeps every triangle
-/// inequality for all s in [0, t); limit if none breaks before.
-/// @param lengths  #E; keeps every inequality itself, otherwise 0 is returned.
+/// The largest step t in [0, limit] such that the lengths f^-1(values + s * direction) keep every
+/// triangle inequality for all s in [0, t); limit if none breaks before. Exact to rounding: roots of
+/// linear, quadratic (squared) or convex (log) functions.
+/// @param values  #E, f of lengths that keep every inequality themselves, otherwise 0 is returned.
 /// @param direction  #E.
 /// @throws InvalidInput if one has another size or an entry that is not finite.
-[[nodiscard]] double feasible_step(const Topology& topology, const Eigen::VectorXd& lengths,
-                                   const Eigen::VectorXd& direction, double limit);
+[[nodiscard]] double feasible_step(const Topology& topology, const Eigen::VectorXd& values,
+                                   const Eigen::VectorXd& direction, double limit,
+                                   LengthCoordinates coordinates = LengthCoordinates::Plain);
 
 } // namespace shape

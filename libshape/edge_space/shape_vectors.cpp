@@ -26,35 +26,47 @@ bool is_near_fold(double angle)
 /// The rule of unify_branches() for one edge.
 void unify_column(Eigen::Ref<Eigen::VectorXd, 0, Eigen::InnerStride<>> column)
 {
-    const double x = column.array().cos().sum();
-    const double y = column.array().sin().sum();
-    const double mean = std::atan2(y, x);
-    const bool is_cancelled = std::hypot(x, y) <= 1e-12 * static_cast<double>(column.size());
-    if (is_cancelled || !is_near_fold(mean))
-        return;
+    const double mean = circular_mean(column.array().cos().sum(), column.array().sin().sum(),
+                                      static_cast<double>(column.size()));
     for (double& angle : column)
-        if (is_near_fold(angle))
-            angle = mean + wrapped_angle(angle - mean);
+        angle = on_branch(angle, mean);
 }
 
 } // namespace
 
+double circular_mean(double cosines, double sines, double count)
+{
+    return std::hypot(cosines, sines) <= 1e-12 * count ? 0.0 : std::atan2(sines, cosines);
+}
+
+double on_branch(double angle, double mean)
+{
+    return is_near_fold(mean) && is_near_fold(angle) ? mean + wrapped_angle(angle - mean) : angle;
+}
+
 ShapeVectors encode(const Collection& collection, Scale scale)
 {
     const auto rows = static_cast<Index>(collection.size());
-    const Index edges = collection.topology.edge_count();
-    ShapeVectors vectors{RowMatrix(rows, edges), RowMatrix(rows, edges), Eigen::VectorXd(rows)};
+    ShapeVectors vectors{RowMatrix(rows, collection.topology.edge_count()),
+                         companion_angles(collection), Eigen::VectorXd(rows)};
     parallel_for(collection.size(), 1, [&](std::size_t mesh, std::size_t) {
         const auto row = static_cast<Index>(mesh);
         const Eigen::VectorXd lengths = edge_lengths(collection.topology, collection.points[mesh]);
         const double size = lengths.sum();
         vectors.sizes[row] = size;
         vectors.edge_lengths.row(row) = lengths.transpose() / (scale == Scale::Unit ? size : 1.0);
-        vectors.dihedral_angles.row(row) =
+    });
+    return vectors;
+}
+
+RowMatrix companion_angles(const Collection& collection)
+{
+    RowMatrix angles(static_cast<Index>(collection.size()), collection.topology.edge_count());
+    parallel_for(collection.size(), 1, [&](std::size_t mesh, std::size_t) {
+        angles.row(static_cast<Index>(mesh)) =
             dihedral_angles(collection.topology, collection.points[mesh]).transpose();
     });
-    vectors.dihedral_angles = unify_branches(std::move(vectors.dihedral_angles));
-    return vectors;
+    return unify_branches(std::move(angles));
 }
 
 RowMatrix unify_branches(RowMatrix angles)

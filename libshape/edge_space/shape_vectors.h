@@ -36,6 +36,9 @@ struct ShapeVectors
 /// Cost: O(N #E).
 [[nodiscard]] ShapeVectors encode(const Collection& collection, Scale scale);
 
+/// Their dihedral angles alone, N by #E [rad], as encode() gives them.
+[[nodiscard]] RowMatrix companion_angles(const Collection& collection);
+
 /// Puts the angles of every column on one branch, so that combining rows makes sense.
 ///
 /// An angle is measured in (-pi, pi], which cuts the circle at the fold. Rule, per edge: if the
@@ -46,6 +49,11 @@ struct ShapeVectors
 /// A column without a mean (its unit vectors cancel) stays as measured.
 /// @param angles  N by #E [rad] in (-pi, pi].
 [[nodiscard]] RowMatrix unify_branches(RowMatrix angles);
+
+/// The parts of that rule: the mean angle in (-pi, pi] of `count` unit vectors from the sums of their
+/// cosines and sines, 0 if they cancel; and the angle on the branch around such a mean.
+[[nodiscard]] double circular_mean(double cosines, double sines, double count);
+[[nodiscard]] double on_branch(double angle, double mean);
 
 /// How lengths are combined.
 enum class LengthBlend

@@ -14,6 +14,7 @@
 #include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/multiscale_embedding.h"
 #include "libshape/mesh/alignment.h"
+#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
@@ -33,6 +34,17 @@ double closure_energy(const Topology& topology, const ShapePoint& target)
 }
 
 } // namespace
+
+Embedding as_embedding(const Topology& topology, Points points)
+{
+    points.rowwise() -= Eigen::RowVector3d(points.colwise().mean());
+    const ShapePoint target{edge_lengths(topology, points), dihedral_angles(topology, points)};
+    Embedding embedding{std::move(points), {}};
+    embedding.report = measure_embedding(topology, embedding.points, target);
+    embedding.report.closure_energy = closure_energy(topology, target);
+    embedding.report.converged = true;
+    return embedding;
+}
 
 struct Embedder::State
 {

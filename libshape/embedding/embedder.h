@@ -54,6 +54,10 @@ struct Embedding
     std::optional<MultiscaleTimes> multiscale = {}; ///< Of that method.
 };
 
+/// A mesh that needs no embedding, as one: its targets are its own lengths and angles. The centroid
+/// moves to 0.
+[[nodiscard]] Embedding as_embedding(const Topology& topology, Points points);
+
 /// Embeds points of one topology. Everything that depends on the topology alone is computed once,
 /// by the constructor.
 class Embedder

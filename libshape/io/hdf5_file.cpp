@@ -704,6 +704,12 @@ std::vector<std::string> Hdf5File::strings(const std::string& name, Eigen::Index
     });
 }
 
+bool Hdf5File::has_attribute(const std::string& name) const
+{
+    const Item item(*state_, "attribute " + name);
+    return item.guarded([&] { return checked(H5Aexists(state_->id, name.c_str())) > 0; });
+}
+
 std::string Hdf5File::text_attribute(const std::string& name) const
 {
     const Item item(*state_, "attribute " + name);

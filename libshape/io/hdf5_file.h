@@ -75,6 +75,7 @@ public:
     [[nodiscard]] std::vector<std::string> strings(const std::string& name,
                                                    Eigen::Index expected) const;
 
+    [[nodiscard]] bool has_attribute(const std::string& name) const;
     [[nodiscard]] std::string text_attribute(const std::string& name) const;
     [[nodiscard]] std::int64_t integer_attribute(const std::string& name) const;
 

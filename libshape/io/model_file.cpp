@@ -2,6 +2,8 @@
 
 #include "libshape/io/model_file.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "libshape/base/error.h"
@@ -47,11 +49,25 @@ void check_mean(const Check& check, const Eigen::VectorXd& lengths, Scale scale)
           "must sum to 1, for attribute scale is 'unit'");
 }
 
+/// What the coordinates of a space are called in the groups /mean and /modes.
+std::string coordinates_name(const ShapeSpace& space)
+{
+    if (std::holds_alternative<ProcrustesSpace>(space))
+        return "points";
+    return is_plain(space) ? "edge_lengths" : "coordinates";
+}
+
 void check_model(const ShapeModel& model, const std::string& place)
 {
     const Check check(place);
-    check_mean(check, model.mean_edge_lengths, model.scale);
-    check(is_orthonormal(model.mode_edge_lengths), "/modes/edge_lengths",
+    if (is_plain(model.space))
+        check_mean(check, model.mean, scale_of(model.space));
+    if (const EdgeSpace* edge = std::get_if<EdgeSpace>(&model.space)) {
+        check((edge->length_factors.array() > 0.0).all(), "/space/length_factors", "must be > 0");
+        check((edge->dihedral_factors.array() > 0.0).all(), "/space/dihedral_factors",
+              "must be > 0");
+    }
+    check(is_orthonormal(model.modes), "/modes/" + coordinates_name(model.space),
           "rows must be orthonormal");
     for (Eigen::Index k = 0; k < model.variances.size(); ++k)
         check(model.variances[k] >= 0.0 && (k == 0 || model.variances[k] <= model.variances[k - 1]),
@@ -71,6 +87,87 @@ void check_difference(const DifferenceVector& difference, const std::string& pla
 
 /// A number as a matrix of one, which add_numbers() takes.
 using Single = Eigen::Matrix<double, 1, 1>;
+
+constexpr std::array<const char*, 3> length_names = {"plain", "squared", "log"};
+
+/// Adds the attributes that name a space and what it took from its collection. The mean that meshes
+/// are aligned with in Procrustes space is that of the model.
+void add_space(Hdf5Content& content, const ShapeSpace& space)
+{
+    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
+    content.attributes.emplace_back("space", std::string(edge ? "edge" : "procrustes"));
+    if (edge == nullptr || is_plain(space))
+        return;
+    content.attributes.emplace_back(
+        "coordinates", std::string(length_names.at(static_cast<std::size_t>(edge->coordinates))));
+    if (edge->length_factors.size() > 0)
+        add_numbers(content, "/space/length_factors", {edge->length_factors.size()},
+                    edge->length_factors);
+    if (edge->dihedral_factors.size() > 0) {
+        add_numbers(content, "/space/dihedral_factors", {edge->dihedral_factors.size()},
+                    edge->dihedral_factors);
+        add_numbers(content, "/space/branch_angles", {edge->branch_angles.size()},
+                    edge->branch_angles);
+    }
+}
+
+EdgeSpace read_edge_space(const Hdf5File& file, Eigen::Index edges)
+{
+    EdgeSpace space{.scale = read_scale(file),
+                    .coordinates = LengthCoordinates::Plain,
+                    .length_factors = {},
+                    .dihedral_factors = {},
+                    .branch_angles = {}};
+    if (file.has_attribute("coordinates")) {
+        const std::string name = file.text_attribute("coordinates");
+        const auto found = std::find(length_names.begin(), length_names.end(), name);
+        if (found == length_names.end())
+            file.fail("attribute coordinates",
+                      "is '" + name + "', must be 'plain', 'squared' or 'log'");
+        space.coordinates = static_cast<LengthCoordinates>(found - length_names.begin());
+    }
+    if (file.has("/space/length_factors"))
+        space.length_factors = file.numbers("/space/length_factors", {edges});
+    if (file.has("/space/dihedral_factors")) {
+        space.dihedral_factors = file.numbers("/space/dihedral_factors", {edges});
+        space.branch_angles = file.numbers("/space/branch_angles", {edges});
+    }
+    return space;
+}
+
+/// The space of a model; files from before there was a choice have none and are of edge space.
+ShapeSpace read_space(const Hdf5File& file, const Topology& topology)
+{
+    const std::string name = file.has_attribute("space") ? file.text_attribute("space") : "edge";
+    if (name == "edge")
+        return read_edge_space(file, topology.edge_count());
+    if (name != "procrustes")
+        file.fail("attribute space", "is '" + name + "', must be 'edge' or 'procrustes'");
+    return ProcrustesSpace{.scale = read_scale(file),
+                           .mean = file.numbers("/mean/points", {topology.vertex_count(), 3})};
+}
+
+/// Extents of the coordinates of one mesh.
+Extents coordinate_extents(const ShapeSpace& space, const Topology& topology)
+{
+    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
+    if (edge == nullptr)
+        return {topology.vertex_count(), 3};
+    return {topology.edge_count() * (edge->dihedral_factors.size() > 0 ? 2 : 1)};
+}
+
+/// Whether points of the space have companion angles.
+bool has_companions(const ShapeSpace& space)
+{
+    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
+    return edge != nullptr && edge->dihedral_factors.size() == 0;
+}
+
+Extents operator+(Extents a, const Extents& b)
+{
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
 
 void add_base(Hdf5Content& content, const Topology& topology, const Points& reference_points,
               Scale scale)
@@ -105,11 +202,16 @@ void write_model(const std::filesystem::path& path, const ShapeModel& model,
         content.attributes.emplace_back("asked_modes", std::int64_t{asked->modes});
         content.attributes.emplace_back("asked_variance", asked->variance);
     }
-    add_base(content, model.topology, model.reference_points, model.scale);
-    add_numbers(content, "/mean/edge_lengths", {edges}, model.mean_edge_lengths);
-    add_numbers(content, "/mean/dihedral_angles", {edges}, model.mean_dihedral_angles);
-    add_numbers(content, "/modes/edge_lengths", {modes, edges}, model.mode_edge_lengths);
-    add_numbers(content, "/modes/dihedral_angles", {modes, edges}, model.mode_dihedral_angles);
+    add_base(content, model.topology, model.reference_points, scale_of(model.space));
+    add_space(content, model.space);
+    const std::string name = coordinates_name(model.space);
+    const Extents extents = coordinate_extents(model.space, model.topology);
+    add_numbers(content, "/mean/" + name, extents, model.mean);
+    if (has_companions(model.space))
+        add_numbers(content, "/mean/dihedral_angles", {edges}, model.mean_dihedral_angles);
+    add_numbers(content, "/modes/" + name, Extents{modes} + extents, model.modes);
+    if (has_companions(model.space))
+        add_numbers(content, "/modes/dihedral_angles", {modes, edges}, model.mode_dihedral_angles);
     add_numbers(content, "/variances", {modes}, model.variances);
     add_numbers(content, "/total_variance", {}, total_variance);
     add_numbers(content, "/scores", {count, modes}, model.scores);
@@ -130,14 +232,20 @@ ShapeModel read_model(const std::filesystem::path& path)
     const Eigen::Index modes = variances.size();
     const std::vector<std::string> names = read_names(file, any_length);
     const auto count = static_cast<Eigen::Index>(names.size());
+    const ShapeSpace space = read_space(file, topology);
+    const bool companions = has_companions(space);
+    const std::string name = coordinates_name(space);
+    const Extents extents = coordinate_extents(space, topology);
     const ShapeModel model{
         .topology = topology,
         .reference_points = reference_points,
-        .scale = read_scale(file),
-        .mean_edge_lengths = file.numbers("/mean/edge_lengths", {edges}),
-        .mean_dihedral_angles = file.numbers("/mean/dihedral_angles", {edges}),
-        .mode_edge_lengths = file.numbers("/modes/edge_lengths", {modes, edges}),
-        .mode_dihedral_angles = file.numbers("/modes/dihedral_angles", {modes, edges}),
+        .space = space,
+        .mean = file.numbers("/mean/" + name, extents).reshaped<Eigen::RowMajor>(),
+        .mean_dihedral_angles =
+            companions ? file.numbers("/mean/dihedral_angles", {edges}) : RowMatrix(0, 1),
+        .modes = file.numbers("/modes/" + name, Extents{modes} + extents),
+        .mode_dihedral_angles = companions ? file.numbers("/modes/dihedral_angles", {modes, edges})
+                                           : RowMatrix(modes, 0),
         .variances = variances,
         .total_variance = read_number(file, "/total_variance"),
         .scores = file.numbers("/scores", {count, modes}),

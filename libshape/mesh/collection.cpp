@@ -86,6 +86,20 @@ std::string likely_cause(const NamedMesh& reference, const NamedMesh& mesh)
 
 } // namespace
 
+Collection subset(const Collection& collection, const std::vector<std::size_t>& meshes)
+{
+    Collection result{collection.topology, {}, {}, {}};
+    for (const LabelColumn& column : collection.labels)
+        result.labels.push_back({column.name, {}});
+    for (const std::size_t mesh : meshes) {
+        result.names.push_back(collection.names.at(mesh));
+        result.points.push_back(collection.points[mesh]);
+        for (std::size_t c = 0; c < result.labels.size(); ++c)
+            result.labels[c].values.push_back(collection.labels[c].values[mesh]);
+    }
+    return result;
+}
+
 std::string describe_correspondence_break(const NamedMesh& reference, const NamedMesh& mesh)
 {
     if (reference.points.rows() != mesh.points.rows() ||
@@ -99,9 +113,8 @@ std::string describe_correspondence_break(const NamedMesh& reference, const Name
     Eigen::Index f = 0;
     while (reference.faces.row(f) == mesh.faces.row(f))
         ++f;
-    return join(mesh.path, ": face ", f, " is ", print_face(mesh.faces, f), ", in ",
-                reference.path, " it is ", print_face(reference.faces, f), "; ",
-                likely_cause(reference, mesh));
+    return join(mesh.path, ": face ", f, " is ", print_face(mesh.faces, f), ", in ", reference.path,
+                " it is ", print_face(reference.faces, f), "; ", likely_cause(reference, mesh));
 }
 
 Collection collect(std::vector<NamedMesh> meshes)
@@ -122,8 +135,7 @@ Collection collect(std::vector<NamedMesh> meshes)
         const std::string difference = describe_correspondence_break(reference, mesh);
         if (!difference.empty())
             throw InvalidInput(difference);
-        const std::vector<Defect> defects =
-            find_degenerate_geometry(mesh.faces, mesh.points, 1);
+        const std::vector<Defect> defects = find_degenerate_geometry(mesh.faces, mesh.points, 1);
         if (!defects.empty())
             throw InvalidInput(mesh.path + ": " + defects.front().message);
         if (!seen.insert(mesh.name).second)

@@ -22,6 +22,11 @@ struct Collection
     [[nodiscard]] std::size_t size() const { return points.size(); }
 };
 
+/// Some meshes of a collection, with their labels.
+/// @param meshes  Indices in [0, N).
+[[nodiscard]] Collection subset(const Collection& collection,
+                                const std::vector<std::size_t>& meshes);
+
 /// A mesh as read: faces may still be anything.
 struct NamedMesh
 {

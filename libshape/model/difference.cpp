@@ -106,15 +106,42 @@ ColumnEffects difference_effects(const Collection& collection, const DifferenceO
                           vectors.edge_lengths.bottomRows(count));
 }
 
-ShapePoint apply_difference(const DifferenceVector& difference, double amount, double size)
+ShapePoint start_of(const DifferenceVector& difference, double size)
 {
-    if (!std::isfinite(amount))
-        throw InvalidInput(join("difference: amount is ", amount, ", must be finite"));
-    if (difference.scale == Scale::Unit && !(size > 0.0 && std::isfinite(size)))
+    if (difference.scale == Scale::None)
+        return {difference.mean_edge_lengths, difference.mean_dihedral_angles};
+    if (!(size > 0.0 && std::isfinite(size)))
         throw InvalidInput(join("difference: size is ", size, ", must be > 0 and finite"));
-    const double factor = difference.scale == Scale::Unit ? size : 1.0;
-    return {factor * (difference.mean_edge_lengths + amount * difference.edge_lengths),
-            difference.mean_dihedral_angles + amount * difference.dihedral_angles};
+    return {size * difference.mean_edge_lengths, difference.mean_dihedral_angles};
+}
+
+ShapePoint apply_differences(const ShapePoint& start,
+                             const std::vector<DifferenceVector>& differences,
+                             const std::vector<double>& amounts)
+{
+    if (amounts.size() != differences.size())
+        throw InvalidInput(join("difference: ", amounts.size(), " amounts for ", differences.size(),
+                                " differences"));
+    const double size = start.edge_lengths.sum();
+    ShapePoint point = start;
+    for (std::size_t k = 0; k < differences.size(); ++k) {
+        const DifferenceVector& difference = differences[k];
+        if (!std::isfinite(amounts[k]))
+            throw InvalidInput(
+                join("difference: amount ", k, " is ", amounts[k], ", must be finite"));
+        if (difference.edge_lengths.size() != start.edge_lengths.size() ||
+            !(difference.topology == differences.front().topology))
+            throw InvalidInput(join("difference: difference ", k, " has another triangulation (",
+                                    difference.edge_lengths.size(), " edges) than the shape (",
+                                    start.edge_lengths.size(), " edges) or the first one"));
+        if (difference.scale != differences.front().scale)
+            throw InvalidInput(
+                join("difference: difference ", k, " has another scale than the first one"));
+        const double factor = difference.scale == Scale::Unit ? size : 1.0;
+        point.edge_lengths += amounts[k] * factor * difference.edge_lengths;
+        point.dihedral_angles += amounts[k] * difference.dihedral_angles;
+    }
+    return point;
 }
 
 } // namespace shape

@@ -48,10 +48,20 @@ struct DifferenceOptions
 [[nodiscard]] ColumnEffects difference_effects(const Collection& collection,
                                                const DifferenceOptions& options);
 
-/// mean(from) + amount * difference, in units of length.
-/// @param size  Sum of the edge lengths at amount 0 [length]; ignored for Scale::None.
-/// @throws InvalidInput if amount is not finite or size is not > 0.
-[[nodiscard]] ShapePoint apply_difference(const DifferenceVector& difference, double amount,
-                                          double size);
+/// The mean of the `from` members, in units of length.
+/// @param size  Sum of its edge lengths [length]; ignored for Scale::None.
+/// @throws InvalidInput if size is not > 0.
+[[nodiscard]] ShapePoint start_of(const DifferenceVector& difference, double size);
+
+/// A shape with differences added, such as expressions of others: start + sum_k a_k difference_k.
+/// Unit-sum differences are multiplied with the size of the start, which the result keeps; those of
+/// Scale::None are added as they are.
+/// @param start  The point of a mesh, or start_of(); any size.
+/// @param differences  All of one triangulation and one scale.
+/// @param amounts  As many, finite.
+/// @throws InvalidInput if a rule is broken.
+[[nodiscard]] ShapePoint apply_differences(const ShapePoint& start,
+                                           const std::vector<DifferenceVector>& differences,
+                                           const std::vector<double>& amounts);
 
 } // namespace shape

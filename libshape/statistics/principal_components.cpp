@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <utility>
 #include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/linalg/symmetric_eigen.h"
+#include "libshape/statistics/inner_products.h"
 #include "libshape/statistics/mean.h"
 
 namespace shape {
@@ -38,25 +38,6 @@ void check(const RowMatrix& data, const PrincipalComponentsOptions& options)
     if (!(options.variance > 0.0 && options.variance <= 1.0))
         throw InvalidInput(
             join("principal components: variance is ", options.variance, ", must be in (0, 1]"));
-}
-
-/// Lower triangle of x x^T in fixed tiles, each summed by one thread: same bits for any number.
-Eigen::MatrixXd gram_matrix(const RowMatrix& x)
-{
-    constexpr Index tile = 96;
-    std::vector<std::pair<Index, Index>> tiles;
-    for (Index row = 0; row < x.rows(); row += tile)
-        for (Index column = 0; column <= row; column += tile)
-            tiles.emplace_back(row, column);
-    Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(x.rows(), x.rows());
-    parallel_for(tiles.size(), 1, [&](std::size_t begin, std::size_t) {
-        const auto [row, column] = tiles[begin];
-        const Index rows = std::min(tile, x.rows() - row);
-        const Index columns = std::min(tile, x.rows() - column);
-        gram.block(row, column, rows, columns).noalias() =
-            x.middleRows(row, rows) * x.middleRows(column, columns).transpose();
-    });
-    return gram;
 }
 
 /// weights^T x, in fixed strips of columns.
@@ -110,7 +91,7 @@ Eigenpairs leading_eigenpairs(const Eigen::MatrixXd& gram,
 /// modes modes^T = L L^T, applying L^-1 is the Gram-Schmidt process in the order of the rows.
 void orthonormalise(RowMatrix& modes, RowMatrix& weights)
 {
-    const Eigen::LLT<Eigen::MatrixXd> factor(gram_matrix(modes));
+    const Eigen::LLT<Eigen::MatrixXd> factor(inner_products(modes));
     if (factor.info() != Eigen::Success)
         throw NumericalError("principal components: the modes are not linearly independent");
     const RowMatrix change =
@@ -181,15 +162,16 @@ void measure_variances(PrincipalComponents& components)
 
 } // namespace
 
-PrincipalComponents principal_components(const RowMatrix& data,
-                                         const PrincipalComponentsOptions& options)
+PrincipalComponents principal_components(RowMatrix data, const PrincipalComponentsOptions& options)
 {
     check(data, options);
     PrincipalComponents result;
     result.mean = mean_of_rows(data);
-    const RowMatrix centred = data.rowwise() - result.mean.transpose();
-    const Eigen::MatrixXd gram = gram_matrix(centred);
-    if (gram.trace() <= 1e-24 * data.squaredNorm())
+    const double squares = data.squaredNorm();
+    data.rowwise() -= result.mean.transpose();
+    const RowMatrix& centred = data;
+    const Eigen::MatrixXd gram = inner_products(centred);
+    if (gram.trace() <= 1e-24 * squares)
         throw InvalidInput(join("principal components: all ", data.rows(),
                                 " observations are equal, they have no modes"));
     result.total_variance = gram.trace() / static_cast<double>(data.rows() - 1);

@@ -35,12 +35,12 @@ struct PrincipalComponentsOptions
 /// less than what was asked for.
 /// The sign of a mode makes its entry of largest magnitude positive (the first of equals).
 ///
-/// @param data  N by E, finite; one observation a row.
+/// @param data  N by E, finite; one observation a row. Centred in place: moved in, it is not copied.
 /// @throws InvalidInput if N < 2, E = 0, an entry is not finite, an option is out of its range, or
 ///     all observations are equal: sum_i |x_i - mean|^2 <= 1e-24 sum_i |x_i|^2.
 /// Cost: N^2 E / 2 multiplications for G, about 2 (N + K) K E for the rest. Same bits for any thread count.
 [[nodiscard]] PrincipalComponents principal_components(
-    const RowMatrix& data, const PrincipalComponentsOptions& options = {});
+    RowMatrix data, const PrincipalComponentsOptions& options = {});
 
 /// What each mode does, per unit of score, to another quantity of the same observations: the
 /// combination weights^T companion, K by columns of `companion`.

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
 #include "libshape/synthetic/generators.h"
 #include "libshape/synthetic/grids.h"
 
@@ -55,17 +58,35 @@ Eigen::Vector3d barbell_point(const TubeVertex& v, Ends ends, double bar)
             bar_radius * std::sin(v.angle)};
 }
 
+/// Two bars: a short and a long one. More: in equal ratios from 1 to 12.
+std::vector<double> bar_lengths(int count)
+{
+    if (count == 2)
+        return {2.0, 6.0};
+    std::vector<double> bars;
+    for (int i = 0; i < count; ++i)
+        bars.push_back(std::pow(12.0, i / (count - 1.0)));
+    return bars;
+}
+
 } // namespace
 
 Collection make_barbells(const SyntheticOptions& options)
 {
+    if (options.count % 2 != 0)
+        throw InvalidInput(join("dataset 'barbells': count is ", options.count,
+                                ", must be even: each bar has two kinds of ends"));
+    const std::vector<double> bars = bar_lengths(options.count / 2);
     const Tube grid = tube(
         {.length = 2.0 * end_length + bar_length, .radius = 1.0, .vertices = options.vertices});
     Members members(grid.faces, {"ends", "bar"});
     for (const Ends ends : {Ends::Round, Ends::Lobed})
-        for (const double bar : {2.0, 6.0}) {
+        for (std::size_t i = 0; i < bars.size(); ++i) {
+            const double bar = bars[i];
             const std::string kind = ends == Ends::Round ? "a" : "b";
-            const std::string size = bar < 4.0 ? "short" : "long";
+            const std::string size = bars.size() > 2 ? padded(static_cast<int>(i), 2)
+                                     : i == 0        ? "short"
+                                                     : "long";
             members.add(
                 "barbell_" + kind + "_" + size,
                 place(grid, [&](const TubeVertex& v) { return barbell_point(v, ends, bar); }),

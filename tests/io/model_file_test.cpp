@@ -13,6 +13,7 @@
 #include "tests/support/files.h"
 #include "tests/support/h5py.h"
 #include "tests/support/meshes.h"
+#include "tests/support/spaces.h"
 
 namespace shape {
 namespace {
@@ -39,14 +40,27 @@ const DifferenceOptions bumpy_minus_calm = {.pair_by = "subject",
                                             .to_label = "state",
                                             .to_value = "bumpy"};
 
+void expect_equal(const ShapeSpace& a, const ShapeSpace& b)
+{
+    ASSERT_EQ(a.index(), b.index());
+    EXPECT_EQ(scale_of(a), scale_of(b));
+    if (const EdgeSpace* edge = std::get_if<EdgeSpace>(&a)) {
+        const EdgeSpace& other = std::get<EdgeSpace>(b);
+        EXPECT_EQ(edge->coordinates, other.coordinates);
+        EXPECT_EQ(edge->length_factors, other.length_factors);
+        EXPECT_EQ(edge->dihedral_factors, other.dihedral_factors);
+        EXPECT_EQ(edge->branch_angles, other.branch_angles);
+    }
+}
+
 void expect_equal(const ShapeModel& a, const ShapeModel& b)
 {
     EXPECT_TRUE(a.topology == b.topology);
     EXPECT_EQ(a.reference_points, b.reference_points);
-    EXPECT_EQ(a.scale, b.scale);
-    EXPECT_EQ(a.mean_edge_lengths, b.mean_edge_lengths);
+    expect_equal(a.space, b.space);
+    EXPECT_EQ(a.mean, b.mean);
     EXPECT_EQ(a.mean_dihedral_angles, b.mean_dihedral_angles);
-    EXPECT_EQ(a.mode_edge_lengths, b.mode_edge_lengths);
+    EXPECT_EQ(a.modes, b.modes);
     EXPECT_EQ(a.mode_dihedral_angles, b.mode_dihedral_angles);
     EXPECT_EQ(a.variances, b.variances);
     EXPECT_EQ(a.total_variance, b.total_variance);
@@ -77,8 +91,8 @@ void expect_equal(const DifferenceVector& a, const DifferenceVector& b)
 TEST(ModelFile, GivesEveryBitBack)
 {
     const test::TemporaryDirectory directory;
-    for (const Scale scale : {Scale::Unit, Scale::None}) {
-        const ModelOptions options{.modes = 2, .scale = scale};
+    for (const SpaceOptions& space : test::sample_spaces()) {
+        const ModelOptions options{.modes = 2, .space = space};
         const ShapeModel model = fit_model(paired_collection(), options);
         write_model(directory / "m.h5", model, options);
         expect_equal(read_model(directory / "m.h5"), model);
@@ -131,12 +145,11 @@ TEST(ModelFile, RefusesToWriteWhatItWouldNotRead)
         {"/variances", message([](M& m) { m.variances.reverseInPlace(); })},
         {"/variances", message([](M& m) { m.variances.tail(1)[0] = -1e-9; })},
         {"/total_variance", message([](M& m) { m.total_variance *= 0.99; })},
-        {"/modes/edge_lengths", message([](M& m) { m.mode_edge_lengths(0, 0) += 1e-3; })},
-        {"/modes/edge_lengths", message([](M& m) { m.mode_edge_lengths.row(1) *= 2.0; })},
-        {"/modes/edge_lengths",
-         message([](M& m) { m.mode_edge_lengths.row(1) = m.mode_edge_lengths.row(0); })},
-        {"/mean/edge_lengths", message([](M& m) { m.mean_edge_lengths *= 1.001; })},
-        {"/mean/edge_lengths", message([](M& m) { m.mean_edge_lengths[3] *= -1.0; })},
+        {"/modes/edge_lengths", message([](M& m) { m.modes(0, 0) += 1e-3; })},
+        {"/modes/edge_lengths", message([](M& m) { m.modes.row(1) *= 2.0; })},
+        {"/modes/edge_lengths", message([](M& m) { m.modes.row(1) = m.modes.row(0); })},
+        {"/mean/edge_lengths", message([](M& m) { m.mean *= 1.001; })},
+        {"/mean/edge_lengths", message([](M& m) { m.mean[3] *= -1.0; })},
         {"/sizes", message([](M& m) { m.sizes[2] = 0.0; })},
         {"/scores", message([](M& m) { m.scores(1, 0) = std::nan(""); })},
         {"/scores", message([](M& m) { m.scores.conservativeResize(5, Eigen::NoChange); })},
@@ -249,12 +262,89 @@ TEST(ModelFile, NamesFileDatasetAndRuleOfWhatItRefuses)
     }
 }
 
+TEST(ModelFile, HasTheCoordinatesOfItsSpaceUnderTheirName)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    const test::TemporaryDirectory directory;
+    const auto printed = [&](const SpaceOptions& space) {
+        write_model(directory / "m.h5",
+                    fit_model(paired_collection(), {.modes = 2, .space = space}));
+        return test::run_h5py(directory / "m.h5", "r",
+                              "print(f.attrs['space'].decode(), f.attrs['scale'].decode(), "
+                              "f.attrs.get('coordinates'))\n"
+                              "f.visititems(lambda n, d: print(n, d.shape) if n.startswith("
+                              "('mean/', 'modes/', 'space/')) else None)\n");
+    };
+    EXPECT_EQ(printed({}),
+              "edge unit None\nmean/dihedral_angles (120,)\nmean/edge_lengths (120,)\n"
+              "modes/dihedral_angles (2, 120)\nmodes/edge_lengths (2, 120)\n");
+    EXPECT_EQ(printed({.kind = SpaceKind::Procrustes, .scale = Scale::None}),
+              "procrustes none None\nmean/points (42, 3)\nmodes/points (2, 42, 3)\n");
+    EXPECT_EQ(printed({.coordinates = LengthCoordinates::Log,
+                       .weighting = EdgeWeighting::Area,
+                       .dihedral_weight = 0.5}),
+              "edge unit b'log'\nmean/coordinates (240,)\nmodes/coordinates (2, 240)\n"
+              "space/branch_angles (120,)\nspace/dihedral_factors (120,)\n"
+              "space/length_factors (120,)\n");
+}
+
+TEST(ModelFile, OfBeforeThereWasAChoiceIsOfEdgeSpace)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    const test::TemporaryDirectory directory;
+    const ShapeModel model = fit_model(paired_collection(), {.modes = 2});
+    write_model(directory / "m.h5", model);
+    const auto files = test::edit_with_h5py(directory / "m.h5", {"del f.attrs['space']"});
+    expect_equal(read_model(files.front()), model);
+}
+
+TEST(ModelFile, NamesWhatItRefusesOfOtherSpaces)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    struct Case
+    {
+        SpaceOptions space;
+        std::string edit;
+        std::string said;
+    };
+    const SpaceOptions procrustes{.kind = SpaceKind::Procrustes};
+    const SpaceOptions weighted{.coordinates = LengthCoordinates::Squared,
+                                .weighting = EdgeWeighting::Area,
+                                .dihedral_weight = 0.5};
+    const std::vector<Case> cases = {
+        {procrustes, "f.attrs['space'] = np.bytes_('angles')",
+         "attribute space: is 'angles', must be 'edge' or 'procrustes'"},
+        {procrustes, "f.attrs['space'] = np.bytes_('edge')", "/mean/edge_lengths: is missing"},
+        {procrustes, "v = f['mean/points'][...]; del f['mean/points']; f['mean/points'] = v[:5]",
+         "/mean/points: is 5 by 3, must be 42 by 3"},
+        {procrustes, "f['modes/points'][0] *= 2", "/modes/points: rows must be orthonormal"},
+        {weighted, "f.attrs['coordinates'] = np.bytes_('cubic')",
+         "attribute coordinates: is 'cubic', must be 'plain', 'squared' or 'log'"},
+        {weighted, "f['space/length_factors'][7] = 0", "/space/length_factors: must be > 0"},
+        {weighted, "f['space/dihedral_factors'][7] = -1", "/space/dihedral_factors: must be > 0"},
+        {weighted, "del f['space/branch_angles']", "/space/branch_angles: is missing"},
+        {weighted, "del f['space']", "/mean/coordinates: is 240, must be 120"},
+    };
+    for (const Case& c : cases) {
+        const test::TemporaryDirectory directory;
+        write_model(directory / "m.h5",
+                    fit_model(paired_collection(), {.modes = 2, .space = c.space}));
+        const auto files = test::edit_with_h5py(directory / "m.h5", {c.edit});
+        const std::string message =
+            test::message_of<InvalidInput>([&] { (void)read_model(files.front()); });
+        EXPECT_NE(message.find(c.said), std::string::npos) << message;
+    }
+}
+
 TEST(ModelFile, TellsH5pyWhatWasAskedFor)
 {
     if (test::python_with_h5py().empty())
         GTEST_SKIP() << "no Python with h5py";
     const test::TemporaryDirectory directory;
-    const ModelOptions options{.modes = 2, .variance = 0.95, .scale = Scale::None};
+    const ModelOptions options{.modes = 2, .variance = 0.95, .space = {.scale = Scale::None}};
     write_model(directory / "m.h5", fit_model(paired_collection(), options), options);
     EXPECT_EQ(
         test::run_h5py(directory / "m.h5", "r",

@@ -53,6 +53,20 @@ TEST(Collect, KeepsOrderNamesAndPositions)
     EXPECT_TRUE(collection.labels.empty());
 }
 
+TEST(Subset, KeepsChosenMeshesWithTheirLabels)
+{
+    Collection collection = collect({named("a", test::open_patch(4, 1)),
+                                     named("b", test::open_patch(4, 2)),
+                                     named("c", test::open_patch(4, 3))});
+    collection.labels = {{"age", {"1", "2", "3"}}};
+    const Collection chosen = subset(collection, {2, 0});
+    EXPECT_EQ(chosen.names, (std::vector<std::string>{"c", "a"}));
+    EXPECT_EQ(chosen.points[0], collection.points[2]);
+    EXPECT_EQ(chosen.labels[0].name, "age");
+    EXPECT_EQ(chosen.labels[0].values, (std::vector<std::string>{"3", "1"}));
+    EXPECT_TRUE(chosen.topology == collection.topology);
+}
+
 TEST(Collect, NamesOtherCounts)
 {
     expect_says(

@@ -110,40 +110,91 @@ TEST(MeanDifference, SaysWhatIsMissing)
               "difference: person 'anna' occurs twice among pose = 'rest': sphere00 and sphere02");
 }
 
-TEST(ApplyDifference, StartsAtTheMeanAndEndsAtTheMeanOfTheOtherGroup)
+/// The difference added to the mean it starts from.
+ShapePoint applied(const DifferenceVector& difference, double amount, double size)
+{
+    return apply_differences(start_of(difference, size), {difference}, {amount});
+}
+
+TEST(ApplyDifferences, StartsAtTheMeanAndEndsAtTheMeanOfTheOtherGroup)
 {
     const Collection collection = people();
     const ShapeVectors v = encode(collection, Scale::Unit);
     const DifferenceVector d = mean_difference(collection, rest_to_bent());
-    const ShapePoint start = apply_difference(d, 0.0, 7.0);
+    const ShapePoint start = applied(d, 0.0, 7.0);
     EXPECT_LE((start.edge_lengths - 7.0 * d.mean_edge_lengths).norm(), 1e-15);
     EXPECT_NEAR(start.edge_lengths.sum(), 7.0, 1e-13);
     EXPECT_EQ(start.dihedral_angles, d.mean_dihedral_angles);
-    const ShapePoint end = apply_difference(d, 1.0, 7.0);
+    const ShapePoint end = applied(d, 1.0, 7.0);
     EXPECT_LE((end.edge_lengths.transpose() - 3.5 * (v.edge_lengths.row(3) + v.edge_lengths.row(4)))
                   .norm(),
               1e-14);
-    const ShapePoint middle = apply_difference(d, 0.5, 7.0);
+    const ShapePoint middle = applied(d, 0.5, 7.0);
     EXPECT_LE((2.0 * middle.edge_lengths - start.edge_lengths - end.edge_lengths).norm(), 1e-14);
     EXPECT_LE((2.0 * middle.dihedral_angles - start.dihedral_angles - end.dihedral_angles).norm(),
               1e-13);
 }
 
-TEST(ApplyDifference, IgnoresSizeWhereLengthsAreNotScaled)
+TEST(ApplyDifferences, TakesTheStartOfOneMeshOfAPairToItsEnd)
 {
-    const DifferenceVector d = mean_difference(people(), rest_to_bent(Scale::None));
-    EXPECT_EQ(apply_difference(d, 0.0, -3.0).edge_lengths, d.mean_edge_lengths);
-    EXPECT_EQ(apply_difference(d, 2.0, 1.0).edge_lengths,
-              apply_difference(d, 2.0, 5.0).edge_lengths);
+    // With one pair the difference is that of its two meshes; sizes differ, that of the start stays.
+    Collection collection = people();
+    collection.labels[0].values = {"bert", "anna", "cleo", "bert", "dora"};
+    const ShapeVectors v = encode(collection, Scale::None);
+    const auto point = [&](int mesh) {
+        return ShapePoint{v.edge_lengths.row(mesh), v.dihedral_angles.row(mesh)};
+    };
+    const ShapePoint unit =
+        apply_differences(point(0), {mean_difference(collection, rest_to_bent())}, {1.0});
+    EXPECT_LE((unit.edge_lengths - v.sizes[0] / v.sizes[3] * point(3).edge_lengths).norm(),
+              1e-13 * v.sizes[0]);
+    EXPECT_LE((unit.dihedral_angles - point(3).dihedral_angles).norm(), 1e-13);
+    const ShapePoint plain = apply_differences(
+        point(0), {mean_difference(collection, rest_to_bent(Scale::None))}, {1.0});
+    EXPECT_LE((plain.edge_lengths - point(3).edge_lengths).norm(), 1e-13 * v.sizes[0]);
 }
 
-TEST(ApplyDifference, RefusesWhatBreaksARule)
+TEST(ApplyDifferences, AddsSeveralAtOnceInAnyOrder)
+{
+    const DifferenceVector bent = mean_difference(people(), rest_to_bent());
+    DifferenceVector other = bent;
+    other.edge_lengths = bent.edge_lengths.reverse();
+    other.dihedral_angles = bent.dihedral_angles.reverse();
+    const ShapePoint start = start_of(bent, 3.0);
+    const ShapePoint both = apply_differences(start, {bent, other}, {0.5, -0.2});
+    const ShapePoint steps =
+        apply_differences(apply_differences(start, {other}, {-0.2}), {bent}, {0.5});
+    EXPECT_LE((both.edge_lengths - steps.edge_lengths).norm(), 1e-14);
+    EXPECT_LE((both.dihedral_angles - steps.dihedral_angles).norm(), 1e-13);
+    EXPECT_NEAR(both.edge_lengths.sum(), 3.0, 1e-13);
+    EXPECT_EQ(apply_differences(start, {}, {}).edge_lengths, start.edge_lengths);
+}
+
+TEST(ApplyDifferences, IgnoresSizeWhereLengthsAreNotScaled)
+{
+    const DifferenceVector d = mean_difference(people(), rest_to_bent(Scale::None));
+    EXPECT_EQ(applied(d, 0.0, -3.0).edge_lengths, d.mean_edge_lengths);
+    EXPECT_EQ(applied(d, 2.0, 1.0).edge_lengths, applied(d, 2.0, 5.0).edge_lengths);
+}
+
+TEST(ApplyDifferences, RefusesWhatBreaksARule)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const DifferenceVector d = mean_difference(people(), rest_to_bent());
-    EXPECT_THROW((void)apply_difference(d, nan, 1.0), InvalidInput);
+    EXPECT_THROW((void)applied(d, nan, 1.0), InvalidInput);
     for (const double size : {0.0, -1.0, nan})
-        EXPECT_THROW((void)apply_difference(d, 1.0, size), InvalidInput);
+        EXPECT_THROW((void)start_of(d, size), InvalidInput);
+    const ShapePoint start = start_of(d, 1.0);
+    EXPECT_THROW((void)apply_differences(start, {d}, {1.0, 1.0}), InvalidInput);
+    const ShapePoint shorter{start.edge_lengths.head(9), start.dihedral_angles.head(9)};
+    EXPECT_THROW((void)apply_differences(shorter, {d}, {1.0}), InvalidInput);
+    const DifferenceVector plain = mean_difference(people(), rest_to_bent(Scale::None));
+    EXPECT_THROW((void)apply_differences(start, {d, plain}, {1.0, 1.0}), InvalidInput);
+    DifferenceVector other = d;
+    Faces turned = d.topology.faces();
+    turned.col(1).swap(turned.col(2));
+    other.topology = Topology(turned, d.topology.vertex_count());
+    EXPECT_THROW((void)apply_differences(start, {d, other}, {1.0, 1.0}), InvalidInput);
 }
 
 TEST(DifferenceEffects, AreThePairedEffectsOfTheShapeVectors)

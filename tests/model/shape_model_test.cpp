@@ -19,6 +19,12 @@ namespace {
 
 using Eigen::Index;
 
+/// A point of a model of edge space.
+ShapePoint edge_point(const ShapeModel& model, const Eigen::VectorXd& scores, double size)
+{
+    return std::get<ShapePoint>(model_point(model, scores, size));
+}
+
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(FitModel, CarriesWhatTheCollectionHas)
@@ -34,14 +40,13 @@ TEST(FitModel, CarriesWhatTheCollectionHas)
     EXPECT_EQ(model.labels.at(0).values, collection.labels[0].values);
     EXPECT_EQ(model.sizes, vectors.sizes);
     EXPECT_DOUBLE_EQ(model.mean_size(), vectors.sizes.mean());
-    EXPECT_LE((model.mean_edge_lengths.transpose() - vectors.edge_lengths.colwise().mean()).norm(),
-              1e-16);
+    EXPECT_LE((model.mean.transpose() - vectors.edge_lengths.colwise().mean()).norm(), 1e-16);
     EXPECT_LE(
         (model.mean_dihedral_angles.transpose() - vectors.dihedral_angles.colwise().mean()).norm(),
         1e-14);
-    EXPECT_NEAR(model.mean_edge_lengths.sum(), 1.0, 1e-14);
+    EXPECT_NEAR(model.mean.sum(), 1.0, 1e-14);
     // Unit-sum lengths vary in the plane of sum 1.
-    EXPECT_LE(model.mode_edge_lengths.rowwise().sum().cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_LE(model.modes.rowwise().sum().cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(FitModel, GivesEveryMeshBackFromAllModesLengthsAndAnglesAlike)
@@ -49,11 +54,11 @@ TEST(FitModel, GivesEveryMeshBackFromAllModesLengthsAndAnglesAlike)
     for (const Scale scale : {Scale::Unit, Scale::None}) {
         const Collection collection = test::bumpy_spheres(8, 2);
         const ShapeVectors vectors = encode(collection, Scale::None);
-        const ShapeModel model = fit_model(collection, {.scale = scale});
+        const ShapeModel model = fit_model(collection, {.space = {.scale = scale}});
         ASSERT_EQ(model.mode_count(), 7);
         for (Index i = 0; i < 8; ++i) {
             const ShapePoint point =
-                model_point(model, model.scores.row(i).transpose(), model.sizes[i]);
+                edge_point(model, model.scores.row(i).transpose(), model.sizes[i]);
             EXPECT_LE((point.edge_lengths - vectors.edge_lengths.row(i).transpose())
                           .cwiseAbs()
                           .maxCoeff(),
@@ -89,7 +94,7 @@ TEST(FitModel, OfTwoMeshesIsTheLineThroughThem)
     // Between the two scores the model's points are the blends.
     const ShapePoint quarter = blend(vectors, Eigen::Vector2d(0.75, 0.25));
     const ShapePoint point =
-        model_point(model, Eigen::VectorXd::Constant(1, 0.5 * model.scores(0, 0)), 1.0);
+        edge_point(model, Eigen::VectorXd::Constant(1, 0.5 * model.scores(0, 0)), 1.0);
     EXPECT_LE((point.edge_lengths - quarter.edge_lengths).norm(), 1e-15);
     EXPECT_LE((point.dihedral_angles - quarter.dihedral_angles).norm(), 1e-12);
 }
@@ -103,7 +108,7 @@ TEST(FitModel, HasTheSameBitsForAnyThreadCount)
     };
     const ShapeModel one = fitted(1);
     const ShapeModel many = fitted(4);
-    EXPECT_EQ(many.mode_edge_lengths, one.mode_edge_lengths);
+    EXPECT_EQ(many.modes, one.modes);
     EXPECT_EQ(many.mode_dihedral_angles, one.mode_dihedral_angles);
     EXPECT_EQ(many.scores, one.scores);
 }
@@ -129,24 +134,24 @@ TEST(FitModel, RefusesMeshesThatDifferInPoseAlone)
     }
     collection = test::moved(collection, 8);
     EXPECT_THROW((void)fit_model(collection), InvalidInput);
-    EXPECT_EQ(fit_model(collection, {.scale = Scale::None}).mode_count(), 1);
+    EXPECT_EQ(fit_model(collection, {.space = {.scale = Scale::None}}).mode_count(), 1);
 }
 
 TEST(ModelPoint, TakesMissingScoresForZeroAndScalesUnitLengths)
 {
     const Collection collection = test::bumpy_spheres(5, 8);
     const ShapeModel model = fit_model(collection);
-    const ShapePoint mean = model_point(model, {}, 12.0);
-    EXPECT_EQ(mean.edge_lengths, 12.0 * model.mean_edge_lengths);
+    const ShapePoint mean = edge_point(model, {}, 12.0);
+    EXPECT_EQ(mean.edge_lengths, 12.0 * model.mean);
     EXPECT_EQ(mean.dihedral_angles, model.mean_dihedral_angles);
     const Eigen::Vector4d padded(0.01, -0.02, 0.0, 0.0);
-    EXPECT_LE((model_point(model, padded.head(2), 3.0).edge_lengths -
-               model_point(model, padded, 3.0).edge_lengths)
+    EXPECT_LE((edge_point(model, padded.head(2), 3.0).edge_lengths -
+               edge_point(model, padded, 3.0).edge_lengths)
                   .norm(),
               1e-15);
-    EXPECT_NEAR(model_point(model, padded, 3.0).edge_lengths.sum(), 3.0, 1e-13);
-    const ShapeModel plain = fit_model(collection, {.scale = Scale::None});
-    EXPECT_EQ(model_point(plain, {}, 12.0).edge_lengths, plain.mean_edge_lengths);
+    EXPECT_NEAR(edge_point(model, padded, 3.0).edge_lengths.sum(), 3.0, 1e-13);
+    const ShapeModel plain = fit_model(collection, {.space = {.scale = Scale::None}});
+    EXPECT_EQ(edge_point(plain, {}, 12.0).edge_lengths, plain.mean);
 }
 
 TEST(ModelPoint, RefusesWhatBreaksARule)
@@ -176,8 +181,7 @@ TEST(Project, SplitsTheDistanceFromTheMeanIntoScoresAndResidual)
     const ShapeVectors vectors = encode(others, Scale::Unit);
     const Projection projection = project(model, others);
     for (Index i = 0; i < 5; ++i) {
-        const double distance =
-            (vectors.edge_lengths.row(i) - model.mean_edge_lengths.transpose()).norm();
+        const double distance = (vectors.edge_lengths.row(i) - model.mean.transpose()).norm();
         EXPECT_GT(projection.residuals[i], 1e-3 * distance);
         EXPECT_NEAR(std::hypot(projection.scores.row(i).norm(), projection.residuals[i]), distance,
                     1e-13 * distance);
@@ -204,7 +208,7 @@ TEST(FeasibleRange, EndsWhereATriangleBreaksOrAtTheLimit)
                     const Eigen::VectorXd scores = deviations * std::sqrt(model.variances[mode]) *
                                                    Eigen::VectorXd::Unit(model.mode_count(), mode);
                     return !check_admissibility(model.topology,
-                                                model_point(model, scores, 1.0).edge_lengths)
+                                                edge_point(model, scores, 1.0).edge_lengths)
                                 .triangles.empty();
                 };
                 EXPECT_LE(std::abs(end), limit);
@@ -261,7 +265,7 @@ TEST(ModelOfRealFaces, HasThePublishedShares)
     // Points along the first mode leave the set of meshes on the side where no face is.
     const double deviation = std::sqrt(model.variances[0]);
     const auto broken = [&](double deviations) {
-        const ShapePoint point = model_point(
+        const ShapePoint point = edge_point(
             model, Eigen::VectorXd::Constant(1, sign * deviations * deviation), model.mean_size());
         return check_admissibility(model.topology, point.edge_lengths).triangles.size();
     };

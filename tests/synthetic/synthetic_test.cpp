@@ -82,7 +82,7 @@ TEST(Synthetic, NoTriangleIsASliver)
 
 TEST(Synthetic, TheSeedDecidesEverythingRandomAndNothingElse)
 {
-    const std::set<std::string> random_sets{"faces", "femurs", "noisy_helix", "torus"};
+    const std::set<std::string> random_sets{"faces", "femurs", "heads", "noisy_helix", "torus"};
     for (const SyntheticDataset& dataset : synthetic_datasets()) {
         SCOPED_TRACE(dataset.name);
         const Collection a = make_synthetic(dataset.name, {.count = few(dataset), .seed = 7});
@@ -97,7 +97,7 @@ TEST(Synthetic, TheSeedDecidesEverythingRandomAndNothingElse)
 
 TEST(Synthetic, MoreIndividualsLeaveTheFirstOnesAsTheyAre)
 {
-    for (const char* name : {"faces", "femurs"}) {
+    for (const char* name : {"faces", "femurs", "heads"}) {
         const Collection few = make_synthetic(name, {.count = 3});
         const Collection many = make_synthetic(name, {.count = 5});
         ASSERT_GT(many.size(), few.size());
@@ -179,6 +179,19 @@ TEST(Barbells, WithEqualEndsDifferInTheBarAlone)
         EXPECT_GT(in_ends, small.rows() / 4);
     }
     EXPECT_NE(mesh_named(set, "barbell_a_short"), mesh_named(set, "barbell_b_short"));
+
+    // Six bars, each as much longer than the one before; the ends reach 2 beyond them.
+    const Collection many = make_synthetic("barbells", {.count = 12});
+    ASSERT_EQ(many.size(), 12U);
+    EXPECT_EQ(many.labels[1].values[4], "04");
+    const auto bar = [&](const std::string& name) {
+        const Points& points = mesh_named(many, name);
+        return points.col(0).maxCoeff() - points.col(0).minCoeff();
+    };
+    const double ends = bar("barbell_a_00") - 1.0;
+    EXPECT_NEAR(bar("barbell_a_05") - ends, 12.0, 1e-9);
+    EXPECT_NEAR(bar("barbell_a_01") - ends, std::pow(12.0, 0.2), 1e-9);
+    EXPECT_THROW((void)make_synthetic("barbells", {.count = 5}), InvalidInput);
 }
 
 TEST(Femurs, WithEqualEndsDifferInTheShaftAlone)

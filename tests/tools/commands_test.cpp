@@ -188,9 +188,9 @@ TEST_F(Commands, StatsTakesLengthsAsTheyAreOnRequest)
 {
     (void)run({"stats", "a.ply", "b.ply", "c.ply", "-o", "model.h5", "--scale", "none"});
     const ShapeModel model = read_model(folder_ / "model.h5");
-    EXPECT_EQ(model.scale, Scale::None);
+    EXPECT_EQ(scale_of(model.space), Scale::None);
     const Eigen::VectorXd mean = (lengths("a.ply") + lengths("b.ply") + lengths("c.ply")) / 3.0;
-    EXPECT_LT(difference(model.mean_edge_lengths, mean), 1e-12);
+    EXPECT_LT(difference(model.mean, mean), 1e-12);
 }
 
 TEST_F(Commands, ProjectReproducesTheScoresOfTheModel)

@@ -9,9 +9,10 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-const Arguments commands{"collect",     "check",     "info",       "stats",
-                         "project",     "generate",  "difference", "interpolate",
-                         "reconstruct", "conformal", "draw",       "synth"};
+const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
+                         "generate",  "distance", "quality",    "groups",      "classify",
+                         "regress",   "remove",   "difference", "interpolate", "reconstruct",
+                         "conformal", "draw",     "synth"};
 
 Arguments operator+(Arguments a, const Arguments& b)
 {
@@ -36,6 +37,8 @@ std::vector<WrongUsage> wrong_usages()
 {
     const Arguments stats{"stats", "a.ply", "b.ply", "-o", "out.h5"};
     const Arguments blend{"interpolate", "a.ply", "b.ply", "-o", "new"};
+    const Arguments distance{"distance", "a.ply", "b.ply", "-o", "d.csv"};
+    const Arguments quality{"quality", "a.ply", "b.ply", "-o", "q.csv"};
     const Arguments generate{"generate", "model.h5", "-o", "new"};
     const Arguments mean = generate + Arguments{"--mean"};
     const Arguments difference{"difference", "a.ply", "-o", "out.h5", "--pair-by", "k"};
@@ -57,6 +60,15 @@ std::vector<WrongUsage> wrong_usages()
         {"NegativeVariance", "--variance", stats + Arguments{"--variance", "-0.5"}},
         {"ModesAndVariance", "--modes", stats + Arguments{"--modes", "1", "--variance", "0.5"}},
         {"UnknownScale", "--scale", stats + Arguments{"--scale", "double"}},
+        {"UnknownSpace", "--space", stats + Arguments{"--space", "kendall"}},
+        {"UnknownCoordinates", "--coordinates", stats + Arguments{"--coordinates", "cubic"}},
+        {"NegativeDihedralWeight", "--with-dihedrals", stats + Arguments{"--with-dihedrals", "-1"}},
+        {"LogarithmsOfPositions", "--coordinates",
+         stats + Arguments{"--space", "procrustes", "--coordinates", "log"}},
+        {"AreaWeightsOfPositions", "--area-weighted",
+         stats + Arguments{"--space", "procrustes", "--area-weighted"}},
+        {"DihedralsWithPositions", "--with-dihedrals",
+         stats + Arguments{"--space", "procrustes", "--with-dihedrals", "1"}},
         {"ModelOfAnotherEnding", ".h5", {"stats", "a.ply", "b.ply", "-o", "model.csv"}},
         {"EmptyOutput", ".h5", {"stats", "a.ply", "b.ply", "-o", ""}},
         {"PlotOfAnotherEnding",
@@ -65,6 +77,29 @@ std::vector<WrongUsage> wrong_usages()
         {"PlotOverTheScores",
          "--plot",
          {"project", "model.h5", "a.ply", "-o", "s.svg", "--plot", "./s.svg"}},
+        {"UnknownMetric", "--metric", distance + Arguments{"--metric", "geodesic"}},
+        {"MetricAndSpace", "--space",
+         distance + Arguments{"--metric", "edge", "--space", "procrustes"}},
+        {"MetricAndScale", "--scale", distance + Arguments{"--metric", "edge", "--scale", "none"}},
+        {"MetricOfPositionsWithEdgeWeights", "--area-weighted",
+         distance + Arguments{"--metric", "procrustes", "--area-weighted"}},
+        {"DistancesWithoutOutput", "--output", {"distance", "a.ply", "b.ply"}},
+        {"PlaneDrawnIntoAnotherEnding", "--plot", distance + Arguments{"--plot", "mds.png"}},
+        {"MapDrawnIntoAnotherEnding", "--heat-map", distance + Arguments{"--heat-map", "m.csv"}},
+        {"TwoTablesInOneFile", "--mds", distance + Arguments{"--mds", "./d.csv"}},
+        {"TwoDrawingsInOneFile", "--heat-map",
+         distance + Arguments{"--plot", "m.svg", "--heat-map", "m.svg"}},
+        {"ModesThatDescend", "--modes", quality + Arguments{"--modes", "2,1"}},
+        {"ModesOfFractions", "--modes", quality + Arguments{"--modes", "1,1.5"}},
+        {"NoModesToMeasure", "--modes", quality + Arguments{"--modes", "0,1"}},
+        {"FoldsAndLabel", "--folds", quality + Arguments{"--folds", "2", "--leave-out", "subject"}},
+        {"OneFold", "--folds", quality + Arguments{"--folds", "1"}},
+        {"NoTests", "--tests", quality + Arguments{"--tests", "0"}},
+        {"NoSamples", "--samples", quality + Arguments{"--samples", "0"}},
+        {"QualityOfAnotherEnding", "--plot", quality + Arguments{"--plot", "q.png"}},
+        {"QualityPlotOverTheTable",
+         "--plot",
+         {"quality", "a.ply", "b.ply", "-o", "q.svg", "--plot", "./q.svg"}},
         {"NoBlend", "--weights", blend},
         {"WeightsAndFrames", "--frames", blend + Arguments{"--weights", "0,1", "--frames", "3"}},
         {"WeightsThatAreNoNumbers", "--weights", blend + Arguments{"--weights", "0.5;0.5"}},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -13,6 +14,9 @@
 #include "libshape/embedding/residual_field.h"
 #include "libshape/embedding/sequence_jumps.h"
 #include "libshape/io/vertex_scalars.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
 #include "tools/common/arguments.h"
 
 namespace shape::tools {
@@ -75,19 +79,26 @@ std::string table_row(const Json& figures)
 void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets)
 {
     for (const EmbeddingTarget& target : targets) {
-        const ShapePoint point = target.point();
-        const Admissibility found = check_admissibility(topology, point.edge_lengths);
+        const DecodedShape shape = target.shape();
+        const ShapePoint* point = std::get_if<ShapePoint>(&shape);
+        if (point == nullptr)
+            continue;
+        const Admissibility found = check_admissibility(topology, point->edge_lengths);
         if (!found.admissible())
             throw NumericalError(join(target.name, ": infeasible target, ",
-                                      describe(found, topology, point.edge_lengths),
+                                      describe(found, topology, point->edge_lengths),
                                       " (--strict)"));
     }
 }
 
 void write_residuals(const std::filesystem::path& path, const Topology& topology,
-                     const Points& points, const ShapePoint& target)
+                     const Points& points, const DecodedShape& target)
 {
-    const ResidualField field = residual_field(topology, points, target);
+    const ShapePoint* const point = std::get_if<ShapePoint>(&target);
+    const ResidualField field = residual_field(
+        topology, points,
+        point ? *point
+              : ShapePoint{edge_lengths(topology, points), dihedral_angles(topology, points)});
     write_vertex_scalars(
         path, points, topology.faces(),
         {{"edge_error", field.edge_error}, {"dihedral_drift", field.dihedral_drift}});
@@ -120,11 +131,40 @@ Json animation_figures(const Session& session, const GlbAnimation& animation, st
             {"seconds", animation.seconds}};
 }
 
+/// Embeds shapes as they come; the embedder is made for the first that needs it.
+class Decoder
+{
+public:
+    Decoder(const Topology& topology, std::vector<Points> references,
+            const EmbeddingOptions& options)
+        : topology_(topology), references_(std::move(references)), options_(options)
+    {
+    }
+
+    /// The mesh of a target, with its figures.
+    FinishedMesh operator()(const EmbeddingTarget& target, const DecodedShape& shape)
+    {
+        if (const Points* points = std::get_if<Points>(&shape))
+            return finish(target.name, "procrustes",
+                          [&] { return as_embedding(topology_, *points); });
+        return finish(target.name, name(options_.method), [&] {
+            if (!embedder_)
+                embedder_.emplace(topology_, std::move(references_), options_);
+            return embedder_->embed(std::get<ShapePoint>(shape));
+        });
+    }
+
+private:
+    const Topology& topology_;
+    std::vector<Points> references_;
+    EmbeddingOptions options_;
+    std::optional<Embedder> embedder_;
+};
+
 } // namespace
 
-void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
+void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
 {
-    EmbeddingOptions& options = arguments.options;
     add_choice(command, "--method", options.method,
                "dihedral: lengths and dihedral angles together (default); closure: as in Rojas\n"
                "2014, section 2; multiscale: as in Winkler 2010, section 3",
@@ -150,6 +190,11 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
         {{"incremental", RegistrationStart::Incremental},
          {"identity", RegistrationStart::Identity}})
         ->group("Embedding");
+}
+
+void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
+{
+    add_embedder_options(command, arguments.options);
     command
         .add_flag("--strict", arguments.strict,
                   "An infeasible target ends the run with exit code 4 before anything is\n"
@@ -170,10 +215,9 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
                      TargetOrder order)
 {
     prepare_output(arguments, topology, targets, output);
-    const EmbeddingOptions options = embedding_options(session, arguments);
-    const Embedder embedder(topology, std::move(references), options);
-    const auto make = [&](std::size_t i, const ShapePoint& point) {
-        return finish(targets[i].name, name(options.method), [&] { return embedder.embed(point); });
+    Decoder decoder(topology, std::move(references), embedding_options(session, arguments));
+    const auto make = [&](std::size_t i, const DecodedShape& shape) {
+        return decoder(targets[i], shape);
     };
     return make_and_write(session, arguments, topology, targets, make, output, order);
 }
@@ -198,14 +242,16 @@ Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
     Points previous;
     for (std::size_t i = 0; i < targets.size(); ++i) {
         progress("embedding", i, targets.size());
-        const ShapePoint point = targets[i].point();
-        FinishedMesh mesh = make(i, point);
+        const DecodedShape shape = targets[i].shape();
+        FinishedMesh mesh = make(i, shape);
+        if (targets[i].place)
+            mesh.points = best_rigid_motion(mesh.points, *targets[i].place)(mesh.points);
         if (!mesh.reason.empty())
             session.warn(join(targets[i].name, ": infeasible target, ", mesh.reason,
                               "; the nearest mesh is written"));
         output.write(i, mesh.points, topology.faces());
         if (arguments.residuals)
-            write_residuals(output.staged_companion(i), topology, mesh.points, point);
+            write_residuals(output.staged_companion(i), topology, mesh.points, shape);
         if (order == TargetOrder::Sequence && i > 0)
             steps.push_back(measure_step(topology, previous, mesh.points));
         rows.push_back(table_row(mesh.figures));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "libshape/edge_space/shape_space.h"
 #include "libshape/embedding/embedder.h"
 #include "tools/common/mesh_output.h"
 #include "tools/common/session.h"
@@ -25,14 +26,18 @@ struct EmbeddingArguments
     bool residuals = false; ///< Beside every mesh goes NAME_residuals.ply.
 };
 
-/// Adds --method, --quality, --smoothness, --init, --strict and --residuals.
+/// Adds --method, --quality, --smoothness and --init.
+void add_embedder_options(CLI::App& command, EmbeddingOptions& options);
+
+/// Adds those, --strict and --residuals.
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments);
 
-/// A mesh to be made. The point is made when it is needed: all of them may not fit into memory.
+/// A mesh to be made. The shape is made when it is needed: all of them may not fit into memory.
 struct EmbeddingTarget
 {
     std::string name;
-    std::function<ShapePoint()> point;
+    std::function<DecodedShape()> shape;
+    const Points* place = nullptr; ///< A mesh that the result is moved rigidly onto, if any.
 };
 
 /// A mesh as it is written, and what is said about it.
@@ -50,8 +55,8 @@ enum class TargetOrder
     Sequence, ///< Each is near the one before it: jumps between them are looked for.
 };
 
-/// Embeds all targets and writes them, target i into output i; prints a table of what they are
-/// worth and warns of infeasible ones and of jumps.
+/// Embeds all targets that are no meshes yet and writes them, target i into output i; prints a table
+/// of what they are worth and warns of infeasible ones and of jumps.
 /// @param references  As Embedder takes them.
 /// @return The fields `outputs` and `embeddings`; `jumps` of a sequence; `animation` if one is
 ///     written.
@@ -62,8 +67,8 @@ enum class TargetOrder
                                    const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
                                    TargetOrder order = TargetOrder::Any);
 
-/// Makes the mesh of target `index`, whose point is given.
-using MeshMaker = std::function<FinishedMesh(std::size_t index, const ShapePoint& point)>;
+/// Makes the mesh of target `index`, whose shape is given.
+using MeshMaker = std::function<FinishedMesh(std::size_t index, const DecodedShape& shape)>;
 
 /// The second half of embed_and_write(): the same with meshes that come from elsewhere; they are made
 /// in order.

@@ -60,13 +60,18 @@ std::string staging_name(const std::string& name)
 
 } // namespace
 
-CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
+void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments)
 {
     command
         .add_option("--format", arguments.format,
                     "Format of the files in a directory (default: ply, binary with doubles)")
         ->check(CLI::IsMember({"obj", "ply", "off", "glb"}))
         ->option_text("obj|ply|off|glb");
+}
+
+CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
+{
+    add_mesh_format(command, arguments);
     return command
         .add_option("-o,--output", arguments.path,
                     "One mesh: a file (.obj .ply .off .glb) or a directory; several: a directory,\n"

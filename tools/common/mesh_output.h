@@ -28,6 +28,9 @@ struct MeshOutputArguments
     std::optional<double> glb_tolerance;     ///< Of an animation, relative to the diagonal.
 };
 
+/// Adds --format alone, for commands that have options of their own for where meshes go.
+void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments);
+
 /// Adds -o, which is required and returned, and --format.
 CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments);
 

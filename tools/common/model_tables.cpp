@@ -8,11 +8,6 @@
 
 namespace shape::tools {
 
-const char* name(Scale scale)
-{
-    return scale == Scale::Unit ? "unit" : "none";
-}
-
 Json mode_figures(const ShapeModel& model)
 {
     Json modes = Json::array();

@@ -9,9 +9,6 @@
 
 namespace shape::tools {
 
-/// "unit" or "none".
-[[nodiscard]] const char* name(Scale scale);
-
 /// The modes of a model, one object each: mode, variance, share, cumulative (of the total
 /// variance), feasible_low, feasible_high [standard deviations].
 [[nodiscard]] Json mode_figures(const ShapeModel& model);

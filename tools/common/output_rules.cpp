@@ -46,6 +46,16 @@ void check_output(const Session& session, const fs::path& output,
         throw FileError(join(output.string(), ": exists; --force overwrites it"));
 }
 
+void check_different(const std::string& option, const fs::path& path,
+                     const std::string& other_option, const fs::path& other_path)
+{
+    const auto resolved = [](const fs::path& name) {
+        return fs::weakly_canonical(fs::absolute(name));
+    };
+    if (resolved(path) == resolved(other_path))
+        throw UsageError(join(option, ": '", path.string(), "' is the file of ", other_option));
+}
+
 void check_ending(const std::string& option, const fs::path& path, const std::string& ending)
 {
     if (path.extension() != ending)

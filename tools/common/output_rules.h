@@ -26,6 +26,10 @@ CLI::Option* add_output_file(CLI::App& command, std::string& path, const std::st
 void check_output(const Session& session, const std::filesystem::path& output,
                   const std::vector<std::filesystem::path>& inputs);
 
+/// @throws UsageError if both options name one file.
+void check_different(const std::string& option, const std::filesystem::path& path,
+                     const std::string& other_option, const std::filesystem::path& other_path);
+
 /// @throws UsageError if the path does not end so.
 void check_ending(const std::string& option, const std::filesystem::path& path,
                   const std::string& ending);

@@ -40,6 +40,12 @@ std::string hash_of(const std::string& before, const Eigen::VectorXd& vector)
                      before);
 }
 
+/// Sequences are made of points of edge-length space.
+ShapePoint point_of(const EmbeddingTarget& target)
+{
+    return std::get<ShapePoint>(target.shape());
+}
+
 /// Everything that the meshes of a run depend on, to tell whether it can go on.
 Json identity(const EmbeddingOptions& options, const SequenceArguments& arguments,
               const Sequence& sequence)
@@ -51,7 +57,7 @@ Json identity(const EmbeddingOptions& options, const SequenceArguments& argument
         inputs = hash_of(inputs, points.reshaped());
     std::string blends = join(sequence.targets.size(), sequence.is_path ? " frames " : " blends ");
     for (const EmbeddingTarget& target : sequence.targets) {
-        const ShapePoint point = target.point();
+        const ShapePoint point = point_of(target);
         blends = hash_of(hash_of(blends, point.edge_lengths), point.dihedral_angles);
     }
     return {{"program", version()},
@@ -110,7 +116,7 @@ public:
         std::vector<Keyframe> keys;
         for (std::size_t i = 0; i <= last; i = i == last ? last + 1 : std::min(i + every, last)) {
             progress("embedding keyframes", i, last);
-            const ShapePoint point = sequence_.targets[i].point();
+            const ShapePoint point = point_of(sequence_.targets[i]);
             keys.push_back({static_cast<double>(i), point, embedded(i, point).points});
         }
         progress("embedding keyframes", last, last);
@@ -170,15 +176,17 @@ Json run(const Session& session, const EmbeddingArguments& embedding,
     if (arguments.keyframes == 0)
         return make_and_write(
             session, embedding, sequence.topology, sequence.targets,
-            [&](std::size_t i, const ShapePoint& point) { return maker.embedded(i, point); },
+            [&](std::size_t i, const DecodedShape& shape) {
+                return maker.embedded(i, std::get<ShapePoint>(shape));
+            },
             output, order);
     const auto every = static_cast<std::size_t>(arguments.keyframes);
     const InBetweens between = in_betweens(options, arguments.between, sequence,
                                            maker.keyframes(session.progress(), every));
     return make_and_write(
         session, embedding, sequence.topology, sequence.targets,
-        [&](std::size_t i, const ShapePoint& point) {
-            return maker.filled(i, point, between, between_name(arguments.between));
+        [&](std::size_t i, const DecodedShape& shape) {
+            return maker.filled(i, std::get<ShapePoint>(shape), between, between_name(arguments.between));
         },
         output, order);
 }

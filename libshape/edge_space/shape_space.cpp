@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/edge_space/shape_space.h"
+
+#include <cmath>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/threads.h"
+#include "libshape/edge_space/admissibility.h"
+#include "libshape/edge_space/procrustes.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+
+namespace shape {
+namespace {
+
+using Eigen::Index;
+
+void check(const Collection& collection, const SpaceOptions& options)
+{
+    if (collection.size() == 0)
+        throw InvalidInput("a space of shapes needs at least one mesh");
+    if (!(options.dihedral_weight >= 0.0 && std::isfinite(options.dihedral_weight)))
+        throw InvalidInput(join("space: dihedral_weight is ", options.dihedral_weight,
+                                ", must be >= 0 and finite"));
+    if (options.kind != SpaceKind::Edge &&
+        (options.coordinates != LengthCoordinates::Plain ||
+         options.weighting != EdgeWeighting::Uniform || options.dihedral_weight != 0.0))
+        throw InvalidInput("space: coordinates, weighting and dihedral_weight are of edge space");
+}
+
+Eigen::VectorXd scaled_lengths(const Topology& topology, const Points& points, Scale scale)
+{
+    Eigen::VectorXd lengths = edge_lengths(topology, points);
+    return scale == Scale::Unit ? Eigen::VectorXd(lengths / lengths.sum()) : lengths;
+}
+
+/// Sums over the collection, mesh by mesh in order: no more than one mesh is encoded at a time.
+struct EdgeSums
+{
+    Eigen::VectorXd lengths;
+    Eigen::VectorXd cosines;
+    Eigen::VectorXd sines;
+};
+
+EdgeSums sum_over(const Collection& collection, Scale scale)
+{
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(collection.topology.edge_count());
+    EdgeSums sums{zero, zero, zero};
+    for (const Points& points : collection.points) {
+        const Eigen::VectorXd angles = dihedral_angles(collection.topology, points);
+        sums.lengths += scaled_lengths(collection.topology, points, scale);
+        sums.cosines.array() += angles.array().cos();
+        sums.sines.array() += angles.array().sin();
+    }
+    return sums;
+}
+
+/// A third of the areas of the faces at each edge, over the whole area [1].
+Eigen::VectorXd area_shares(const Topology& topology, const Eigen::VectorXd& lengths)
+{
+    const Points angles = corner_angles(topology, lengths);
+    Eigen::VectorXd shares = Eigen::VectorXd::Zero(topology.edge_count());
+    double whole = 0.0;
+    for (int f = 0; f < topology.face_count(); ++f) {
+        const auto edges = topology.face_edges().row(f);
+        const double area = 0.5 * lengths[edges[2]] * lengths[edges[0]] * std::sin(angles(f, 0));
+        shares(edges).array() += area / 3.0;
+        whole += area;
+    }
+    return shares / whole;
+}
+
+EdgeSpace make_edge_space(const Collection& collection, const SpaceOptions& options)
+{
+    EdgeSpace space{options.scale, options.coordinates, {}, {}, {}};
+    const bool by_area = options.weighting == EdgeWeighting::Area;
+    const bool with_angles = options.dihedral_weight > 0.0;
+    if (!by_area && !with_angles)
+        return space;
+    const auto count = static_cast<double>(collection.size());
+    const EdgeSums sums = sum_over(collection, options.scale);
+    const Eigen::VectorXd mean = sums.lengths / count;
+    const Eigen::VectorXd slopes = relative_slopes(options.coordinates, mean);
+    const Eigen::VectorXd gains = // g_e
+        by_area ? Eigen::VectorXd(area_shares(collection.topology, mean).cwiseSqrt()) : slopes;
+    if (by_area)
+        space.length_factors = gains.cwiseQuotient(slopes);
+    if (with_angles) {
+        space.dihedral_factors = options.dihedral_weight * gains;
+        space.branch_angles = sums.cosines.binaryExpr(
+            sums.sines, [&](double x, double y) { return circular_mean(x, y, count); });
+    }
+    return space;
+}
+
+ProcrustesSpace make_procrustes_space(const Collection& collection, Scale scale)
+{
+    ProcrustesMean mean = procrustes_mean(collection.points, {.scale = scale});
+    return {scale, std::move(mean.points), mean.iterations, mean.converged};
+}
+
+Index dimension(const EdgeSpace& space, const Topology& topology)
+{
+    return topology.edge_count() * (space.dihedral_factors.size() > 0 ? 2 : 1);
+}
+
+Index dimension(const ProcrustesSpace& space, const Topology&)
+{
+    return 3 * space.mean.rows();
+}
+
+Eigen::VectorXd encode_mesh(const EdgeSpace& space, const Topology& topology, const Points& points)
+{
+    const Index edges = topology.edge_count();
+    Eigen::VectorXd coordinates(dimension(space, topology));
+    coordinates.head(edges) =
+        to_coordinates(space.coordinates, scaled_lengths(topology, points, space.scale));
+    if (space.length_factors.size() > 0)
+        coordinates.head(edges).array() *= space.length_factors.array();
+    if (space.dihedral_factors.size() > 0)
+        coordinates.tail(edges) = dihedral_angles(topology, points)
+                                      .binaryExpr(space.branch_angles, &on_branch)
+                                      .cwiseProduct(space.dihedral_factors);
+    return coordinates;
+}
+
+Eigen::VectorXd encode_mesh(const ProcrustesSpace& space, const Topology&, const Points& points)
+{
+    return aligned_with(space.mean, points, space.scale).reshaped<Eigen::RowMajor>();
+}
+
+double size_of(const EdgeSpace&, const Topology& topology, const Points& points)
+{
+    return edge_lengths(topology, points).sum();
+}
+
+double size_of(const ProcrustesSpace&, const Topology&, const Points& points)
+{
+    return centroid_size(points);
+}
+
+void check_fit(const EdgeSpace& space, const Collection& collection)
+{
+    for (const Eigen::VectorXd* factors : {&space.length_factors, &space.dihedral_factors})
+        if (factors->size() > 0 && factors->size() != collection.topology.edge_count())
+            throw InvalidInput(join("space: it is of ", factors->size(), " edges, the meshes have ",
+                                    collection.topology.edge_count()));
+}
+
+void check_fit(const ProcrustesSpace& space, const Collection& collection)
+{
+    if (space.mean.rows() != collection.topology.vertex_count())
+        throw InvalidInput(join("space: it is of ", space.mean.rows(),
+                                " vertices, the meshes have ", collection.topology.vertex_count()));
+}
+
+DecodedShape decode_point(const EdgeSpace& space, const Eigen::VectorXd& coordinates,
+                          const Eigen::VectorXd& companion, double size)
+{
+    const bool with_angles = space.dihedral_factors.size() > 0;
+    const Index edges = with_angles ? space.dihedral_factors.size() : coordinates.size();
+    if (coordinates.size() != edges * (with_angles ? 2 : 1) ||
+        (space.length_factors.size() > 0 && space.length_factors.size() != edges) ||
+        (!with_angles && companion.size() != edges))
+        throw InvalidInput(join("a point of edge space has ", coordinates.size(),
+                                " coordinates and ", companion.size(),
+                                " companion angles, which is not what the space has"));
+    Eigen::VectorXd values = coordinates.head(edges);
+    if (space.length_factors.size() > 0)
+        values.array() /= space.length_factors.array();
+    ShapePoint point{
+        to_lengths(space.coordinates, values),
+        with_angles ? coordinates.tail(edges).cwiseQuotient(space.dihedral_factors) : companion};
+    if (space.scale == Scale::Unit) {
+        // The sum of combined plain lengths is 1 already; that of others is not.
+        const bool is_linear = space.coordinates == LengthCoordinates::Plain;
+        point.edge_lengths *= is_linear ? size : size / point.edge_lengths.sum();
+    }
+    return point;
+}
+
+DecodedShape decode_point(const ProcrustesSpace& space, const Eigen::VectorXd& coordinates,
+                          const Eigen::VectorXd&, double size)
+{
+    if (coordinates.size() != 3 * space.mean.rows())
+        throw InvalidInput(join("a point of Procrustes space has ", coordinates.size(),
+                                " coordinates, the space ", 3 * space.mean.rows()));
+    const Points points = coordinates.reshaped<Eigen::RowMajor>(space.mean.rows(), 3);
+    return Points(space.scale == Scale::Unit ? size * points : points);
+}
+
+} // namespace
+
+ShapeSpace make_space(const Collection& collection, const SpaceOptions& options)
+{
+    check(collection, options);
+    if (options.kind == SpaceKind::Procrustes)
+        return make_procrustes_space(collection, options.scale);
+    return make_edge_space(collection, options);
+}
+
+Scale scale_of(const ShapeSpace& space)
+{
+    return std::visit([](const auto& s) { return s.scale; }, space);
+}
+
+bool is_plain(const ShapeSpace& space)
+{
+    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
+    return edge != nullptr && edge->coordinates == LengthCoordinates::Plain &&
+           edge->length_factors.size() == 0 && edge->dihedral_factors.size() == 0;
+}
+
+RowMatrix encode(const ShapeSpace& space, const Collection& collection)
+{
+    return std::visit(
+        [&](const auto& s) {
+            check_fit(s, collection);
+            RowMatrix coordinates(static_cast<Index>(collection.size()),
+                                  dimension(s, collection.topology));
+            parallel_for(collection.size(), 1, [&](std::size_t mesh, std::size_t) {
+                coordinates.row(static_cast<Index>(mesh)) =
+                    encode_mesh(s, collection.topology, collection.points[mesh]).transpose();
+            });
+            return coordinates;
+        },
+        space);
+}
+
+Eigen::VectorXd sizes(const ShapeSpace& space, const Collection& collection)
+{
+    return std::visit(
+        [&](const auto& s) {
+            Eigen::VectorXd result(static_cast<Index>(collection.size()));
+            for (std::size_t i = 0; i < collection.size(); ++i)
+                result[static_cast<Index>(i)] =
+                    size_of(s, collection.topology, collection.points[i]);
+            return result;
+        },
+        space);
+}
+
+RowMatrix companions(const ShapeSpace& space, const Collection& collection)
+{
+    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
+    if (edge == nullptr || edge->dihedral_factors.size() > 0)
+        return RowMatrix(static_cast<Index>(collection.size()), 0);
+    return companion_angles(collection);
+}
+
+DecodedShape decode(const ShapeSpace& space, const Eigen::VectorXd& coordinates,
+                    const Eigen::VectorXd& companion, double size)
+{
+    if (scale_of(space) == Scale::Unit && !(size > 0.0 && std::isfinite(size)))
+        throw InvalidInput(join("a shape's size is ", size, ", must be > 0 and finite"));
+    return std::visit([&](const auto& s) { return decode_point(s, coordinates, companion, size); },
+                      space);
+}
+
+double feasible_step(const ShapeSpace& space, const Topology& topology, const Eigen::VectorXd& mean,
+                     const Eigen::VectorXd& direction, double limit)
+{
+    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
+    if (edge == nullptr)
+        return limit;
+    const auto values = [&](const Eigen::VectorXd& coordinates) -> Eigen::VectorXd {
+        const auto lengths = coordinates.head(topology.edge_count());
+        if (edge->length_factors.size() == 0)
+            return lengths;
+        return lengths.cwiseQuotient(edge->length_factors);
+    };
+    return feasible_step(topology, values(mean), values(direction), limit, edge->coordinates);
+}
+
+} // namespace shape

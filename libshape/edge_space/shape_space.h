@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <variant>
+
+#include "libshape/edge_space/length_coordinates.h"
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/linalg/dense.h"
+#include "libshape/mesh/collection.h"
+
+namespace shape {
+
+/// Edge lengths as coordinates: c_e = a_e f(l_e) and, behind them if dihedral angles are coordinates
+/// too, d_e = b_e theta_e. Knows no pose.
+struct EdgeSpace
+{
+    Scale scale = Scale::Unit;                                ///< Unit: l is divided by its sum.
+    LengthCoordinates coordinates = LengthCoordinates::Plain; ///< f.
+    Eigen::VectorXd length_factors = {};                      ///< a: #E, > 0; empty: all 1.
+    Eigen::VectorXd dihedral_factors = {}; ///< b: #E, > 0; empty: angles are no coordinates.
+    Eigen::VectorXd branch_angles = {}; ///< #E [rad], as dihedral_factors: angles near the fold are
+                                        ///< measured on the branch around it (unify_branches).
+};
+
+/// Vertex positions as coordinates, x y z of one vertex after the other, aligned with a mean.
+struct ProcrustesSpace
+{
+    Scale scale = Scale::Unit; ///< Unit: centroid size 1.
+    Points mean = {};          ///< #V by 3, centroid at 0: what meshes are aligned with.
+    int iterations = 0;        ///< Of the alignment that found the mean; not kept in files.
+    bool converged = true;     ///< So did it; not kept in files.
+};
+
+/// A Euclidean space of shapes: how a mesh becomes a vector of D coordinates, and back.
+using ShapeSpace = std::variant<EdgeSpace, ProcrustesSpace>;
+
+enum class SpaceKind
+{
+    Edge,
+    Procrustes,
+};
+
+/// How edges are weighted against each other.
+enum class EdgeWeighting
+{
+    Uniform, ///< Every edge counts as it is.
+    Area,    ///< By its share of the surface: see make_space().
+};
+
+struct SpaceOptions
+{
+    SpaceKind kind = SpaceKind::Edge;
+    Scale scale = Scale::Unit;
+    // Of edge space alone:
+    LengthCoordinates coordinates = LengthCoordinates::Plain;
+    EdgeWeighting weighting = EdgeWeighting::Uniform;
+    double dihedral_weight = 0.0; ///< > 0: dihedral angles are coordinates; 1 rad counts as much as
+                                  ///< a relative change of length by so much.
+};
+
+/// The space of a collection.
+///
+/// To first order around the mean lengths m (arithmetic, after scaling) its squared distance is
+///
+///     sum_e g_e^2 ( (dl_e / m_e)^2 + W^2 dtheta_e^2 ),   W = dihedral_weight,
+///
+/// with g_e = m_e f'(m_e) for uniform weights, and g_e^2 = A_e / A for area weights, whatever f:
+/// A_e is a third of the areas of the faces at e and A the whole area, of the mean. So an area
+/// counts by its size however finely it is meshed.
+///
+/// @throws InvalidInput if the collection is empty, the weight is negative or not finite, or options
+///     of edge space are set for another.
+[[nodiscard]] ShapeSpace make_space(const Collection& collection, const SpaceOptions& options);
+
+[[nodiscard]] Scale scale_of(const ShapeSpace& space);
+
+/// Whether the coordinates are edge lengths and nothing else.
+[[nodiscard]] bool is_plain(const ShapeSpace& space);
+
+/// The meshes as points of the space, N by D; each depends on itself and the space alone.
+/// @throws InvalidInput if the space holds something per vertex or edge, and of another number.
+[[nodiscard]] RowMatrix encode(const ShapeSpace& space, const Collection& collection);
+
+/// Sizes of meshes, N [length]: sums of edge lengths, centroid sizes in Procrustes space.
+[[nodiscard]] Eigen::VectorXd sizes(const ShapeSpace& space, const Collection& collection);
+
+/// What must be combined by the same weights as the coordinates so that the result can be embedded:
+/// N by #E dihedral angles [rad], each edge on one branch; N by 0 where coordinates say all.
+[[nodiscard]] RowMatrix companions(const ShapeSpace& space, const Collection& collection);
+
+/// A point of a space as a shape: lengths and angles that an embedding makes a mesh of, or a mesh.
+using DecodedShape = std::variant<ShapePoint, Points>;
+
+/// The inverse of encode().
+/// @param companion  #E, or empty: a combination of the rows of companions().
+/// @param size  For Scale::Unit, > 0 [length]: the sum of the edge lengths of the result; what
+///     positions are multiplied with. Ignored for Scale::None.
+/// @throws InvalidInput if a shape or the size breaks a rule.
+[[nodiscard]] DecodedShape decode(const ShapeSpace& space, const Eigen::VectorXd& coordinates,
+                                  const Eigen::VectorXd& companion, double size);
+
+/// The largest step t in [0, limit] such that the points from mean towards mean + t * direction keep
+/// every triangle inequality; limit where points are meshes already. Exact to rounding.
+/// @param mean, direction  D; the companion angles do not matter.
+[[nodiscard]] double feasible_step(const ShapeSpace& space, const Topology& topology,
+                                   const Eigen::VectorXd& mean, const Eigen::VectorXd& direction,
+                                   double limit);
+
+} // namespace shape

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+
+#include "libshape/edge_space/shape_space.h"
+#include "libshape/linalg/dense.h"
+#include "libshape/mesh/collection.h"
+#include "libshape/statistics/grouping.h"
+
+namespace shape {
+
+/// A collection as groups of points of a space: what tests need of all, and the means as shapes.
+struct GroupedShapes
+{
+    ShapeSpace space;
+    Eigen::MatrixXd products;   ///< N by N inner products about the mean (inner_products.h).
+    Eigen::VectorXd sizes;      ///< N, see sizes() of shape_space.h [length].
+    RowMatrix means;            ///< G by D coordinates of the groups' means.
+    RowMatrix dihedral_angles;  ///< G by #E [rad], their companions; or G by 0.
+    Eigen::VectorXd mean_sizes; ///< G [length].
+};
+
+/// @throws InvalidInput if the grouping is of another number of meshes or has an empty group, or as
+///     make_space().
+/// Memory: beside the collection, one N by D matrix.
+[[nodiscard]] GroupedShapes group_shapes(const Collection& collection, const Grouping& groups,
+                                         const SpaceOptions& options = {});
+
+/// The mean of a group as a shape of the mean size of its members.
+/// @param group  Index in [0, G).
+/// @throws InvalidInput if it is out of its range.
+[[nodiscard]] DecodedShape mean_shape(const GroupedShapes& shapes, int group);
+
+} // namespace shape

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/model/model_quality.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/random.h"
+#include "libshape/base/threads.h"
+#include "libshape/edge_space/procrustes.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/model/shape_model.h"
+
+namespace shape {
+namespace {
+
+using Eigen::Index;
+
+/// The numbers 0 to count - 1 in random order (Fisher and Yates).
+std::vector<int> shuffled(Index count, Random& random)
+{
+    std::vector<int> order(static_cast<std::size_t>(count));
+    std::iota(order.begin(), order.end(), 0);
+    for (std::size_t i = order.size(); i > 1; --i)
+        std::swap(order[i - 1], order[random.index(i)]);
+    return order;
+}
+
+void check(const Collection& collection, const Grouping& folds, const QualityOptions& options)
+{
+    if (folds.size() != static_cast<Index>(collection.size()) || folds.group_count() < 2)
+        throw InvalidInput(join("quality: ", folds.size(), " meshes in ", folds.group_count(),
+                                " folds for ", collection.size(),
+                                " meshes; there must be as many meshes and at least 2 folds"));
+    if (options.tests < 1 || options.samples < 1)
+        throw InvalidInput(join("quality: tests is ", options.tests, " and samples is ",
+                                options.samples, ", both must be >= 1"));
+    if (options.modes.empty() || options.modes.front() < 1 ||
+        std::adjacent_find(options.modes.begin(), options.modes.end(), std::greater_equal()) !=
+            options.modes.end())
+        throw InvalidInput("quality: numbers of modes must be >= 1 and ascend");
+}
+
+/// A mesh as the measures see it.
+struct Measured
+{
+    Points points; ///< Centred; of the common size if size is taken away.
+    Eigen::VectorXd lengths;
+};
+
+/// Brings meshes to one size and measures between them.
+class Ruler
+{
+public:
+    Ruler(const Collection& collection, Scale scale) : topology_(collection.topology), scale_(scale)
+    {
+        for (const Points& points : collection.points)
+            size_ += centroid_size(points) / static_cast<double>(collection.size());
+    }
+
+    [[nodiscard]] Measured operator()(const Points& points) const
+    {
+        Measured mesh{points.rowwise() - points.colwise().mean(), edge_lengths(topology_, points)};
+        if (scale_ == Scale::Unit) {
+            mesh.points *= size_ / mesh.points.norm();
+            mesh.lengths /= mesh.lengths.sum();
+        }
+        return mesh;
+    }
+
+private:
+    Topology topology_;
+    Scale scale_;
+    double size_ = 0.0;
+};
+
+double vertex_distance(const Measured& mesh, const Measured& truth)
+{
+    const Eigen::Matrix3d rotation =
+        nearest_rotation(Eigen::Matrix3d(truth.points.transpose() * mesh.points));
+    return (mesh.points * rotation.transpose() - truth.points).norm() /
+           std::sqrt(static_cast<double>(truth.points.rows()));
+}
+
+double edge_distance(const Measured& mesh, const Measured& truth)
+{
+    return (mesh.lengths - truth.lengths).norm() /
+           std::sqrt(static_cast<double>(truth.lengths.size())) / truth.lengths.mean();
+}
+
+/// Mean and standard deviation of the columns.
+QualityCurve summarise(const Eigen::MatrixXd& values)
+{
+    const Eigen::RowVectorXd mean = values.colwise().mean();
+    const double divisor = std::max<double>(1.0, static_cast<double>(values.rows() - 1));
+    const Eigen::RowVectorXd squares = (values.rowwise() - mean).colwise().squaredNorm();
+    return {mean.transpose(), (squares / divisor).cwiseSqrt().transpose()};
+}
+
+ShapeModel fit(const Collection& collection, const QualityOptions& options,
+               const std::string& meshes)
+{
+    const int most = options.modes.back();
+    if (most > static_cast<int>(collection.size()) - 1)
+        throw InvalidInput(join("quality: ", most, " modes are more than the ",
+                                collection.size() - 1, " of a model of ", meshes));
+    ShapeModel model = fit_model(collection, {.modes = most, .space = options.space});
+    if (model.mode_count() < most)
+        throw InvalidInput(join("quality: ", most, " modes are more than the ", model.mode_count(),
+                                " with any variance of a model of ", meshes));
+    return model;
+}
+
+/// Decodes points of models into meshes, several at a time.
+class Decoder
+{
+public:
+    Decoder(const QualityOptions& options, const Progress& progress, int total)
+        : options_(options), progress_(progress), total_(total)
+    {
+    }
+
+    /// One mesh for every row of scores and every number of modes, rows first.
+    std::vector<Points> operator()(const ShapeModel& model, const RowMatrix& scores,
+                                   const Eigen::VectorXd& sizes)
+    {
+        if (std::holds_alternative<EdgeSpace>(model.space) &&
+            !(embedder_ && reference_ == model.reference_points)) {
+            reference_ = model.reference_points;
+            embedder_.emplace(model.topology, std::vector<Points>{reference_}, options_.embedding);
+        }
+        const std::size_t counts = options_.modes.size();
+        std::vector<Points> meshes(static_cast<std::size_t>(scores.rows()) * counts);
+        std::atomic<int> nearest = 0;
+        for (Index row = 0; row < scores.rows(); ++row) {
+            if (progress_)
+                progress_("decoding", static_cast<std::size_t>(decoded), total_);
+            parallel_for(counts, 1, [&](std::size_t k, std::size_t) {
+                const Eigen::VectorXd first = scores.row(row).head(options_.modes[k]).transpose();
+                DecodedShape shape = model_point(model, first, sizes[row]);
+                Points& mesh = meshes[static_cast<std::size_t>(row) * counts + k];
+                if (Points* points = std::get_if<Points>(&shape)) {
+                    mesh = std::move(*points);
+                    return;
+                }
+                Embedding embedding = embedder_->embed(std::get<ShapePoint>(shape));
+                nearest += embedding.report.status == EmbeddingStatus::Infeasible ? 1 : 0;
+                mesh = std::move(embedding.points);
+            });
+            decoded += static_cast<int>(counts);
+        }
+        infeasible += nearest;
+        return meshes;
+    }
+
+    int decoded = 0;
+    int infeasible = 0;
+
+private:
+    const QualityOptions& options_;
+    const Progress& progress_;
+    std::size_t total_;
+    Points reference_;
+    std::optional<Embedder> embedder_;
+};
+
+void measure_generalisation(const Collection& collection, const Grouping& folds,
+                            const QualityOptions& options, const Ruler& ruler,
+                            const std::vector<int>& tests, Decoder& decode, ModelQuality& quality)
+{
+    const auto counts = static_cast<Index>(options.modes.size());
+    Eigen::MatrixXd vertex(static_cast<Index>(tests.size()), counts);
+    Eigen::MatrixXd edge(vertex.rows(), counts);
+    Index row = 0;
+    for (int fold = 0; fold < folds.group_count(); ++fold) {
+        std::vector<std::size_t> left_out;
+        std::vector<std::size_t> others;
+        for (const int mesh : tests)
+            if (folds.group_of[static_cast<std::size_t>(mesh)] == fold)
+                left_out.push_back(static_cast<std::size_t>(mesh));
+        if (left_out.empty())
+            continue;
+        for (std::size_t mesh = 0; mesh < collection.size(); ++mesh)
+            if (folds.group_of[mesh] != fold)
+                others.push_back(mesh);
+        const ShapeModel model =
+            fit(subset(collection, others), options, join("all meshes but fold ", fold + 1));
+        const Projection projection = project(model, subset(collection, left_out));
+        const std::vector<Points> meshes = decode(model, projection.scores, projection.sizes);
+        for (std::size_t i = 0; i < left_out.size(); ++i, ++row) {
+            const Measured truth = ruler(collection.points[left_out[i]]);
+            for (Index k = 0; k < counts; ++k) {
+                const Measured mesh = ruler(
+                    meshes[i * static_cast<std::size_t>(counts) + static_cast<std::size_t>(k)]);
+                vertex(row, k) = vertex_distance(mesh, truth);
+                edge(row, k) = edge_distance(mesh, truth);
+            }
+        }
+    }
+    quality.generalisation_vertex = summarise(vertex);
+    quality.generalisation_edge = summarise(edge);
+}
+
+/// Distances of meshes to the nearest of the collection.
+void measure_specificity(const Collection& collection, const Ruler& ruler,
+                         const std::vector<Points>& meshes, Index counts, ModelQuality& quality)
+{
+    std::vector<Measured> samples;
+    for (const Points& points : meshes)
+        samples.push_back(ruler(points));
+    const auto total = static_cast<Index>(samples.size());
+    // One slot a chunk of the collection: the minimum over them does not depend on their order.
+    constexpr std::size_t grain = 16;
+    const auto chunks = static_cast<Index>((collection.size() + grain - 1) / grain);
+    const double infinity = std::numeric_limits<double>::infinity();
+    Eigen::MatrixXd vertex = Eigen::MatrixXd::Constant(total, chunks, infinity);
+    Eigen::MatrixXd edge = vertex;
+    parallel_for(collection.size(), grain, [&](std::size_t begin, std::size_t end) {
+        const auto chunk = static_cast<Index>(begin / grain);
+        for (std::size_t i = begin; i < end; ++i) {
+            const Measured truth = ruler(collection.points[i]);
+            for (Index s = 0; s < total; ++s) {
+                const Measured& sample = samples[static_cast<std::size_t>(s)];
+                vertex(s, chunk) = std::min(vertex(s, chunk), vertex_distance(sample, truth));
+                edge(s, chunk) = std::min(edge(s, chunk), edge_distance(sample, truth));
+            }
+        }
+    });
+    const auto curve = [&](const Eigen::MatrixXd& distances) {
+        const Eigen::VectorXd nearest = distances.rowwise().minCoeff();
+        return summarise(nearest.reshaped<Eigen::RowMajor>(total / counts, counts));
+    };
+    quality.specificity_vertex = curve(vertex);
+    quality.specificity_edge = curve(edge);
+}
+
+} // namespace
+
+ModelQuality measure_quality(const Collection& collection, const Grouping& folds,
+                             const QualityOptions& options, const Progress& progress)
+{
+    check(collection, folds, options);
+    Random random(options.seed);
+    std::vector<int> tests = shuffled(static_cast<Index>(collection.size()), random);
+    tests.resize(std::min(tests.size(), static_cast<std::size_t>(options.tests)));
+    const auto counts = static_cast<Index>(options.modes.size());
+    ModelQuality quality;
+    quality.modes = options.modes;
+    quality.tests = static_cast<int>(tests.size());
+    const Ruler ruler(collection, options.space.scale);
+    Decoder decode(options, progress, (quality.tests + options.samples) * static_cast<int>(counts));
+    measure_generalisation(collection, folds, options, ruler, tests, decode, quality);
+
+    const ShapeModel model = fit(collection, options, "all meshes");
+    quality.compactness.resize(counts);
+    for (Index k = 0; k < counts; ++k)
+        quality.compactness[k] =
+            model.variances.head(options.modes[static_cast<std::size_t>(k)]).sum() /
+            model.total_variance;
+    RowMatrix scores(options.samples, model.mode_count());
+    for (double& score : scores.reshaped<Eigen::RowMajor>())
+        score = random.normal();
+    scores *= model.variances.cwiseSqrt().asDiagonal();
+    const std::vector<Points> samples =
+        decode(model, scores, Eigen::VectorXd::Constant(options.samples, model.mean_size()));
+    measure_specificity(collection, ruler, samples, counts, quality);
+    quality.infeasible = decode.infeasible;
+    quality.decoded = decode.decoded;
+    return quality;
+}
+
+Grouping random_folds(Eigen::Index meshes, int count, std::uint64_t seed)
+{
+    if (count < 2 || count > meshes)
+        throw InvalidInput(join("folds: ", count, " folds of ", meshes,
+                                " meshes; there must be at least 2, and not more than meshes"));
+    if (count == meshes)
+        return groups_of_one(meshes);
+    Random random(seed);
+    const std::vector<int> order = shuffled(meshes, random);
+    Grouping folds{{}, std::vector<int>(order.size())};
+    for (int fold = 0; fold < count; ++fold)
+        folds.names.push_back(join("fold ", fold + 1));
+    for (std::size_t i = 0; i < order.size(); ++i)
+        folds.group_of[static_cast<std::size_t>(order[i])] = static_cast<int>(i) % count;
+    return folds;
+}
+
+std::vector<int> usual_mode_counts(int most)
+{
+    std::vector<int> counts;
+    for (const int count : {1, 2, 5, 10, 20, 50})
+        if (count < most)
+            counts.push_back(count);
+    if (most <= 50)
+        counts.push_back(most);
+    return counts;
+}
+
+} // namespace shape

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/statistics/bootstrap.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/random.h"
+#include "libshape/base/threads.h"
+
+namespace shape {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// The blocks of each stratum.
+std::vector<std::vector<int>> blocks_of_strata(const std::vector<std::vector<int>>& blocks,
+                                               const Grouping& strata)
+{
+    std::vector<std::vector<int>> lists(strata.names.size());
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        const int stratum = strata.group_of[static_cast<std::size_t>(blocks[b].front())];
+        lists[static_cast<std::size_t>(stratum)].push_back(static_cast<int>(b));
+    }
+    return lists;
+}
+
+/// The largest eigenvalues of the covariance of observations drawn so often.
+VectorXd largest_variances(const RowMatrix& coordinates, const VectorXd& times, int modes)
+{
+    const double drawn = times.sum();
+    const Eigen::RowVectorXd mean = times.transpose() * coordinates / drawn;
+    const RowMatrix weighted = times.cwiseSqrt().asDiagonal() * (coordinates.rowwise() - mean);
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(weighted.cols(), weighted.cols());
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose(),
+                                                          1.0 / std::max(drawn - 1.0, 1.0));
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance, Eigen::EigenvaluesOnly);
+    return solver.eigenvalues().tail(modes).reverse().cwiseMax(0.0);
+}
+
+} // namespace
+
+RowMatrix bootstrap(const Resampling& resampling,
+                    const std::function<VectorXd(const VectorXd& times)>& statistic,
+                    const BootstrapOptions& options)
+{
+    if (resampling.blocks.size() != resampling.strata.size() || options.replicates < 1)
+        throw InvalidInput(join("bootstrap: blocks are of ", resampling.blocks.size(),
+                                " observations, strata of ", resampling.strata.size(),
+                                ", replicates are ", options.replicates,
+                                "; sizes must agree and replicates be at least 1"));
+    const std::vector<std::vector<int>> blocks = members(resampling.blocks);
+    const std::vector<std::vector<int>> strata = blocks_of_strata(blocks, resampling.strata);
+    Random seeds(options.seed);
+    std::vector<Random> random;
+    for (int r = 0; r < options.replicates; ++r)
+        random.emplace_back(seeds.bits());
+    std::vector<VectorXd> rows(random.size());
+    parallel_for(rows.size(), 1, [&](std::size_t r, std::size_t) {
+        VectorXd times = VectorXd::Zero(resampling.blocks.size());
+        for (const std::vector<int>& stratum : strata)
+            for (std::size_t draw = 0; draw < stratum.size(); ++draw) {
+                const int block = stratum[random[r].index(stratum.size())];
+                for (const int i : blocks[static_cast<std::size_t>(block)])
+                    times[i] += 1.0;
+            }
+        rows[r] = statistic(times);
+    });
+    RowMatrix result(options.replicates, rows.front().size());
+    for (Index r = 0; r < result.rows(); ++r)
+        result.row(r) = rows[static_cast<std::size_t>(r)].transpose();
+    return result;
+}
+
+double quantile(VectorXd values, double probability)
+{
+    values.conservativeResize(std::remove_if(values.begin(), values.end(),
+                                             [](double value) { return std::isnan(value); }) -
+                              values.begin());
+    if (values.size() == 0 || !(probability >= 0.0 && probability <= 1.0))
+        throw InvalidInput(join("quantile: ", values.size(), " numbers, probability ", probability,
+                                "; there must be a number and the probability be in [0, 1]"));
+    std::sort(values.begin(), values.end());
+    const double place = probability * static_cast<double>(values.size() - 1);
+    const auto below = static_cast<Index>(std::floor(place));
+    const Index above = std::min(below + 1, values.size() - 1);
+    return std::lerp(values[below], values[above], place - std::floor(place));
+}
+
+Interval percentile_interval(const VectorXd& replicates, double confidence)
+{
+    if (!(confidence > 0.0 && confidence < 1.0))
+        throw InvalidInput(join("interval: confidence is ", confidence, ", must be in (0, 1)"));
+    const double outside = 0.5 * (1.0 - confidence);
+    return {quantile(replicates, outside), quantile(replicates, 1.0 - outside)};
+}
+
+std::vector<Interval> variance_intervals(const RowMatrix& coordinates, int modes,
+                                         const Resampling& resampling,
+                                         const BootstrapOptions& options)
+{
+    if (modes < 1 || modes > coordinates.cols() || coordinates.rows() != resampling.blocks.size() ||
+        coordinates.rows() < 2)
+        throw InvalidInput(join("variance intervals: ", modes, " modes of ", coordinates.rows(),
+                                " by ", coordinates.cols(), " coordinates, resampled from ",
+                                resampling.blocks.size(),
+                                " observations; modes must be in [1, columns], observations agree "
+                                "and be at least 2"));
+    if (!coordinates.allFinite())
+        throw InvalidInput("variance intervals: a coordinate is not finite");
+    const RowMatrix replicates = bootstrap(
+        resampling,
+        [&](const VectorXd& times) { return largest_variances(coordinates, times, modes); },
+        options);
+    std::vector<Interval> intervals;
+    for (int k = 0; k < modes; ++k)
+        intervals.push_back(percentile_interval(replicates.col(k), options.confidence));
+    return intervals;
+}
+
+} // namespace shape

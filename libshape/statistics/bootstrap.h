@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "libshape/linalg/dense.h"
+#include "libshape/statistics/grouping.h"
+
+namespace shape {
+
+struct BootstrapOptions
+{
+    int replicates = 1000;    ///< >= 1.
+    double confidence = 0.95; ///< Of an interval, in (0, 1).
+    std::uint64_t seed = 1;
+};
+
+/// Draws with replacement, as many blocks in each stratum as it has; a drawn block brings all of
+/// its observations. A block lies in the stratum of its first observation.
+struct Resampling
+{
+    Grouping blocks; ///< groups_of_one(): observations are drawn one by one.
+    Grouping strata; ///< one_group(): all blocks are drawn alike.
+};
+
+/// An interval that holds the true value with the confidence asked for.
+struct Interval
+{
+    double low = 0.0;
+    double high = 0.0;
+};
+
+/// Values of a statistic on resampled observations (Efron 1979), one replicate a row.
+/// @param statistic  Takes how often each of the N observations was drawn; gives as many numbers
+///     each time. Called from several threads.
+/// @throws InvalidInput if blocks and strata disagree in size or replicates < 1.
+[[nodiscard]] RowMatrix bootstrap(
+    const Resampling& resampling,
+    const std::function<Eigen::VectorXd(const Eigen::VectorXd& times)>& statistic,
+    const BootstrapOptions& options = {});
+
+/// The interval between two quantiles of replicates that leave equal shares on either side.
+/// @throws InvalidInput if there is none or confidence is not in (0, 1).
+[[nodiscard]] Interval percentile_interval(const Eigen::VectorXd& replicates, double confidence);
+
+/// Quantile of values by linear interpolation of their order statistics (type 7 of Hyndman & Fan
+/// 1996). NaN is no value.
+/// @param probability  In [0, 1].
+/// @throws InvalidInput if there is no value or probability is out of its range.
+[[nodiscard]] double quantile(Eigen::VectorXd values, double probability);
+
+/// Percentile intervals of the K largest variances of principal components (divisor: number drawn
+/// - 1), as many as asked for. The k-th largest variance of few observations is biased, the first
+/// ones upwards (Efron & Tibshirani 1993, section 7.2); the interval is of that estimate.
+/// @param coordinates  N by M observations in any orthonormal basis, such as scores of all modes.
+/// @param modes  K in [1, M].
+/// @throws InvalidInput if a rule is broken.
+/// Cost: (N + M) M^2 for each replicate.
+[[nodiscard]] std::vector<Interval> variance_intervals(const RowMatrix& coordinates, int modes,
+                                                       const Resampling& resampling,
+                                                       const BootstrapOptions& options = {});
+
+} // namespace shape

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "libshape/statistics/bootstrap.h"
+#include "libshape/statistics/grouping.h"
+
+namespace shape {
+
+/// How far the members of groups spread, and how well the differences between means are known.
+struct GroupSpread
+{
+    std::vector<double> variances; ///< G: sum of squares about the mean / (n - 1); 0 for n = 1.
+    std::vector<Interval> variance_intervals; ///< G; percentile.
+    RowMatrix distances;                      ///< G by G, between the means.
+    /// G by G: with the confidence asked for, the true vector from one mean to the other lies within
+    /// this distance of the measured one. If it is larger than `distances`, that may be nothing.
+    RowMatrix distance_radii;
+};
+
+/// Bootstraps groups of N points: blocks are drawn within each group if each lies in one, and
+/// jointly if they have members of several (compare_groups()). Replicates in which a group has no
+/// member are left out.
+/// @param products  N by N inner products of the points.
+/// @throws InvalidInput if sizes disagree or an option is out of its range.
+/// Cost: N^2 G multiplications for each replicate.
+[[nodiscard]] GroupSpread group_spread(const Eigen::MatrixXd& products, const Grouping& groups,
+                                       const Grouping& blocks,
+                                       const BootstrapOptions& options = {});
+
+} // namespace shape

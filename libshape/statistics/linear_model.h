@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "libshape/statistics/grouping.h"
+
+namespace shape {
+
+struct PermutationOptions
+{
+    int permutations = 999; ///< >= 0; the smallest p-value is 1 / (permutations + 1).
+    std::uint64_t seed = 1;
+};
+
+/// How much of the variation of N points some columns explain, and whether that is chance.
+struct LinearModelTest
+{
+    double sum_of_squares = 0.0;          ///< Explained by the tested columns, beyond all others.
+    double residual_sum_of_squares = 0.0; ///< Explained by nothing.
+    double total_sum_of_squares = 0.0;    ///< About the mean of all points.
+    int degrees_of_freedom = 0;           ///< Rank of the tested columns beyond all others.
+    int residual_degrees_of_freedom = 0;
+    double f = 0.0;         ///< Ratio of the mean squares; infinite if nothing is left over.
+    double r_squared = 0.0; ///< sum_of_squares / total_sum_of_squares.
+    double p_value = 1.0;   ///< (1 + #{permuted F >= F}) / (1 + permutations).
+    int permutations = 0;
+};
+
+/// Tests columns of a linear model of points by permutation: the Procrustes ANOVA of morphometrics
+/// (Goodall 1991; RRPP, Collyer et al. 2015) and the PERMANOVA of distances (Anderson 2001;
+/// McArdle & Anderson 2001) are special cases.
+///
+/// The model is points = blocks + nuisance + tested + residual, least squares in each coordinate.
+/// With G the inner products, R the projection away from blocks and nuisance, and Q an orthonormal
+/// basis of R tested, the tested columns explain tr(Q^T G Q) of tr(R G R). Residuals of the model
+/// without the tested columns are permuted within the blocks (Freedman & Lane 1983): with no
+/// nuisance but the blocks that is the same as permuting the rows of the tested columns, and the
+/// test is exact if they are exchangeable within the blocks.
+///
+/// @param products  N by N inner products of the points, about any origin (inner_products.h).
+/// @param tested  N by at least 1: indicators of groups, covariates.
+/// @param nuisance  N by any number, also 0. The constant is in the model anyway.
+/// @param blocks  Each has an effect of its own; one_group() if there are none.
+/// @throws InvalidInput if sizes disagree, an entry is not finite, the tested columns say nothing
+///     beyond the others, no degree of freedom is left, or the points do not vary within the blocks.
+/// Cost: N^2 multiplications for each permutation and column. Same bits for any thread count.
+[[nodiscard]] LinearModelTest test_linear_model(const Eigen::MatrixXd& products,
+                                                const Eigen::MatrixXd& tested,
+                                                const Eigen::MatrixXd& nuisance,
+                                                const Grouping& blocks,
+                                                const PermutationOptions& options = {});
+
+} // namespace shape

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/model/model_quality.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "libshape/base/error.h"
+#include "libshape/edge_space/procrustes.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/model/shape_model.h"
+#include "tests/support/collections.h"
+#include "tests/support/meshes.h"
+#include "tests/support/thread_scope.h"
+
+namespace shape {
+namespace {
+
+const SpaceOptions edge{.kind = SpaceKind::Edge};
+const SpaceOptions procrustes{.kind = SpaceKind::Procrustes};
+
+/// A sphere with one bump of different heights and random pose: shapes on a curve.
+Collection one_parameter(int count)
+{
+    const test::TestMesh sphere = test::icosphere(2);
+    Collection collection{sphere.topology, {}, {}, {}};
+    for (int i = 0; i < count; ++i) {
+        const double height = 0.5 * i / (count - 1);
+        const Eigen::VectorXd radius =
+            1.0 + height * (6.0 * (sphere.points.col(2).array() - 1.0)).exp();
+        collection.names.push_back("bump" + std::to_string(i));
+        collection.points.push_back(
+            test::moved(Points(radius.asDiagonal() * sphere.points), static_cast<unsigned>(i)));
+    }
+    return collection;
+}
+
+TEST(ModelQuality, OfALineOfPositionsIsPerfectWithOneMode)
+{
+    // Positions are linear in the height: one mode says all, up to the turns of the alignment,
+    // which symmetry excludes here.
+    const Collection collection = one_parameter(8);
+    const SpaceOptions plain{.kind = SpaceKind::Procrustes, .scale = Scale::None};
+    const ModelQuality quality = measure_quality(
+        collection, groups_of_one(8), {.space = plain, .modes = {1}, .tests = 8, .samples = 5});
+    EXPECT_NEAR(quality.compactness[0], 1.0, 1e-9);
+    EXPECT_LE(quality.generalisation_vertex.mean[0], 1e-6);
+    EXPECT_LE(quality.generalisation_edge.mean[0], 1e-6);
+    EXPECT_GT(quality.specificity_vertex.mean[0], 1e-4);
+    EXPECT_EQ(quality.tests, 8);
+    EXPECT_EQ(quality.decoded, 13);
+}
+
+TEST(ModelQuality, IsWhatOneFindsByHand)
+{
+    const Collection collection = test::bumpy_spheres(5, 3);
+    const SpaceOptions plain{.kind = SpaceKind::Procrustes, .scale = Scale::None};
+    const ModelQuality quality = measure_quality(
+        collection, groups_of_one(5), {.space = plain, .modes = {1, 3}, .tests = 5, .samples = 1});
+    for (const int k : {0, 1}) {
+        const int modes = quality.modes[static_cast<std::size_t>(k)];
+        Eigen::VectorXd vertex(5);
+        Eigen::VectorXd lengths(5);
+        for (std::size_t i = 0; i < 5; ++i) {
+            std::vector<std::size_t> others{0, 1, 2, 3, 4};
+            others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+            const ShapeModel model =
+                fit_model(subset(collection, others), {.modes = modes, .space = plain});
+            const Projection scores = project(model, subset(collection, {i}));
+            const Points mesh =
+                std::get<Points>(model_point(model, scores.scores.row(0).transpose(), 1.0));
+            const Points truth =
+                collection.points[i].rowwise() - collection.points[i].colwise().mean();
+            const Points centred = mesh.rowwise() - mesh.colwise().mean();
+            vertex[static_cast<Eigen::Index>(i)] =
+                (aligned_with(truth, centred, Scale::None) - truth).norm() / std::sqrt(42.0);
+            const Eigen::VectorXd wanted = edge_lengths(collection.topology, truth);
+            lengths[static_cast<Eigen::Index>(i)] =
+                std::sqrt((edge_lengths(collection.topology, mesh) - wanted).squaredNorm() /
+                          120.0) /
+                wanted.mean();
+        }
+        EXPECT_NEAR(quality.generalisation_vertex.mean[k], vertex.mean(), 1e-9);
+        EXPECT_NEAR(quality.generalisation_edge.mean[k], lengths.mean(), 1e-9);
+        EXPECT_NEAR(quality.generalisation_vertex.deviation[k],
+                    std::sqrt((vertex.array() - vertex.mean()).square().sum() / 4.0), 1e-9);
+    }
+    // The model of all meshes: shares of variance.
+    const ShapeModel model = fit_model(collection, {.space = plain});
+    EXPECT_NEAR(quality.compactness[1], model.variances.head(3).sum() / model.total_variance,
+                1e-12);
+}
+
+TEST(ModelQuality, MoreModesReconstructBetterAndSampleFartherOff)
+{
+    const Collection collection = test::bumpy_spheres(12, 4);
+    for (const SpaceOptions& space : {edge, procrustes}) {
+        const ModelQuality quality =
+            measure_quality(collection, groups_of_one(12),
+                            {.space = space, .modes = {1, 10}, .tests = 12, .samples = 10});
+        EXPECT_LT(quality.generalisation_edge.mean[1], quality.generalisation_edge.mean[0]);
+        EXPECT_LT(quality.generalisation_vertex.mean[1], quality.generalisation_vertex.mean[0]);
+        EXPECT_LT(quality.compactness[0], quality.compactness[1]);
+        EXPECT_GT(quality.specificity_edge.mean[0], 0.0);
+    }
+}
+
+TEST(ModelQuality, OfUnitScaleKnowsNeitherSizeNorPose)
+{
+    const Collection collection = test::bumpy_spheres(6, 5);
+    Collection others = test::moved(collection, 30);
+    for (std::size_t i = 0; i < others.size(); ++i)
+        others.points[i] *= centroid_size(collection.points[0]) / centroid_size(others.points[i]);
+    for (const SpaceOptions& space : {edge, procrustes}) {
+        const QualityOptions options{.space = space, .modes = {2}, .tests = 6, .samples = 4};
+        const ModelQuality here = measure_quality(collection, groups_of_one(6), options);
+        const ModelQuality there = measure_quality(others, groups_of_one(6), options);
+        EXPECT_NEAR(here.generalisation_edge.mean[0], there.generalisation_edge.mean[0],
+                    1e-4 * here.generalisation_edge.mean[0]);
+        EXPECT_NEAR(here.compactness[0], there.compactness[0], 1e-9);
+    }
+}
+
+TEST(ModelQuality, HasTheSameBitsForAnyThreadCountAndFollowsTheSeed)
+{
+    const Collection collection = test::bumpy_spheres(8, 6);
+    const auto made = [&](int threads, std::uint64_t seed) {
+        const test::ThreadScope scope(threads);
+        return measure_quality(collection, random_folds(8, 4, 1),
+                               {.modes = {1, 4}, .tests = 5, .samples = 6, .seed = seed});
+    };
+    const ModelQuality one = made(1, 7);
+    const ModelQuality many = made(4, 7);
+    EXPECT_EQ(one.generalisation_vertex.mean, many.generalisation_vertex.mean);
+    EXPECT_EQ(one.specificity_edge.mean, many.specificity_edge.mean);
+    EXPECT_EQ(one.infeasible, many.infeasible);
+    EXPECT_NE(one.specificity_edge.mean, made(1, 8).specificity_edge.mean);
+}
+
+TEST(ModelQuality, RefusesWhatBreaksARule)
+{
+    const Collection collection = test::bumpy_spheres(5, 7);
+    const auto measure = [&](const Grouping& folds, const QualityOptions& options) {
+        (void)measure_quality(collection, folds, options);
+    };
+    const Grouping each = groups_of_one(5);
+    EXPECT_THROW(measure(groups_of_one(4), {.modes = {1}}), InvalidInput);
+    EXPECT_THROW(measure(one_group(5), {.modes = {1}}), InvalidInput);
+    EXPECT_THROW(measure(each, {.modes = {}}), InvalidInput);
+    EXPECT_THROW(measure(each, {.modes = {0, 1}}), InvalidInput);
+    EXPECT_THROW(measure(each, {.modes = {1, 1}}), InvalidInput);
+    EXPECT_THROW(measure(each, {.modes = {4}}), InvalidInput); // four others have three modes
+    EXPECT_THROW(measure(each, {.modes = {1}, .tests = 0}), InvalidInput);
+    EXPECT_THROW(measure(each, {.modes = {1}, .samples = 0}), InvalidInput);
+}
+
+TEST(RandomFolds, AreOfEqualSize)
+{
+    for (const int count : {2, 3, 7, 10}) {
+        const Grouping folds = random_folds(23, count, 5);
+        EXPECT_EQ(folds.group_count(), count);
+        std::vector<int> sizes(static_cast<std::size_t>(count), 0);
+        for (const int fold : folds.group_of)
+            ++sizes[static_cast<std::size_t>(fold)];
+        const auto [least, most] = std::minmax_element(sizes.begin(), sizes.end());
+        EXPECT_LE(*most - *least, 1);
+    }
+    EXPECT_EQ(random_folds(23, 5, 9).group_of, random_folds(23, 5, 9).group_of);
+    EXPECT_NE(random_folds(23, 5, 9).group_of, random_folds(23, 5, 10).group_of);
+    EXPECT_EQ(random_folds(4, 4, 1).group_of, groups_of_one(4).group_of);
+    EXPECT_THROW((void)random_folds(4, 5, 1), InvalidInput);
+    EXPECT_THROW((void)random_folds(4, 1, 1), InvalidInput);
+}
+
+TEST(UsualModeCounts, EndWithTheMost)
+{
+    EXPECT_EQ(usual_mode_counts(1), std::vector<int>{1});
+    EXPECT_EQ(usual_mode_counts(7), (std::vector<int>{1, 2, 5, 7}));
+    EXPECT_EQ(usual_mode_counts(50), (std::vector<int>{1, 2, 5, 10, 20, 50}));
+    EXPECT_EQ(usual_mode_counts(539), (std::vector<int>{1, 2, 5, 10, 20, 50}));
+}
+
+} // namespace
+} // namespace shape

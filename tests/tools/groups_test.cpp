@@ -1,0 +1,429 @@
+// SPDX-License-Identifier: MIT
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "libshape/base/format.h"
+#include "libshape/io/mesh_file.h"
+#include "libshape/io/table_file.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tests/support/meshes.h"
+#include "tests/tools/program.h"
+
+namespace shape::test {
+namespace {
+
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+Arguments operator+(Arguments a, const Arguments& b)
+{
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+/// Six subjects, calm and glad (longer along z), in people/ and people.h5. Three are of each sex;
+/// one mesh has no value of `gap`, `word` is no number, and `same` is one for all.
+class Groups : public testing::Test
+{
+protected:
+    Groups()
+    {
+        static const std::map<std::string, std::string> made = [] {
+            const Folder workshop;
+            fill(workshop);
+            return workshop.content();
+        }();
+        for (const auto& [name, content] : made)
+            if (content != "(no file)")
+                folder_.write(name, content);
+    }
+
+    static void fill(const Folder& folder)
+    {
+        folder.write("people/.keep", "");
+        std::string labels = "mesh,subject,mood,sex,age,gap,word,same\n";
+        for (unsigned i = 0; i < 6; ++i)
+            for (const char* mood : {"calm", "glad"}) {
+                TestMesh mesh = bumpy_sphere(1, 0.2, i + 1);
+                if (mood == std::string("glad"))
+                    mesh.points.col(2) *= 1.2;
+                const std::string name = join("s", i, "_", mood);
+                write_mesh(folder / ("people/" + name + ".ply"), mesh.points, mesh.topology.faces(),
+                           MeshFormat::Ply);
+                labels += join(name, ",s", i, ",", mood, ",", i % 2 == 0 ? "f" : "m", ",",
+                               20 + (7 * i) % 11, ",", name == "s5_glad" ? "" : "1", ",old,1\n");
+            }
+        write_bumpy_spheres(folder);
+        folder.write("few.csv", folder.read("labels.csv")); // of a.ply, b.ply and c.ply
+        folder.write("labels.csv", labels);
+        const Outcome collected = run_shape(
+            folder.path(), {"collect", "people", "--labels", "labels.csv", "-o", "people.h5"});
+        if (collected.exit_code != 0)
+            throw std::runtime_error(collected.err);
+    }
+
+    /// Runs and returns the JSON on stdout.
+    [[nodiscard]] Json run(const Arguments& arguments) const
+    {
+        const Outcome outcome = run_shape(folder_.path(), arguments + Arguments{"--json"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
+    }
+
+    /// Runs what must fail with one line that names these things, and writes nothing.
+    void expect_failure(int exit_code, const Arguments& arguments, const Arguments& said) const
+    {
+        const std::map<std::string, std::string> before = folder_.content();
+        const Outcome outcome = run_shape(folder_.path(), arguments);
+        const std::string line = testing::PrintToString(arguments);
+        EXPECT_EQ(outcome.exit_code, exit_code) << line << "\n" << outcome.err;
+        EXPECT_EQ(line_count(outcome.err), 1) << line << "\n" << outcome.err;
+        for (const std::string& part : said)
+            EXPECT_NE(outcome.err.find(part), std::string::npos)
+                << line << "\n'" << part << "' in: " << outcome.err;
+        EXPECT_TRUE(folder_.content() == before) << line << ": a file was made or changed";
+    }
+
+    [[nodiscard]] Points points(const std::string& file) const
+    {
+        return read_mesh(folder_ / file).points;
+    }
+
+    /// Edge lengths of a mesh divided by their sum.
+    [[nodiscard]] Eigen::VectorXd shape_of(const std::string& file) const
+    {
+        const Eigen::VectorXd all = lengths(file);
+        return all / all.sum();
+    }
+    [[nodiscard]] Eigen::VectorXd lengths(const std::string& file) const
+    {
+        const NamedMesh mesh = read_mesh(folder_ / file);
+        return edge_lengths(Topology(mesh.faces, static_cast<int>(mesh.points.rows())),
+                            mesh.points);
+    }
+
+    const Folder folder_;
+};
+
+/// Largest difference relative to the mean of b.
+double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b)
+{
+    return (a - b).cwiseAbs().maxCoeff() / b.mean();
+}
+
+TEST_F(Groups, AreComparedWithinSubjects)
+{
+    const Json figures = run({"groups", "people.h5", "--by", "mood", "--within", "subject", "-o",
+                              "groups.csv", "--means", "means"});
+    EXPECT_EQ(figures["design"], "crossed");
+    EXPECT_EQ(figures["overall"]["df"], 1);
+    EXPECT_EQ(figures["overall"]["residual_df"], 5);
+    EXPECT_LT(figures["overall"]["p_value"], 0.06); // of 64 arrangements two are as extreme
+    ASSERT_EQ(figures["pairs"].size(), 1u);
+    EXPECT_EQ(figures["pairs"][0]["first"], "calm");
+    EXPECT_LT(figures["pairs"][0]["radius"], figures["pairs"][0]["distance"]);
+    EXPECT_EQ(figures["groups"][1]["meshes"], 6);
+    EXPECT_EQ(figures["outputs"], Json({"means/calm.ply", "means/glad.ply", "groups.csv"}));
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(120);
+    for (int i = 0; i < 6; ++i)
+        mean += shape_of(join("people/s", i, "_glad.ply")) / 6.0;
+    EXPECT_LT(difference(shape_of("means/glad.ply"), mean), 0.02);
+    EXPECT_NEAR(lengths("means/glad.ply").sum(), figures["groups"][1]["mean_size"],
+                0.01 * lengths("means/glad.ply").sum());
+
+    const Table table = read_table(folder_ / "groups.csv");
+    ASSERT_EQ(table.rows.size(), 2u);
+    EXPECT_EQ(table.columns.front(), "first");
+    EXPECT_EQ(table.columns.back(), "p_adjusted");
+    EXPECT_EQ(table.rows[1][1], "glad");
+    EXPECT_EQ(parse_number(table.rows[1][2], "distance"), figures["pairs"][0]["distance"]);
+}
+
+TEST_F(Groups, OfSubjectsAreComparedByTheirMeans)
+{
+    const Arguments by_sex{"groups", "people.h5", "--by", "sex", "--within", "subject"};
+    const Json figures = run(by_sex + Arguments{"-o", "sex.csv"});
+    EXPECT_EQ(figures["design"], "nested");
+    EXPECT_EQ(figures["overall"]["residual_df"], 4);
+    const Json adjusted = run(
+        by_sex + Arguments{"-o", "adjusted.csv", "--adjust-for", "age", "--adjust-for", "size"});
+    EXPECT_EQ(adjusted["overall"]["residual_df"], 2);
+    const Json calm = run({"groups", "people.h5", "--by", "sex", "--only", "mood=calm", "-o",
+                           "calm.csv", "--space", "procrustes"});
+    EXPECT_EQ(calm["meshes"], 6);
+    EXPECT_EQ(calm["space"], "procrustes");
+}
+
+TEST_F(Groups, DependOnTheSeedButNotOnTheThreads)
+{
+    const Arguments compare{"groups", "people.h5", "--by", "sex"};
+    (void)run(compare + Arguments{"-o", "one.csv", "--threads", "1"});
+    (void)run(compare + Arguments{"-o", "three.csv", "--threads", "3"});
+    (void)run(compare + Arguments{"-o", "other.csv", "--seed", "7"});
+    EXPECT_EQ(folder_.read("one.csv"), folder_.read("three.csv"));
+    EXPECT_NE(folder_.read("one.csv"), folder_.read("other.csv"));
+}
+
+TEST_F(Groups, VariancesOfModesHaveIntervals)
+{
+    const Arguments stats{"stats", "people.h5", "--modes", "3", "--bootstrap", "200"};
+    const Json figures = run(stats + Arguments{"-o", "model.h5", "--within", "subject"});
+    for (const Json& mode : figures["modes"]) {
+        EXPECT_LT(mode["variance_low"], mode["variance"]);
+        EXPECT_GT(mode["variance_high"], mode["variance_low"]);
+    }
+    expect_failure(3, stats + Arguments{"-o", "x.h5", "--within", "gap"}, {"s5_glad"});
+    expect_failure(2, {"stats", "people.h5", "-o", "x.h5", "--within", "subject"}, {"--bootstrap"});
+    expect_failure(2, stats + Arguments{"-o", "x.h5", "--bootstrap", "-1"}, {"--bootstrap"});
+}
+
+TEST_F(Groups, AreToldApartInSubjectsThatWereLeftOut)
+{
+    for (const char* space : {"edge", "procrustes"}) {
+        const std::string stem = space;
+        const Json figures = run({"classify", "people.h5", "--by", "mood", "--leave-out", "subject",
+                                  "--modes", "3", "--space", space, "-o", stem + ".csv",
+                                  "--predictions", stem + "_mesh.csv", "--plot", stem + ".svg"});
+        EXPECT_EQ(figures["folds"], 6);
+        EXPECT_EQ(figures["chance"], 0.5);
+        const Table confusion = read_table(folder_ / (stem + ".csv"));
+        EXPECT_EQ(confusion.columns, (Arguments{"true mood", "calm", "glad"}));
+        const Table predictions = read_table(folder_ / (stem + "_mesh.csv"));
+        ASSERT_EQ(predictions.rows.size(), 12u);
+        int right = 0;
+        for (const Arguments& row : predictions.rows)
+            right += row[2] == row[3];
+        EXPECT_DOUBLE_EQ(figures["accuracy"], right / 12.0);
+        EXPECT_EQ(std::stoi(confusion.rows[0][1]) + std::stoi(confusion.rows[1][2]), right);
+        EXPECT_NE(folder_.read(stem + ".svg").find("canonical variate 1"), std::string::npos);
+    }
+}
+
+/// Meshes that grow longer with t, which is 0, 1, ..., 5.
+void write_bent(const Folder& folder)
+{
+    folder.write("bent/.keep", "");
+    std::string labels = "mesh,t,other\n";
+    const TestMesh mesh = bumpy_sphere(1, 0.2, 1);
+    for (int t = 0; t < 6; ++t) {
+        Points points = mesh.points;
+        points.col(0) *= 1.0 + 0.04 * t;
+        write_mesh(folder / join("bent/t", t, ".ply"), points, mesh.topology.faces(),
+                   MeshFormat::Ply);
+        labels += join("t", t, ",", t, ",", (5 * t) % 7, "\n");
+    }
+    folder.write("bent.csv", labels);
+}
+
+TEST_F(Groups, RegressionKnowsShapesAtAnyValueAndWithoutTheEffect)
+{
+    write_bent(folder_);
+    const Json figures =
+        run({"regress", "bent", "--labels", "bent.csv", "--on", "t", "-o", "s.csv", "--at", "3,6",
+             "--expected", "at", "--corrected", "without", "--plot", "s.svg"});
+    EXPECT_GT(figures["covariates"][0]["r_squared"], 0.99);
+    EXPECT_LT(figures["covariates"][0]["p_value"], 0.02); // of 720 orders two are as extreme
+    EXPECT_EQ(figures["together"]["p_value"], figures["covariates"][0]["p_value"]);
+    EXPECT_EQ(files_in(folder_ / "at"), (Arguments{"t_3.ply", "t_6.ply"}));
+    EXPECT_LT(difference(shape_of("at/t_3.ply"), shape_of("bent/t3.ply")), 0.005);
+    for (int t = 0; t < 6; ++t) {
+        const std::string file = join("t", t, ".ply");
+        EXPECT_LT(difference(shape_of("without/" + file), shape_of("without/t2.ply")), 0.015);
+        EXPECT_NEAR(lengths("without/" + file).sum() / lengths("bent/" + file).sum(), 1.0, 1e-3);
+    }
+    const Table scores = read_table(folder_ / "s.csv");
+    EXPECT_EQ(scores.columns, (Arguments{"mesh", "t", "score"}));
+    EXPECT_NEAR(parse_number(scores.rows[4][2], "score"), 4.0, 0.1);
+    EXPECT_NE(folder_.read("s.svg").find("score along the regression"), std::string::npos);
+}
+
+TEST_F(Groups, RegressionTestsEachCovariateBeyondTheOthers)
+{
+    write_bent(folder_);
+    const Json figures = run(
+        {"regress", "bent", "--labels", "bent.csv", "--on", "t", "--on", "other", "-o", "s.csv"});
+    ASSERT_EQ(figures["covariates"].size(), 2u);
+    EXPECT_LT(figures["covariates"][0]["p_value"], 0.05);
+    EXPECT_GT(figures["covariates"][1]["p_value"], 0.05);
+    EXPECT_EQ(figures["together"]["df"], 2);
+    const Json allometry =
+        run({"regress", "bent", "--on", "size", "--at", "60", "--expected", "at", "-o", "a.csv"});
+    EXPECT_NEAR(lengths("at/size_60.ply").sum(), 60.0, 0.05);
+    EXPECT_EQ(run({"regress", "people.h5", "--on", "size", "--within", "subject", "-o",
+                   "w.csv"})["together"]["residual_df"],
+              5);
+}
+
+TEST_F(Groups, RemovingAllModesLeavesOneShape)
+{
+    (void)run({"remove", "a.ply", "b.ply", "c.ply", "--modes", "2", "-o", "mean"});
+    EXPECT_LT(difference(shape_of("mean/b.ply"), shape_of("mean/a.ply")), 1e-3);
+    EXPECT_LT(std::abs(lengths("mean/b.ply").sum() / lengths("b.ply").sum() - 1.0), 0.01);
+    (void)run({"remove", "a.ply", "b.ply", "c.ply", "--modes", "2", "--like", "a", "-o", "like"});
+    EXPECT_LT(difference(shape_of("like/c.ply"), shape_of("a.ply")), 1e-6);
+    (void)run({"stats", "a.ply", "b.ply", "c.ply", "-o", "model.h5"});
+    const Json figures = run({"remove", "b.ply", "--model", "model.h5", "--modes", "2", "--like",
+                              "a.ply", "-o", "b_like_a.ply"});
+    EXPECT_LT(difference(shape_of("b_like_a.ply"), shape_of("a.ply")), 1e-6);
+    EXPECT_EQ(figures["removed"][0].size(), 2u);
+}
+
+/// Arguments that find the difference of the one pair, from a to b.
+Arguments smile(const Arguments& further)
+{
+    return Arguments{"difference", "a.ply",   "b.ply",  "c.ply",     "--labels", "few.csv",
+                     "--pair-by",  "subject", "--from", "mood=calm", "--to",     "mood=glad"} +
+           further;
+}
+
+TEST_F(Groups, RemovingADifferenceTakesItsEndBackToItsStart)
+{
+    (void)run(smile({"-o", "smile.h5"}));
+    (void)run({"remove", "a.ply", "b.ply", "--direction", "smile.h5", "-o", "calm"});
+    EXPECT_LT(difference(shape_of("calm/b.ply"), shape_of("a.ply")), 1e-6);
+    EXPECT_LT(difference(lengths("calm/a.ply"), lengths("a.ply")), 1e-6);
+}
+
+TEST_F(Groups, DifferencesAreTransferredToAnyMesh)
+{
+    const Json figures =
+        run(smile({"-o", "smile.h5", "--apply", "--onto", "a", "--mesh", "glad_a.ply"}));
+    EXPECT_EQ(figures["embeddings"][0]["name"], "a");
+    EXPECT_LT(difference(shape_of("glad_a.ply"), shape_of("b.ply")), 1e-6);
+    EXPECT_NEAR(lengths("glad_a.ply").sum(), lengths("a.ply").sum(), 1e-5);
+    // A saved one, onto several meshes; c is still what it was once it is added and taken away.
+    (void)run({"difference", "--load", "smile.h5", "--onto", "a.ply", "c.ply", "--mesh", "out"});
+    EXPECT_LT(difference(lengths("out/a.ply"), lengths("glad_a.ply")), 1e-6);
+    const Json both = run({"difference", "--load", "smile.h5", "smile.h5", "--amounts", "0.7,-0.7",
+                           "--onto", "c.ply", "--mesh", "same.ply"});
+    EXPECT_EQ(both["amounts"], Json({0.7, -0.7}));
+    EXPECT_LT((points("same.ply") - points("c.ply")).cwiseAbs().maxCoeff(), 1e-5); // in its place
+    (void)run({"difference", "--load", "smile.h5", "--amount", "1", "--mesh", "mean.ply"});
+    EXPECT_LT(difference(shape_of("mean.ply"), shape_of("b.ply")), 1e-6);
+    (void)run({"difference", "--load", "smile.h5", "--onto", "c.ply", "--size", "50", "--amount",
+               "0", "--mesh", "small.ply"});
+    EXPECT_LT(difference(shape_of("small.ply"), shape_of("c.ply")), 1e-6);
+    EXPECT_NEAR(lengths("small.ply").sum(), 50.0, 1e-4);
+    const Json chosen =
+        run({"difference", "people.h5", "--pair-by", "subject", "--from", "mood=calm", "--to",
+             "mood=glad", "--only", "subject=s1", "--only", "subject=s4", "-o", "two.h5"});
+    EXPECT_EQ(chosen["pairs"], 2);
+}
+
+TEST_F(Groups, BadInputIsNamed)
+{
+    const Arguments groups{"groups", "people.h5", "-o", "out.csv"};
+    expect_failure(3, groups + Arguments{"--by", "gap"}, {"s5_glad", "gap", "1 of 12"});
+    expect_failure(3, groups + Arguments{"--by", "mood", "--within", "gap"}, {"s5_glad", "gap"});
+    expect_failure(3, groups + Arguments{"--by", "none"}, {"none", "subject, mood"});
+    expect_failure(3, groups + Arguments{"--by", "same"}, {"one group"});
+    expect_failure(3,
+                   {"groups", "people.h5", "--by", "subject", "--only", "mood=calm", "-o", "x.csv"},
+                   {"6 observations in 6 groups"});
+    expect_failure(3, groups + Arguments{"--by", "sex", "--within", "sex"},
+                   {"2 blocks in 2 groups"});
+    expect_failure(3, groups + Arguments{"--by", "mood", "--adjust-for", "word"},
+                   {"word", "s0_calm", "old"});
+    expect_failure(3, groups + Arguments{"--by", "mood", "--only", "sex=x"}, {"--only"});
+    expect_failure(3, {"groups", "people", "--by", "mood", "-o", "x.csv"}, {"mood", "no labels"});
+
+    const Arguments classify{"classify", "people.h5", "-o", "out.csv", "--by", "mood"};
+    expect_failure(3, classify + Arguments{"--modes", "11"}, {"modes", "9"});
+    expect_failure(3, classify + Arguments{"--modes", "2", "--leave-out", "mood"},
+                   {"'calm'", "nothing is left"});
+    expect_failure(3, classify + Arguments{"--modes", "2", "--leave-out", "gap"}, {"s5_glad"});
+    expect_failure(3, {"classify", "people.h5", "-o", "x.csv", "--by", "same"}, {"1 groups"});
+
+    const Arguments regress{"regress", "people.h5", "-o", "out.csv"};
+    expect_failure(3, regress + Arguments{"--on", "word"}, {"word", "s0_calm", "old", "number"});
+    expect_failure(3, regress + Arguments{"--on", "gap"}, {"s5_glad", "gap"});
+    expect_failure(3, regress + Arguments{"--on", "same"}, {"constant"});
+    expect_failure(3, regress + Arguments{"--on", "age", "--within", "subject"}, {"constant"});
+    expect_failure(3, {"regress", "a.ply", "b.ply", "--on", "size", "-o", "x.csv"},
+                   {"2 observations"});
+}
+
+TEST_F(Groups, BadInputToRemovalAndTransferIsNamed)
+{
+    (void)run(smile({"-o", "smile.h5"}));
+    const TestMesh finer = icosphere(2);
+    write_mesh(folder_ / "finer.ply", finer.points, finer.topology.faces(), MeshFormat::Ply);
+    (void)run({"stats", "a.ply", "b.ply", "-o", "model.h5"});
+    expect_failure(3, {"remove", "a.ply", "b.ply", "--modes", "2", "-o", "x"}, {"modes is 2"});
+    expect_failure(3, {"remove", "a.ply", "--modes", "2", "--model", "model.h5", "-o", "x"},
+                   {"2 modes"});
+    expect_failure(3, {"remove", "finer.ply", "--modes", "1", "--model", "model.h5", "-o", "x"},
+                   {"another triangulation"});
+    expect_failure(3, {"remove", "finer.ply", "--direction", "smile.h5", "-o", "x"},
+                   {"another triangulation"});
+    expect_failure(3, {"remove", "a.ply", "b.ply", "--modes", "1", "--like", "z", "-o", "x"},
+                   {"--like", "'z'"});
+    expect_failure(3, {"remove", "a.ply", "--direction", "model.h5", "-o", "x"}, {"model.h5"});
+
+    const Arguments load{"difference", "--load", "smile.h5", "--mesh", "x.ply"};
+    expect_failure(3, load + Arguments{"--onto", "z"}, {"--onto", "'z'"});
+    expect_failure(3, load + Arguments{"--onto", "finer.ply"}, {"finer.ply", "triangulation"});
+    (void)run(smile({"-o", "plain.h5", "--scale", "none"}));
+    expect_failure(3, load + Arguments{"--load", "plain.h5"}, {"plain.h5", "scale"});
+    expect_failure(3, {"difference", "--load", "model.h5", "--mesh", "x.ply"}, {"model.h5"});
+    expect_failure(5, {"difference", "--load", "no.h5", "--mesh", "x.ply"}, {"no.h5"});
+}
+
+TEST_F(Groups, WrongUsageIsNamed)
+{
+    (void)run(smile({"-o", "smile.h5"}));
+    const Arguments groups{"groups", "people.h5", "--by", "mood"};
+    expect_failure(2, groups, {"--output"});
+    expect_failure(2, {"groups", "people.h5", "-o", "x.csv"}, {"--by"});
+    expect_failure(2, groups + Arguments{"-o", "x.h5"}, {".csv"});
+    expect_failure(2, groups + Arguments{"-o", "x.csv", "--only", "mood"}, {"--only"});
+    expect_failure(2, groups + Arguments{"-o", "x.csv", "--permutations", "-1"}, {"--permut"});
+    expect_failure(2, groups + Arguments{"-o", "x.csv", "--bootstrap", "0"}, {"--bootstrap"});
+    expect_failure(2, groups + Arguments{"-o", "x.csv", "--space", "procrustes", "--area-weighted"},
+                   {"--area-weighted"});
+    const Arguments classify{"classify", "people.h5", "--by", "mood", "-o", "x.csv"};
+    expect_failure(2, classify + Arguments{"--modes", "0"}, {"--modes"});
+    expect_failure(2, classify + Arguments{"--plot", "x.png"}, {"--plot"});
+    expect_failure(2, classify + Arguments{"--predictions", "./x.csv"}, {"--predictions"});
+    const Arguments regress{"regress", "people.h5", "-o", "x.csv"};
+    expect_failure(2, regress, {"--on"});
+    expect_failure(2, regress + Arguments{"--on", "age", "--at", "3"}, {"--expected"});
+    expect_failure(2, regress + Arguments{"--on", "age", "--expected", "d"}, {"--at"});
+    expect_failure(2, regress + Arguments{"--on", "age", "--expected", "d", "--at", "old"},
+                   {"--at", "old"});
+    expect_failure(
+        2, regress + Arguments{"--on", "age", "--on", "size", "--expected", "d", "--at", "3"},
+        {"--at"});
+    expect_failure(
+        2, regress + Arguments{"--on", "age", "--expected", "d", "--at", "3", "--corrected", "./d"},
+        {"--corrected"});
+    const Arguments remove{"remove", "a.ply", "b.ply", "-o", "x"};
+    expect_failure(2, remove, {"--modes"});
+    expect_failure(2, remove + Arguments{"--modes", "1", "--direction", "smile.h5"}, {"--"});
+    expect_failure(2, remove + Arguments{"--direction", "smile.h5", "--model", "m.h5"},
+                   {"--modes"});
+
+    const Arguments load{"difference", "--load", "smile.h5"};
+    expect_failure(2, load, {"--mesh"});
+    expect_failure(2, {"difference", "a.ply", "--load", "smile.h5", "--mesh", "x.ply"}, {"MESHES"});
+    expect_failure(2, load + Arguments{"--mesh", "x.ply", "--amounts", "1,2"}, {"--amount"});
+    expect_failure(2, load + Arguments{"--mesh", "x.ply", "--amount", "nan"}, {"--amount"});
+    expect_failure(2, load + Arguments{"--mesh", "x.ply", "--from", "mood=calm"}, {"--load"});
+    expect_failure(2, load + Arguments{"--mesh", "x.ply", "--onto", "a.ply", "b.ply"}, {"x.ply"});
+    expect_failure(2, load + Arguments{"--mesh", "x.ply", "--only", "mood=calm"}, {"--load"});
+    expect_failure(2, smile({}), {"-o"});
+    expect_failure(2, smile({"-o", "x.h5", "--mesh", "x.ply"}), {"--apply"});
+    expect_failure(2, {"difference", "a.ply", "-o", "x.h5", "--from", "k=1", "--to", "k=2"},
+                   {"--pair-by"});
+    expect_failure(2,
+                   {"difference", "-o", "x.h5", "--pair-by", "k", "--from", "k=1", "--to", "k=2"},
+                   {"MESHES"});
+}
+
+} // namespace
+} // namespace shape::test

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/output_file.h"
+#include "libshape/io/table_file.h"
+#include "libshape/report/plot.h"
+#include "libshape/statistics/cross_validation.h"
+#include "libshape/statistics/discriminant_analysis.h"
+#include "libshape/statistics/inner_products.h"
+#include "libshape/statistics/principal_components.h"
+#include "tools/commands.h"
+#include "tools/common/arguments.h"
+#include "tools/common/interrupt.h"
+#include "tools/common/label_input.h"
+#include "tools/common/output_rules.h"
+#include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
+
+namespace shape::tools {
+namespace {
+
+struct Arguments
+{
+    LabelledInput input;
+    std::string by;
+    std::string leave_out;
+    std::int64_t modes = 20;
+    std::string output;
+    std::string predictions;
+    std::string plot;
+    SpaceOptions space;
+};
+
+/// Rows are true groups, columns predicted ones.
+Table confusion_table(const std::string& label, const Grouping& groups,
+                      const CrossValidation& result)
+{
+    Table table;
+    table.columns.push_back("true " + label);
+    for (const std::string& name : groups.names)
+        table.columns.push_back(name);
+    for (std::size_t g = 0; g < groups.names.size(); ++g) {
+        std::vector<std::string>& row = table.rows.emplace_back();
+        row.push_back(groups.names[g]);
+        for (const int count : result.confusion.row(static_cast<Eigen::Index>(g)))
+            row.push_back(std::to_string(count));
+    }
+    return table;
+}
+
+Table prediction_table(const Collection& collection, const Grouping& groups, const Grouping& folds,
+                       const CrossValidation& result)
+{
+    Table table{{"mesh", "left_out_with", "true", "predicted"}, {}};
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        table.rows.push_back({collection.names[i],
+                              folds.names[static_cast<std::size_t>(folds.group_of[i])],
+                              groups.names[static_cast<std::size_t>(groups.group_of[i])],
+                              groups.names[static_cast<std::size_t>(result.predicted[i])]});
+    return table;
+}
+
+/// Confusion as lines of text, unless there are too many groups to read.
+std::string confusion_text(const Table& table)
+{
+    std::string text;
+    if (table.rows.size() > 12)
+        return text;
+    const auto add = [&](const std::vector<std::string>& cells) {
+        char cell[128];
+        for (std::size_t c = 0; c < cells.size(); ++c) {
+            std::snprintf(cell, sizeof cell, c == 0 ? "%-16.60s" : " %10.60s", cells[c].c_str());
+            text += cell;
+        }
+        text += "\n";
+    };
+    add(table.columns);
+    for (const std::vector<std::string>& row : table.rows)
+        add(row);
+    return text;
+}
+
+/// The first two canonical variates of all meshes; with two groups, which have but one, against the
+/// first mode.
+std::string draw_variates(const Collection& collection, const std::string& label,
+                          const Grouping& groups, const ShapeSpace& space, int modes)
+{
+    const RowMatrix scores =
+        principal_components(encode(space, collection), {.modes = modes}).scores;
+    const DiscriminantAnalysis analysis = discriminant_analysis(scores, groups);
+    const RowMatrix variates = canonical_variates(analysis, scores);
+    const bool has_two = variates.cols() > 1;
+    RowMatrix shown(variates.rows(), 2);
+    shown << variates.col(0), has_two ? variates.col(1) : scores.col(0);
+    Plot plot =
+        score_plot(shown, collection.names, find_label(collection.labels, label).values, {});
+    plot.x_label = "canonical variate 1";
+    plot.y_label = has_two ? "canonical variate 2" : "mode 1";
+    return plot_svg(plot);
+}
+
+void check_outputs(const Session& session, const Arguments& arguments)
+{
+    check_ending("-o", arguments.output, ".csv");
+    std::vector<std::filesystem::path> taken = input_files(arguments.input.meshes);
+    check_output(session, arguments.output, taken);
+    for (const auto& [option, path, ending] :
+         {std::tuple{"--predictions", arguments.predictions, ".csv"},
+          std::tuple{"--plot", arguments.plot, ".svg"}})
+        if (!path.empty()) {
+            check_ending(option, path, ending);
+            check_output(session, path, taken);
+            check_different(option, path, "-o", arguments.output);
+        }
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_space_options(arguments.space);
+    check_outputs(session, arguments);
+    const Collection collection = read_labelled(session, arguments.input);
+    const Grouping groups = group_by_label(collection, arguments.by);
+    const Grouping folds = group_by_label_or_each(collection, arguments.leave_out);
+    const ShapeSpace space = make_space(collection, arguments.space);
+    warn_of_alignment(session, space);
+    throw_if_interrupted();
+    const int modes = static_cast<int>(arguments.modes);
+    const CrossValidation result =
+        cross_validate(centred_inner_products(encode(space, collection)), groups, folds, modes);
+    throw_if_interrupted();
+
+    const Table confusion = confusion_table(arguments.by, groups, result);
+    const std::string plot = arguments.plot.empty()
+                                 ? std::string()
+                                 : draw_variates(collection, arguments.by, groups, space, modes);
+    std::vector<std::string> outputs{arguments.output};
+    write_table(arguments.output, confusion);
+    if (!arguments.predictions.empty()) {
+        write_table(arguments.predictions, prediction_table(collection, groups, folds, result));
+        outputs.push_back(arguments.predictions);
+    }
+    if (!plot.empty()) {
+        write_file_atomically(arguments.plot, plot);
+        outputs.push_back(arguments.plot);
+    }
+    const Eigen::VectorXi counts = result.confusion.rowwise().sum();
+    const double chance =
+        static_cast<double>(counts.maxCoeff()) / static_cast<double>(collection.size());
+    session.message(join(confusion_text(confusion), result.confusion.trace(), " of ",
+                         collection.size(), " right (", 100.0 * result.accuracy,
+                         " %; always naming the largest group: ", 100.0 * chance, " %)"));
+    Json figures{{"outputs", outputs}, {"meshes", collection.size()}};
+    figures.update(space_figures(space));
+    figures["modes"] = modes;
+    figures["folds"] = folds.group_count();
+    figures["groups"] = groups.names;
+    figures["confusion"] = Json::array();
+    for (const auto& row : result.confusion.rowwise())
+        figures["confusion"].push_back(std::vector<int>(row.begin(), row.end()));
+    figures["accuracy"] = result.accuracy;
+    figures["chance"] = chance;
+    session.print_figures(figures);
+}
+
+} // namespace
+
+Run set_up_classify(CLI::App& command)
+{
+    command.description(
+        "Can the groups be told apart in meshes that were not learnt from? Every mesh is assigned\n"
+        "to a group by linear discriminants of its scores in the leading modes; mean, modes and\n"
+        "discriminants are found anew without the meshes that are left out with it. (Alignment of\n"
+        "--space procrustes and --area-weighted know all shapes, but no label.)");
+    command.footer(
+        "Example:\n"
+        "  shape classify faces.h5 --by expression --leave-out subject --modes 20 \\\n"
+        "      -o confusion.csv --plot variates.svg");
+    const auto arguments = std::make_shared<Arguments>();
+    add_labelled_input(command, arguments->input);
+    add_label(command, "--by", arguments->by, "Meshes with the same value of it are a group")
+        ->required()
+        ->option_text("LABEL REQUIRED");
+    add_label(command, "--leave-out", arguments->leave_out,
+              "Meshes with the same value of it are left out together, such as all of a subject\n"
+              "(default: one mesh at a time)");
+    add_integer(command, "--modes", arguments->modes,
+                "Number of leading modes, >= 1; at most the meshes that are learnt from less the\n"
+                "groups (default: 20)",
+                1, std::numeric_limits<int>::max());
+    add_output_file(
+        command, arguments->output,
+        "CSV file to write: a row for each true group, a column for each predicted one,\n"
+        "numbers of meshes");
+    command
+        .add_option("--predictions", arguments->predictions,
+                    "CSV file to write: mesh, left_out_with, true, predicted")
+        ->option_text("FILE");
+    command
+        .add_option(
+            "--plot", arguments->plot,
+            "Draw all meshes along the first two canonical variates (.svg), which are fitted\n"
+            "to all of them: groups look further apart than they are for new meshes")
+        ->option_text("FILE");
+    add_space_options(command, arguments->space);
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "libshape/base/format.h"
+#include "libshape/io/table_file.h"
+#include "libshape/model/group_means.h"
+#include "libshape/statistics/group_comparison.h"
+#include "libshape/statistics/group_spread.h"
+#include "tools/commands.h"
+#include "tools/common/arguments.h"
+#include "tools/common/embedding_run.h"
+#include "tools/common/interrupt.h"
+#include "tools/common/label_input.h"
+#include "tools/common/output_rules.h"
+#include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
+#include "tools/common/test_tables.h"
+
+namespace shape::tools {
+namespace {
+
+struct Arguments
+{
+    LabelledInput input;
+    std::string by;
+    std::string within;
+    std::vector<std::string> covariates;
+    std::string output;
+    std::int64_t permutations = 999;
+    std::int64_t replicates = 1000;
+    MeshOutputArguments means;
+    SpaceOptions space;
+    EmbeddingArguments embedding;
+};
+
+/// What is known of the groups and of the differences between them.
+struct Findings
+{
+    Grouping groups;
+    std::vector<std::vector<int>> members;
+    GroupComparison comparison;
+    GroupSpread spread;
+};
+
+Json group_figures(const Findings& findings, const GroupedShapes& shapes)
+{
+    Json groups = Json::array();
+    for (std::size_t g = 0; g < findings.members.size(); ++g)
+        groups.push_back({{"name", findings.groups.names[g]},
+                          {"meshes", findings.members[g].size()},
+                          {"mean_size", shapes.mean_sizes[static_cast<Eigen::Index>(g)]},
+                          {"variance", findings.spread.variances[g]},
+                          {"variance_low", findings.spread.variance_intervals[g].low},
+                          {"variance_high", findings.spread.variance_intervals[g].high}});
+    return groups;
+}
+
+Json pair_figures(const Findings& findings)
+{
+    Json pairs = Json::array();
+    for (const PairComparison& pair : findings.comparison.pairs) {
+        Json figures{{"first", findings.groups.names[static_cast<std::size_t>(pair.first)]},
+                     {"second", findings.groups.names[static_cast<std::size_t>(pair.second)]},
+                     {"distance", pair.distance},
+                     {"radius", findings.spread.distance_radii(pair.first, pair.second)}};
+        figures.update(test_figures(pair.test));
+        figures["p_adjusted"] = pair.adjusted_p;
+        pairs.push_back(figures);
+    }
+    return pairs;
+}
+
+/// One row for all groups together and one for each pair.
+Table comparison_table(const Findings& findings)
+{
+    Table table;
+    table.columns = {"first", "second", "distance", "radius"};
+    const std::vector<std::string> columns = test_columns();
+    table.columns.insert(table.columns.end(), columns.begin(), columns.end());
+    table.columns.emplace_back("p_adjusted");
+    const auto add = [&](std::vector<std::string> cells, const LinearModelTest& test, double p) {
+        for (const std::string& cell : test_cells(test))
+            cells.push_back(cell);
+        cells.push_back(print_number(p));
+        table.rows.push_back(cells);
+    };
+    add({"", "", "", ""}, findings.comparison.overall, findings.comparison.overall.p_value);
+    for (const PairComparison& pair : findings.comparison.pairs)
+        add({findings.groups.names[static_cast<std::size_t>(pair.first)],
+             findings.groups.names[static_cast<std::size_t>(pair.second)],
+             print_number(pair.distance),
+             print_number(findings.spread.distance_radii(pair.first, pair.second))},
+            pair.test, pair.adjusted_p);
+    return table;
+}
+
+std::string summary(const Findings& findings)
+{
+    std::string text = join("all ", findings.groups.group_count(),
+                            " groups: ", describe(findings.comparison.overall), "\n");
+    constexpr std::size_t most_lines = 45; // ten groups
+    if (findings.comparison.pairs.size() > most_lines)
+        return text;
+    for (const PairComparison& pair : findings.comparison.pairs)
+        text += join(findings.groups.names[static_cast<std::size_t>(pair.first)], " - ",
+                     findings.groups.names[static_cast<std::size_t>(pair.second)], ": distance ",
+                     pair.distance, " +- ", findings.spread.distance_radii(pair.first, pair.second),
+                     ", ", describe(pair.test), ", adjusted p = ", pair.adjusted_p, "\n");
+    return text;
+}
+
+/// Embeds the means of the groups.
+Json write_means(const Session& session, const Arguments& arguments, const Collection& collection,
+                 const Grouping& groups, const GroupedShapes& shapes, MeshOutput& output)
+{
+    std::vector<EmbeddingTarget> targets;
+    for (int g = 0; g < groups.group_count(); ++g)
+        targets.push_back({groups.names[static_cast<std::size_t>(g)],
+                           [&shapes, g] { return mean_shape(shapes, g); }});
+    return embed_and_write(session, arguments.embedding, collection.topology,
+                           {collection.points.front()}, targets, output);
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_space_options(arguments.space);
+    check_ending("-o", arguments.output, ".csv");
+    const std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
+    check_output(session, arguments.output, inputs);
+    const Collection collection = read_labelled(session, arguments.input);
+    Findings findings;
+    findings.groups = group_by_label(collection, arguments.by);
+    findings.members = members(findings.groups);
+    std::unique_ptr<MeshOutput> output;
+    if (!arguments.means.path.empty())
+        output =
+            std::make_unique<MeshOutput>(session, arguments.means, findings.groups.names, inputs);
+
+    const GroupedShapes shapes = group_shapes(collection, findings.groups, arguments.space);
+    warn_of_alignment(session, shapes.space);
+    throw_if_interrupted();
+    const Grouping blocks = group_by_label_or_each(collection, arguments.within);
+    const auto seed = static_cast<std::uint64_t>(session.seed);
+    findings.comparison =
+        compare_groups(shapes.products, findings.groups, blocks,
+                       covariates_of(collection, shapes.sizes, arguments.covariates),
+                       {.permutations = static_cast<int>(arguments.permutations), .seed = seed});
+    throw_if_interrupted();
+    findings.spread =
+        group_spread(shapes.products, findings.groups, blocks,
+                     {.replicates = static_cast<int>(arguments.replicates), .seed = seed});
+    throw_if_interrupted();
+
+    Json figures{{"outputs", Json::array()}};
+    if (output)
+        figures = write_means(session, arguments, collection, findings.groups, shapes, *output);
+    write_table(arguments.output, comparison_table(findings));
+    figures["outputs"].push_back(arguments.output);
+    figures["meshes"] = collection.size();
+    figures.update(space_figures(shapes.space));
+    figures["design"] = findings.comparison.design == BlockDesign::Crossed ? "crossed" : "nested";
+    figures["groups"] = group_figures(findings, shapes);
+    figures["overall"] = test_figures(findings.comparison.overall);
+    figures["pairs"] = pair_figures(findings);
+    session.message(summary(findings));
+    session.print_figures(figures);
+}
+
+} // namespace
+
+Run set_up_groups(CLI::App& command)
+{
+    command.description(
+        "Compare groups of meshes: do their mean shapes differ, all at once and two at a time, by\n"
+        "how much, and how far do the members of each spread? Labels are permuted to see how much\n"
+        "chance would do (Procrustes ANOVA, PERMANOVA). With --within, labels that differ inside\n"
+        "a block (a subject in several states) are permuted inside it; if every block lies in one\n"
+        "group (repeated scans of a subject), the means of the blocks are compared instead.");
+    command.footer(
+        "Example:\n"
+        "  shape groups faces.h5 --by expression --within subject -o groups.csv --means means/");
+    const auto arguments = std::make_shared<Arguments>();
+    add_labelled_input(command, arguments->input);
+    add_label(command, "--by", arguments->by, "Meshes with the same value of it are a group")
+        ->required()
+        ->option_text("LABEL REQUIRED");
+    add_label(command, "--within", arguments->within,
+              "Meshes with the same value of it are a block, such as all meshes of a subject");
+    add_covariates(command, "--adjust-for", arguments->covariates,
+                   "Compare the groups beyond what this label of numbers, or `size`, explains;\n"
+                   "may be repeated");
+    add_output_file(command, arguments->output,
+                    "CSV file to write. One row for all groups, one for each pair: first, second,\n"
+                    "distance of the means and the radius of its 95 % confidence ball (if that is\n"
+                    "larger, there may be no difference), sums of squares, share r_squared, F,\n"
+                    "p_value, and p_adjusted for all pairs at once (Holm)");
+    add_permutations(command, arguments->permutations);
+    add_integer(command, "--bootstrap", arguments->replicates,
+                "Replicates for the confidence intervals, [1, 1000000] (default: 1000)", 1,
+                1000000);
+    command
+        .add_option("--means", arguments->means.path,
+                    "Make the mean mesh of every group in this directory, named by its value")
+        ->option_text("DIR");
+    add_mesh_format(command, arguments->means);
+    add_space_options(command, arguments->space);
+    add_embedding_options(command, arguments->embedding);
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/output_file.h"
+#include "libshape/io/table_file.h"
+#include "libshape/model/covariate_effect.h"
+#include "libshape/report/plot.h"
+#include "libshape/statistics/linear_model.h"
+#include "tools/commands.h"
+#include "tools/common/arguments.h"
+#include "tools/common/embedding_run.h"
+#include "tools/common/interrupt.h"
+#include "tools/common/label_input.h"
+#include "tools/common/mesh_table.h"
+#include "tools/common/output_rules.h"
+#include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
+#include "tools/common/test_tables.h"
+
+namespace shape::tools {
+namespace {
+
+struct Arguments
+{
+    LabelledInput input;
+    std::vector<std::string> on;
+    std::string within;
+    std::string output;
+    std::string plot;
+    std::int64_t permutations = 999;
+    std::string at;
+    MeshOutputArguments expected;
+    MeshOutputArguments corrected;
+    SpaceOptions space;
+    EmbeddingArguments embedding;
+};
+
+/// The regression and its tests: of all covariates together, and of each beyond the others.
+struct Findings
+{
+    Eigen::MatrixXd covariates; ///< N by C.
+    Eigen::VectorXd sizes;      ///< N [length].
+    CovariateEffect effect;
+    LinearModelTest together;
+    std::vector<LinearModelTest> each;
+};
+
+Findings find(const Session& session, const Arguments& arguments, const Collection& collection)
+{
+    Findings findings;
+    const ShapeSpace space = make_space(collection, arguments.space);
+    warn_of_alignment(session, space);
+    findings.sizes = sizes(space, collection);
+    findings.covariates = covariates_of(collection, findings.sizes, arguments.on);
+    const Grouping blocks = group_by_label_or_all(collection, arguments.within);
+    findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
+    throw_if_interrupted();
+    const PermutationOptions options{.permutations = static_cast<int>(arguments.permutations),
+                                     .seed = static_cast<std::uint64_t>(session.seed)};
+    const Eigen::MatrixXd& all = findings.covariates;
+    const Eigen::MatrixXd none(all.rows(), 0);
+    findings.together = test_linear_model(findings.effect.products, all, none, blocks, options);
+    if (all.cols() == 1) {
+        findings.each = {findings.together};
+        return findings;
+    }
+    for (Eigen::Index k = 0; k < all.cols(); ++k) {
+        throw_if_interrupted();
+        Eigen::MatrixXd others(all.rows(), all.cols() - 1);
+        others << all.leftCols(k), all.rightCols(all.cols() - 1 - k);
+        findings.each.push_back(
+            test_linear_model(findings.effect.products, all.col(k), others, blocks, options));
+    }
+    return findings;
+}
+
+/// Columns `mesh`, the covariates, `score`.
+Table score_table(const Collection& collection, const Arguments& arguments,
+                  const Findings& findings)
+{
+    Table table = mesh_table(collection.names, {});
+    for (std::size_t k = 0; k < arguments.on.size(); ++k)
+        add_column(table, arguments.on[k], findings.covariates.col(static_cast<Eigen::Index>(k)));
+    add_column(table, "score", findings.effect.scores);
+    check_columns(table);
+    return table;
+}
+
+std::string draw_scores(const Collection& collection, const std::string& covariate,
+                        const Findings& findings)
+{
+    const Eigen::VectorXd x = findings.covariates.col(0);
+    Eigen::MatrixX2d points(x.size(), 2);
+    points << x, findings.effect.scores;
+    const Eigen::MatrixX2d line{{x.minCoeff(), x.minCoeff()}, {x.maxCoeff(), x.maxCoeff()}};
+    return plot_svg(
+        {.title = {},
+         .x_label = covariate,
+         .y_label = "score along the regression, in units of " + covariate,
+         .series = {{.name = "meshes", .points = points, .tips = collection.names, .curve = false},
+                    {.name = "regression", .points = line, .tips = {}, .curve = true}},
+         .equal_axes = false});
+}
+
+/// The shapes expected at values of the one covariate; with their mean size, or that value of it.
+std::vector<EmbeddingTarget> expected_targets(const Arguments& arguments, const Findings& findings)
+{
+    std::vector<EmbeddingTarget> targets;
+    if (arguments.at.empty())
+        return targets;
+    const bool is_size = arguments.on.front() == "size";
+    for (const std::string& text : split(arguments.at, ',')) {
+        const double value = read_number(text, "--at");
+        const double size = is_size ? value : findings.sizes.mean();
+        targets.push_back({join(arguments.on.front(), "_", text), [&findings, value, size] {
+                               return expected_shape(findings.effect,
+                                                     Eigen::VectorXd::Constant(1, value), size);
+                           }});
+    }
+    return targets;
+}
+
+/// All meshes at the means of the covariates.
+std::vector<EmbeddingTarget> corrected_targets(const Collection& collection,
+                                               const Findings& findings)
+{
+    std::vector<EmbeddingTarget> targets;
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        targets.push_back({collection.names[i],
+                           [&collection, &findings, i] {
+                               return move_along_slopes(
+                                   findings.effect, subset(collection, {i}),
+                                   findings.covariates.row(static_cast<Eigen::Index>(i)),
+                                   findings.effect.regression.covariate_means);
+                           },
+                           &collection.points[i]});
+    return targets;
+}
+
+/// A place for meshes, if one was named.
+std::unique_ptr<MeshOutput> mesh_output(const Session& session, const Arguments& arguments,
+                                        const std::string& path,
+                                        const std::vector<EmbeddingTarget>& targets)
+{
+    if (path.empty())
+        return nullptr;
+    return std::make_unique<MeshOutput>(session,
+                                        MeshOutputArguments{path, arguments.expected.format},
+                                        names(targets), input_files(arguments.input.meshes));
+}
+
+Json covariate_figures(const Arguments& arguments, const Findings& findings)
+{
+    Json figures = Json::array();
+    for (std::size_t k = 0; k < arguments.on.size(); ++k) {
+        const auto row = static_cast<Eigen::Index>(k);
+        Json covariate{{"name", arguments.on[k]},
+                       {"mean", findings.effect.regression.covariate_means[row]},
+                       {"slope_norm", findings.effect.regression.slopes.row(row).norm()}};
+        covariate.update(test_figures(findings.each[k]));
+        figures.push_back(covariate);
+    }
+    return figures;
+}
+
+std::string summary(const Arguments& arguments, const Findings& findings)
+{
+    std::string text;
+    for (std::size_t k = 0; k < arguments.on.size(); ++k)
+        text += join(arguments.on[k], findings.each.size() > 1 ? " beyond the others: " : ": ",
+                     describe(findings.each[k]), "\n");
+    if (findings.each.size() > 1)
+        text += join("together: ", describe(findings.together), "\n");
+    return text;
+}
+
+void check_outputs(const Session& session, const Arguments& arguments)
+{
+    const std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
+    check_ending("-o", arguments.output, ".csv");
+    check_output(session, arguments.output, inputs);
+    if (!arguments.plot.empty()) {
+        check_ending("--plot", arguments.plot, ".svg");
+        check_output(session, arguments.plot, inputs);
+    }
+    if (!arguments.expected.path.empty() && !arguments.corrected.path.empty())
+        check_different("--corrected", arguments.corrected.path, "--expected",
+                        arguments.expected.path);
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_space_options(arguments.space);
+    check_outputs(session, arguments);
+    if (!arguments.at.empty() && arguments.on.size() > 1)
+        throw UsageError("--at takes values of one covariate; give --on once");
+    const Collection collection = read_labelled(session, arguments.input);
+    const Findings findings = find(session, arguments, collection);
+    const Table scores = score_table(collection, arguments, findings);
+    const std::vector<EmbeddingTarget> expected = expected_targets(arguments, findings);
+    const std::vector<EmbeddingTarget> corrected = corrected_targets(collection, findings);
+    const auto expected_output = mesh_output(session, arguments, arguments.expected.path, expected);
+    const auto corrected_output =
+        mesh_output(session, arguments, arguments.corrected.path, corrected);
+    Json figures{{"outputs", Json::array()}, {"embeddings", Json::array()}};
+    const auto make = [&](const std::vector<EmbeddingTarget>& targets, MeshOutput& output) {
+        const Json made = embed_and_write(session, arguments.embedding, collection.topology,
+                                          {collection.points.front()}, targets, output);
+        for (const char* list : {"outputs", "embeddings"})
+            figures[list].insert(figures[list].end(), made[list].begin(), made[list].end());
+    };
+    if (expected_output)
+        make(expected, *expected_output);
+    if (corrected_output)
+        make(corrected, *corrected_output);
+    write_table(arguments.output, scores);
+    figures["outputs"].push_back(arguments.output);
+    if (!arguments.plot.empty()) {
+        write_file_atomically(arguments.plot,
+                              draw_scores(collection, arguments.on.front(), findings));
+        figures["outputs"].push_back(arguments.plot);
+    }
+    figures["meshes"] = collection.size();
+    figures.update(space_figures(findings.effect.space));
+    figures["covariates"] = covariate_figures(arguments, findings);
+    figures["together"] = test_figures(findings.together);
+    session.message(summary(arguments, findings));
+    session.print_figures(figures);
+}
+
+} // namespace
+
+Run set_up_regress(CLI::App& command)
+{
+    command.description(
+        "Regress shape on numbers such as age, or on size (allometry): how much of the variation\n"
+        "they explain, whether that is more than chance (permutation test), what the expected\n"
+        "shape is at given values, and the meshes without the effect, for further analysis.\n"
+        "With --scale unit (default) the size of a mesh is no part of its shape.");
+    command.footer(
+        "Examples:\n"
+        "  shape regress faces.h5 --on size -o allometry.csv --plot allometry.svg\n"
+        "  shape regress arms/ --labels arms.csv --on elbow_deg -o bend.csv \\\n"
+        "      --at 0,50,100 --expected bend/ --corrected straightened/");
+    const auto arguments = std::make_shared<Arguments>();
+    add_labelled_input(command, arguments->input);
+    add_covariates(command, "--on", arguments->on,
+                   "Label whose values are numbers, or `size` (sum of the edge lengths; centroid\n"
+                   "size in Procrustes space); may be repeated");
+    command.get_option("--on")->required()->option_text("LABEL|size REQUIRED");
+    add_label(
+        command, "--within", arguments->within,
+        "Meshes with the same value of it are a block, such as all meshes of a subject: only\n"
+        "variation inside the blocks counts");
+    add_output_file(
+        command, arguments->output,
+        "CSV file to write: mesh, the covariates, and score, where the mesh lies along\n"
+        "the slope of the first covariate, in its unit");
+    command
+        .add_option("--plot", arguments->plot,
+                    "Draw the score of every mesh against its first covariate (.svg)")
+        ->option_text("FILE");
+    add_permutations(command, arguments->permutations);
+    CLI::Option* expected =
+        command
+            .add_option("--expected", arguments->expected.path,
+                        "Make the meshes expected at --at in this directory (age_20.ply and so on)")
+            ->option_text("DIR");
+    CLI::Option* at = command
+                          .add_option("--at", arguments->at,
+                                      "Values of the covariate for --expected, in its unit")
+                          ->option_text("v1,v2,...");
+    expected->needs(at);
+    at->needs(expected);
+    command
+        .add_option("--corrected", arguments->corrected.path,
+                    "Make every mesh without the effect, moved to the mean of the covariates, in\n"
+                    "this directory")
+        ->option_text("DIR");
+    add_mesh_format(command, arguments->expected);
+    add_space_options(command, arguments->space);
+    add_embedding_options(command, arguments->embedding);
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools

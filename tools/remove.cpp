@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/model_file.h"
+#include "libshape/model/nuisance.h"
+#include "tools/commands.h"
+#include "tools/common/arguments.h"
+#include "tools/common/embedding_run.h"
+#include "tools/common/interrupt.h"
+#include "tools/common/label_input.h"
+#include "tools/common/mesh_choice.h"
+#include "tools/common/session.h"
+#include "tools/common/space_arguments.h"
+
+namespace shape::tools {
+namespace {
+
+struct Arguments
+{
+    LabelledInput input;
+    std::int64_t modes = 0;
+    std::string model;
+    std::string direction;
+    std::string like;
+    MeshOutputArguments output;
+    SpaceOptions space;
+    EmbeddingArguments embedding;
+};
+
+Nuisance nuisance_of(const Session& session, const Arguments& arguments,
+                     const Collection& collection)
+{
+    if (!arguments.direction.empty())
+        return direction_of(read_difference(arguments.direction));
+    const int count = static_cast<int>(arguments.modes);
+    if (!arguments.model.empty())
+        return leading_modes(read_model(arguments.model), count);
+    const ShapeModel model = fit_model(collection, {.modes = count, .space = arguments.space});
+    warn_of_alignment(session, model.space);
+    return leading_modes(model, count);
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_space_options(arguments.space);
+    const Collection collection = read_labelled(session, arguments.input);
+    std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
+    for (const std::string& file : {arguments.model, arguments.direction})
+        if (!file.empty())
+            inputs.emplace_back(file);
+    const MeshChoice like{"--like", {arguments.like}, arguments.input.meshes.triangulate};
+    if (!arguments.like.empty())
+        for (const std::filesystem::path& file : chosen_files(like, collection.names))
+            inputs.push_back(file);
+    MeshOutput output(session, arguments.output, collection.names, inputs);
+    const Nuisance nuisance = nuisance_of(session, arguments, collection);
+    throw_if_interrupted();
+    Eigen::VectorXd wanted = Eigen::VectorXd::Zero(nuisance.directions.rows());
+    if (!arguments.like.empty())
+        wanted = amounts_of(nuisance, choose_meshes(like, collection)).row(0).transpose();
+    const RowMatrix amounts = amounts_of(nuisance, collection);
+    std::vector<EmbeddingTarget> targets;
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        targets.push_back(
+            {collection.names[i],
+             [&, i] { return with_amounts(nuisance, subset(collection, {i}), wanted); },
+             &collection.points[i]});
+    Json figures = embed_and_write(session, arguments.embedding, collection.topology,
+                                   {collection.points.front()}, targets, output);
+    figures.update(space_figures(nuisance.space));
+    figures["directions"] = nuisance.directions.rows();
+    figures["removed"] = Json::array();
+    for (const auto& row : amounts.rowwise())
+        figures["removed"].push_back(std::vector<double>(row.begin(), row.end()));
+    session.print_figures(figures);
+}
+
+} // namespace
+
+Run set_up_remove(CLI::App& command)
+{
+    command.description(
+        "Remove a nuisance from meshes, such as pose, and make them again without it: the leading\n"
+        "modes of the meshes themselves or of a model, or the direction of a difference. Each "
+        "mesh\n"
+        "keeps its own shape otherwise, and its size. Choose exactly one of --modes, --direction.\n"
+        "The effect of a number such as age is removed by `shape regress --corrected`.");
+    command.footer(
+        "Examples:\n"
+        "  shape remove walk/ --modes 3 -o standing/\n"
+        "  shape remove people/ --model poses.h5 --modes 5 --like person7 -o as_person7/\n"
+        "  shape remove faces.h5 --direction smile.h5 -o serious/");
+    const auto arguments = std::make_shared<Arguments>();
+    add_labelled_input(command, arguments->input);
+    CLI::Option_group* what = command.add_option_group("Nuisance", "exactly one of");
+    CLI::Option* modes =
+        add_integer(*what, "--modes", arguments->modes,
+                    "The first K modes, [1, number of modes], of MESHES or of --model", 1,
+                    std::numeric_limits<int>::max());
+    what->add_option("--direction", arguments->direction,
+                     "The direction of a difference made by `shape difference` (.h5); what is\n"
+                     "removed leads to its starting mean")
+        ->option_text("FILE");
+    what->require_option(1);
+    CLI::Option* model = command
+                             .add_option("--model", arguments->model,
+                                         "Take the modes of this model made by `shape stats` (.h5)")
+                             ->option_text("FILE")
+                             ->needs(modes);
+    command
+        .add_option(
+            "--like", arguments->like,
+            "Instead of the mean, give all meshes as much of the nuisance as this mesh has:\n"
+            "the name of one of MESHES, or a mesh file")
+        ->option_text("MESH");
+    add_mesh_output(command, arguments->output);
+    add_space_options(command, arguments->space)->excludes(model);
+    add_embedding_options(command, arguments->embedding);
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools
