@@ -16,6 +16,7 @@
 #include "tools/common/embedding_run.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/label_input.h"
+#include "tools/common/mesh_table.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
 #include "tools/common/space_arguments.h"
@@ -78,22 +79,15 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     return findings;
 }
 
-/// Columns `mesh`, the covariates, `size` if it is none of them, `score`.
+/// Columns `mesh`, the covariates, `score`.
 Table score_table(const Collection& collection, const Arguments& arguments,
                   const Findings& findings)
 {
-    Table table;
-    table.columns.push_back("mesh");
-    table.columns.insert(table.columns.end(), arguments.on.begin(), arguments.on.end());
-    table.columns.push_back("score");
-    for (std::size_t i = 0; i < collection.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        std::vector<std::string>& cells = table.rows.emplace_back();
-        cells.push_back(collection.names[i]);
-        for (const double value : findings.covariates.row(row))
-            cells.push_back(print_number(value));
-        cells.push_back(print_number(findings.effect.scores[row]));
-    }
+    Table table = mesh_table(collection.names, {});
+    for (std::size_t k = 0; k < arguments.on.size(); ++k)
+        add_column(table, arguments.on[k], findings.covariates.col(static_cast<Eigen::Index>(k)));
+    add_column(table, "score", findings.effect.scores);
+    check_columns(table);
     return table;
 }
 
@@ -207,6 +201,7 @@ void run(const Session& session, const Arguments& arguments)
         throw UsageError("--at takes values of one covariate; give --on once");
     const Collection collection = read_labelled(session, arguments.input);
     const Findings findings = find(session, arguments, collection);
+    const Table scores = score_table(collection, arguments, findings);
     const std::vector<EmbeddingTarget> expected = expected_targets(arguments, findings);
     const std::vector<EmbeddingTarget> corrected = corrected_targets(collection, findings);
     const auto expected_output = mesh_output(session, arguments, arguments.expected.path, expected);
@@ -223,7 +218,7 @@ void run(const Session& session, const Arguments& arguments)
         make(expected, *expected_output);
     if (corrected_output)
         make(corrected, *corrected_output);
-    write_table(arguments.output, score_table(collection, arguments, findings));
+    write_table(arguments.output, scores);
     figures["outputs"].push_back(arguments.output);
     if (!arguments.plot.empty()) {
         write_file_atomically(arguments.plot,

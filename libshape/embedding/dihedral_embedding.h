@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/fold_repair.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -17,9 +18,16 @@ struct DihedralEmbeddingOptions
     double smoothness = 5e-3;   ///< mu of length_dihedral_energy.h; > 0.
     int local_global_steps = 3; ///< Wedge steps after the linear start; >= 0.
     int max_iterations = 120;   ///< Quasi-Newton steps in all; 0 stops after the wedge steps.
+    FoldRepairOptions folds;
     /// Converged once 5 steps together lower E by <= decrease_tolerance * E.
-    double decrease_tolerance = 2e-3;
+    double decrease_tolerance = 3e-3;
 };
+
+/// What --quality preview does: at most 12 back-substitutions.
+inline constexpr DihedralEmbeddingOptions dihedral_preview{
+    .local_global_steps = 2,
+    .max_iterations = 8,
+    .folds = {.suspect_angle = 1.0, .rings = 2, .max_iterations = 3}};
 
 struct DihedralEmbedding
 {

@@ -54,18 +54,6 @@ EdgeLaplacian::EdgeLaplacian(const Topology& topology, const VectorXd& lengths)
 {
 }
 
-EdgeLaplacian::EdgeLaplacian(const Topology& topology, VectorXd weights, SparseCholesky factor)
-    : topology_(topology), weights_(std::move(weights)), factor_(std::move(factor))
-{
-}
-
-EdgeLaplacian EdgeLaplacian::reweighted(const VectorXd& lengths) const
-{
-    VectorXd weights = weights_of(lengths);
-    SparseCholesky factor = factor_.refactored(laplacian(topology_, weights));
-    return {topology_, std::move(weights), std::move(factor)};
-}
-
 Points EdgeLaplacian::solve(const Points& rhs) const
 {
     return factor_.solve(rhs);

@@ -13,7 +13,8 @@
 namespace shape {
 
 /// The Laplacian of a mesh whose edges weigh 1 / l^2, once for every face they have, and its
-/// factorisation. Lengths below 1e-3 of the mean count as that. Relative errors of edges count alike in it, as they do in what is minimised.
+/// factorisation. Lengths below 1e-3 of the mean count as that. Relative errors of edges count alike
+/// in it, as they do in what is minimised.
 class EdgeLaplacian
 {
 public:
@@ -21,9 +22,6 @@ public:
     /// @throws NumericalError if the factorisation breaks down all the same.
     /// Cost: one sparse Cholesky factorisation of size #V.
     EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths);
-
-    /// The same for other lengths; the analysis of the pattern is shared.
-    [[nodiscard]] EdgeLaplacian reweighted(const Eigen::VectorXd& lengths) const;
 
     /// Solves for all three columns at once. A translation is held by a little weight at vertex 0.
     [[nodiscard]] Points solve(const Points& rhs) const;
@@ -44,8 +42,6 @@ public:
     [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; } ///< #E, 1 / l^2.
 
 private:
-    EdgeLaplacian(const Topology& topology, Eigen::VectorXd weights, SparseCholesky factor);
-
     Topology topology_;
     Eigen::VectorXd weights_;
     SparseCholesky factor_;

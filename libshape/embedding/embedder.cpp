@@ -8,9 +8,10 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/embedding/closure.h"
+#include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/closure_embedding.h"
 #include "libshape/embedding/dihedral_embedding.h"
+#include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/multiscale_embedding.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -24,12 +25,12 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// E of Rojas 2014, eq. 3, from the residuals' rotation angles.
+/// E of Rojas 2014, eq. 3.
 double closure_energy(const Topology& topology, const ShapePoint& target)
 {
-    const Points residuals = closure_residuals(
-        topology, corner_angles(topology, target.edge_lengths), target.dihedral_angles);
-    return (4.0 * (1.0 - residuals.rowwise().norm().array().cos())).sum();
+    const FaceLayout layout =
+        lay_out_faces(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
+    return (4.0 * (1.0 - closure_cosines(topology, layout.transitions).array())).sum();
 }
 
 } // namespace
@@ -87,9 +88,10 @@ Embedding Embedder::embed(const ShapePoint& target) const
     EmbeddingReport solver; // the fields that measure_embedding() leaves open
     switch (s.options.method) {
         case EmbeddingMethod::Dihedral: {
-            DihedralEmbeddingOptions options{.smoothness = s.options.smoothness};
+            DihedralEmbeddingOptions options;
             if (s.options.quality == EmbeddingQuality::Preview)
-                options.max_iterations = 8;
+                options = dihedral_preview;
+            options.smoothness = s.options.smoothness;
             DihedralEmbedding nearest = s.dihedral->embed(target, options);
             points = std::move(nearest.points);
             solver.iterations = nearest.iterations;

@@ -23,13 +23,17 @@ struct FaceLayout
 };
 
 /// @param lengths  #E [length], > 0. Where they break the triangle inequality the face is laid out
-///     with its angles of corner_angles().
-/// @param corner_angles  #F by 3 [rad], of corner_angles().
+///     flat, as corner_angles() has it.
 /// @param dihedral_angles  #E [rad], > 0 convex.
 /// @throws InvalidInput if a size is wrong.
 /// Cost: O(#F).
 [[nodiscard]] FaceLayout lay_out_faces(const Topology& topology, const Eigen::VectorXd& lengths,
-                                       const Points& corner_angles,
                                        const Eigen::VectorXd& dihedral_angles);
+
+/// Cosine of the angle by which the ladybug's walk around every vertex fails to close (Rojas 2014,
+/// eq. 1): #V in [-1, 1]; 1 where it closes, and on the boundary. E_v of eq. 2 is 4 (1 - cosine).
+/// @param transitions  #E, of a layout.
+[[nodiscard]] Eigen::VectorXd closure_cosines(const Topology& topology,
+                                              const std::vector<Eigen::Matrix3d>& transitions);
 
 } // namespace shape

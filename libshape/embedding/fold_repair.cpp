@@ -21,15 +21,21 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+struct Region
+{
+    std::vector<int> vertices;
+    bool folded = false;
+};
+
 /// Vertices of suspect wedges, grown by rings, as connected regions in ascending order.
-std::vector<std::vector<int>> suspect_regions(const LengthDihedralEnergy& energy,
-                                              const VectorXd& points,
-                                              const FoldRepairOptions& options)
+std::vector<Region> suspect_regions(const LengthDihedralEnergy& energy, const VectorXd& points,
+                                    const FoldRepairOptions& options)
 {
     const Topology& t = energy.topology();
     const VectorXd angles =
         dihedral_angles(t, Eigen::Map<const Points>(points.data(), t.vertex_count(), 3));
     std::vector<char> marked(static_cast<std::size_t>(t.vertex_count()), 0);
+    std::vector<char> folded(marked.size(), 0);
     std::vector<int> front;
     const auto mark = [&](int v) {
         if (!marked[static_cast<std::size_t>(v)]) {
@@ -40,12 +46,14 @@ std::vector<std::vector<int>> suspect_regions(const LengthDihedralEnergy& energy
     for (int e = 0; e < t.edge_count(); ++e) {
         const double drift =
             std::abs(wrapped_angle(angles[e] - energy.target().dihedral_angles[e]));
-        if (t.is_boundary_edge(e) || drift <= options.fold_angle)
+        if (t.is_boundary_edge(e) || drift <= options.suspect_angle)
             continue;
         for (const int h : {t.edge_halfedges()(e, 0), t.edge_halfedges()(e, 1)}) {
             mark(t.source(h));
             mark(t.source(Topology::previous(h)));
         }
+        if (drift > options.fold_angle)
+            folded[static_cast<std::size_t>(t.edges()(e, 0))] = 1;
     }
     const auto neighbours = [&](int v, const auto& visit) {
         for (const int h : t.outgoing(v)) {
@@ -57,20 +65,21 @@ std::vector<std::vector<int>> suspect_regions(const LengthDihedralEnergy& energy
         for (const int v : std::vector<int>(std::exchange(front, {})))
             neighbours(v, mark);
 
-    std::vector<std::vector<int>> regions;
+    std::vector<Region> regions;
     for (int v = 0; v < t.vertex_count(); ++v) {
         if (!marked[static_cast<std::size_t>(v)])
             continue;
-        std::vector<int> region;
+        Region region;
         const auto take = [&](int w) {
             if (marked[static_cast<std::size_t>(w)]) {
                 marked[static_cast<std::size_t>(w)] = 0;
-                region.push_back(w);
+                region.vertices.push_back(w);
+                region.folded = region.folded || folded[static_cast<std::size_t>(w)] != 0;
             }
         };
         take(v);
-        for (std::size_t i = 0; i < region.size(); ++i)
-            neighbours(region[i], take);
+        for (std::size_t i = 0; i < region.vertices.size(); ++i)
+            neighbours(region.vertices[i], take);
         regions.push_back(std::move(region));
     }
     return regions;
@@ -170,13 +179,14 @@ FoldRepair repair_folds(const LengthDihedralEnergy& energy, const std::vector<Po
                         VectorXd points, const FoldRepairOptions& options)
 {
     FoldRepair repair{std::move(points), 0, 0};
-    for (const std::vector<int>& vertices : suspect_regions(energy, repair.points, options)) {
-        if (static_cast<int>(vertices.size()) > options.largest_region ||
-            static_cast<int>(vertices.size()) == energy.topology().vertex_count())
+    for (const Region& suspect : suspect_regions(energy, repair.points, options)) {
+        const std::size_t size = suspect.vertices.size();
+        if (size > static_cast<std::size_t>(options.largest_region) ||
+            size == static_cast<std::size_t>(energy.topology().vertex_count()))
             continue;
         ++repair.regions;
-        const GaussNewton region(energy.topology(), vertices);
-        std::vector<GaussNewtonResult> candidates(1 + references.size());
+        const GaussNewton region(energy.topology(), suspect.vertices);
+        std::vector<GaussNewtonResult> candidates(suspect.folded ? 1 + references.size() : 1);
         parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t) {
             const VectorXd start =
                 begin == 0 ? repair.points

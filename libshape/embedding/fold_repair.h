@@ -12,10 +12,11 @@ namespace shape {
 
 struct FoldRepairOptions
 {
-    double fold_angle = 1.0;  ///< An edge is suspect where |theta - theta*| > fold_angle [rad].
-    int rings = 2;            ///< Rings of vertices around suspect wedges that move along; >= 0.
-    int max_iterations = 6;   ///< Gauss-Newton steps from each candidate.
-    int largest_region = 600; ///< Larger regions are left alone [vertices].
+    double suspect_angle = 0.4; ///< An edge is suspect where |theta - theta*| exceeds this [rad].
+    double fold_angle = 1.0;    ///< Beyond this [rad] it is a fold, and references are tried too.
+    int rings = 4;              ///< Rings of vertices around suspect wedges that move along; >= 0.
+    int max_iterations = 6;     ///< Gauss-Newton steps from each start.
+    int largest_region = 2000;  ///< Larger regions are left alone [vertices].
 };
 
 struct FoldRepair
@@ -26,10 +27,10 @@ struct FoldRepair
 };
 
 /// Turns triangles back that lie folded over: there the energy has strict local minima, which no
-/// descent leaves. Every connected region of suspect edges is solved anew, its surroundings held,
-/// from several starts: as it is, and as each reference mesh bent into the place as rigidly as
-/// possible (Sorkine and Alexa 2007), which is unfolded where the reference is. The lowest energy
-/// stays; so the energy never rises.
+/// descent leaves. Every connected region of suspect edges is solved anew, its surroundings held: as
+/// it is, and where it has a fold from each reference mesh bent into the place as rigidly as
+/// possible (Sorkine and Alexa 2007) too, which is unfolded where the reference is. The lowest
+/// energy stays; so the energy never rises.
 /// @param references  Meshes of the same topology.
 /// @param points  Row by row [length].
 [[nodiscard]] FoldRepair repair_folds(const LengthDihedralEnergy& energy,

@@ -132,11 +132,12 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         const Vector3d axis = point(wedge[1]) - a;
         const double length = axis.norm();
         const double strain = length / target.edge_lengths[e] - 1.0;
-        sum += strain * strain;
+        const auto [value, weight] = stretch_term(strain);
+        sum += value;
         const Vector3d along = length > 0.0 ? Vector3d(axis / length) : Vector3d(Vector3d::Zero());
         if (linearisation != nullptr) {
             const Vector3d pull = along / target.edge_lengths[e];
-            add(wedges_[i], {-pull, pull, Vector3d::Zero(), Vector3d::Zero()}, 1.0, strain);
+            add(wedges_[i], {-pull, pull, Vector3d::Zero(), Vector3d::Zero()}, weight, strain);
         }
         if (wedge[3] < 0)
             continue;

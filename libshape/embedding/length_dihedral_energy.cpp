@@ -99,8 +99,9 @@ SHAPE_VECTORISED void edge_terms(int count, double smoothness, const double* len
 {
     for (int i = 0; i < count; ++i) {
         const double strain = lengths[i] * inverse_lengths[i] - 1.0;
-        energies[i] = strain * strain + smoothness * angles[i] * angles[i];
-        half_pulls[i] = lengths[i] > 0.0 ? strain * inverse_lengths[i] / lengths[i] : 0.0;
+        const auto [value, weight] = stretch_term(strain);
+        energies[i] = value + smoothness * angles[i] * angles[i];
+        half_pulls[i] = lengths[i] > 0.0 ? weight * strain * inverse_lengths[i] / lengths[i] : 0.0;
         angles[i] *= 2.0 * smoothness;
     }
 }

@@ -91,15 +91,14 @@ std::vector<Matrix3d> PatchFrames::face_frames(const std::vector<Matrix3d>& tran
 
     // Within patches: Prim's tree of the heaviest edges.
     std::vector<Matrix3d> frames(static_cast<std::size_t>(topology_.face_count()));
-    std::vector<double> trust(frames.size()); // the lightest edge on the way from the root
+    // The lightest edge on the way from the root; -1 before the face has its frame.
+    std::vector<double> trust(frames.size(), -1.0);
     parallel_for(patches_.size(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
-            std::vector<int> placed;
             std::priority_queue<std::pair<double, int>> front; // weight, - half-edge
             const auto place = [&](int face, const Matrix3d& frame, double weight) {
                 frames[static_cast<std::size_t>(face)] = frame;
                 trust[static_cast<std::size_t>(face)] = weight;
-                placed.push_back(face);
                 for (int h = 3 * face; h < 3 * face + 3; ++h) {
                     const int o = topology_.opposite(h);
                     if (o >= 0 &&
@@ -112,7 +111,7 @@ std::vector<Matrix3d> PatchFrames::face_frames(const std::vector<Matrix3d>& tran
                 const int h = -front.top().second;
                 front.pop();
                 const int face = topology_.opposite(h) / 3;
-                if (std::find(placed.begin(), placed.end(), face) == placed.end())
+                if (trust[static_cast<std::size_t>(face)] < 0.0)
                     place(face, frames[static_cast<std::size_t>(h / 3)] * across(h),
                           std::min(trust[static_cast<std::size_t>(h / 3)],
                                    weights[topology_.edge(h)]));

@@ -129,23 +129,6 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, Ordering ordering)
     f.factorise(matrix);
 }
 
-SparseCholesky::SparseCholesky(std::unique_ptr<Factor> factor) : factor_(std::move(factor)) {}
-
-SparseCholesky SparseCholesky::refactored(const SparseMatrix& matrix) const
-{
-    auto copy = std::make_unique<Factor>();
-    copy->factor = cholmod_copy_factor(factor_->factor, &copy->common);
-    if (copy->factor == nullptr)
-        throw NumericalError(join("copying a sparse Cholesky factor failed (CHOLMOD status ",
-                                  copy->common.status, ")"));
-    copy->size = factor_->size;
-    copy->entries = factor_->entries;
-    copy->common.lnz = factor_->common.lnz;
-    SparseCholesky result(std::move(copy));
-    result.refactor(matrix);
-    return result;
-}
-
 SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;

@@ -53,10 +53,6 @@ public:
     /// @throws NumericalError if it is not numerically positive definite.
     void refactor(const SparseMatrix& matrix);
 
-    /// The factorisation of another matrix of the same pattern, its analysis shared.
-    /// @throws as refactor().
-    [[nodiscard]] SparseCholesky refactored(const SparseMatrix& matrix) const;
-
     /// Solves A X = B for all columns of B at once; #rows by k, any k.
     /// Safe to call concurrently.
     /// @throws InvalidInput if B has another number of rows.
@@ -73,7 +69,6 @@ public:
 
 private:
     struct Factor;
-    explicit SparseCholesky(std::unique_ptr<Factor> factor);
     std::unique_ptr<Factor> factor_;
 };
 

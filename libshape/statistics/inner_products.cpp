@@ -3,13 +3,11 @@
 #include "libshape/statistics/inner_products.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
-#include "libshape/base/error.h"
-#include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/statistics/distance_matrix.h"
 #include "libshape/statistics/mean.h"
 
 namespace shape {
@@ -44,19 +42,7 @@ Eigen::MatrixXd centred_inner_products(RowMatrix data)
 
 Eigen::MatrixXd inner_products_of_distances(const Eigen::MatrixXd& distances)
 {
-    const Index count = distances.rows();
-    if (distances.cols() != count || count == 0)
-        throw InvalidInput(join("distances are ", count, " by ", distances.cols(),
-                                ", must be square and not empty"));
-    if (!distances.allFinite())
-        throw InvalidInput("distances: an entry is not finite");
-    const double tolerance = 1e-9 * distances.cwiseAbs().maxCoeff();
-    for (Index i = 0; i < count; ++i)
-        for (Index j = 0; j <= i; ++j)
-            if (std::abs(distances(i, j) - (i == j ? 0.0 : distances(j, i))) > tolerance)
-                throw InvalidInput(join("distances: entry (", i, ", ", j, ") is ", distances(i, j),
-                                        i == j ? ", must be 0 on the diagonal"
-                                               : ", must be that of the other triangle"));
+    check_distances(distances);
     Eigen::MatrixXd products = -0.5 * distances.cwiseAbs2();
     products.rowwise() -= products.colwise().mean().eval();
     products.colwise() -= products.rowwise().mean().eval();

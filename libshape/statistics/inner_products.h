@@ -20,8 +20,7 @@ namespace shape {
 /// Inner products about the mean of N points with these distances, -1/2 J D^2 J with the centring
 /// matrix J (Gower 1966). If no points have them (distances of another kind) sums of squares are
 /// still meaningful (Anderson 2001), eigenvalues < 0 may occur.
-/// @param distances  N by N, symmetric, finite, 0 on the diagonal.
-/// @throws InvalidInput if a rule is broken (symmetry: |d_ij - d_ji| <= 1e-9 max d).
+/// @throws InvalidInput as check_distances().
 [[nodiscard]] Eigen::MatrixXd inner_products_of_distances(const Eigen::MatrixXd& distances);
 
 } // namespace shape

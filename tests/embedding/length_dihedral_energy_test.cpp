@@ -38,6 +38,17 @@ Points shaken(const test::TestMesh& mesh, double amount, unsigned seed)
                                              [&] { return random.uniform(-reach, reach); });
 }
 
+TEST(StretchTerm, IsTheSquareOfSmallStrainsAndItsWeightTheSlope)
+{
+    EXPECT_NEAR(stretch_term(1e-4).value, 1e-8, 1e-13);
+    EXPECT_NEAR(stretch_term(1e3).value / 1e6, 9.0, 1e-3);
+    for (const double s : {-0.5, -0.03, 0.001, 0.02, 0.1, 2.0}) {
+        const double h = 1e-6 * std::abs(s);
+        const double slope = (stretch_term(s + h).value - stretch_term(s - h).value) / (2.0 * h);
+        EXPECT_NEAR(stretch_term(s).weight, slope / (2.0 * s), 1e-7 * slope / s);
+    }
+}
+
 TEST(LengthDihedralEnergy, VanishesAtTheMeshItself)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
@@ -61,7 +72,7 @@ TEST(LengthDihedralEnergy, IsTheSumOfItsDefinition)
         for (int e = 0; e < mesh.topology.edge_count(); ++e) {
             const double strain = found.edge_lengths[e] / target.edge_lengths[e] - 1.0;
             const double bend = wrapped_angle(found.dihedral_angles[e] - target.dihedral_angles[e]);
-            sum += strain * strain + mu * bend * bend;
+            sum += stretch_term(strain).value + mu * bend * bend;
         }
         VectorXd gradient;
         EXPECT_NEAR(

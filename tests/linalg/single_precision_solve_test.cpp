@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/linalg/single_precision_solve.h"
+
+#include <gtest/gtest.h>
+
+#include "libshape/base/error.h"
+#include "libshape/base/random.h"
+
+namespace shape {
+namespace {
+
+/// A grid's Laplacian with a random positive diagonal added: fills in, has wide supernodes.
+SparseMatrix grid_matrix(int side, std::uint64_t seed)
+{
+    Random random(seed);
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd diagonal =
+        Eigen::VectorXd::NullaryExpr(side * side, [&] { return random.uniform(0.01, 1.0); });
+    const auto connect = [&](int i, int j) {
+        const double weight = random.uniform(0.1, 2.0);
+        entries.emplace_back(std::max(i, j), std::min(i, j), -weight);
+        diagonal[i] += weight;
+        diagonal[j] += weight;
+    };
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            if (x + 1 < side)
+                connect(y * side + x, y * side + x + 1);
+            if (y + 1 < side)
+                connect(y * side + x, (y + 1) * side + x);
+        }
+    for (int i = 0; i < side * side; ++i)
+        entries.emplace_back(i, i, diagonal[i]);
+    SparseMatrix matrix(side * side, side * side);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+}
+
+TEST(SinglePrecisionSolve, SolvesAsExactlyAsFloatAllows)
+{
+    for (const int side : {1, 2, 5, 17, 60})
+        for (const Ordering ordering : {Ordering::MinimumDegree, Ordering::NestedDissection}) {
+            SCOPED_TRACE(side);
+            const SparseMatrix matrix = grid_matrix(side, 3);
+            Random random(4);
+            const Eigen::VectorXd solution = Eigen::VectorXd::NullaryExpr(
+                3 * side * side, [&] { return random.uniform(-1.0, 1.0); });
+            Eigen::VectorXd rhs(solution.size());
+            for (int k = 0; k < 3; ++k) {
+                const Eigen::VectorXd column = solution(Eigen::seqN(k, side * side, 3));
+                rhs(Eigen::seqN(k, side * side, 3)) =
+                    matrix.selfadjointView<Eigen::Lower>() * column;
+            }
+            const Eigen::VectorXd found =
+                SinglePrecisionSolve(SparseCholesky(matrix, ordering)).solve(rhs);
+            EXPECT_LT((found - solution).norm(), 1e-4 * solution.norm());
+        }
+}
+
+TEST(SinglePrecisionSolve, RefusesAnotherSize)
+{
+    const SinglePrecisionSolve solve{SparseCholesky(grid_matrix(3, 1))};
+    EXPECT_THROW((void)solve.solve(Eigen::VectorXd::Ones(26)), InvalidInput);
+}
+
+} // namespace
+} // namespace shape
