@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/conformal/sphere_map.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -39,6 +40,7 @@ struct CheckedMesh
     std::string name;
     std::string path;
     std::vector<Finding> findings;
+    std::string no_sphere = {}; ///< Why it has no conformal map to the sphere; empty if it has.
 };
 
 const char* kind_name(DefectKind kind)
@@ -109,6 +111,18 @@ std::vector<Finding> find_all(const NamedMesh& mesh, const NamedMesh& reference,
     return findings;
 }
 
+/// Whether `shape conformal` takes the mesh, which is not a matter of right or wrong.
+std::string why_no_sphere(const NamedMesh& mesh, const std::vector<Finding>& findings)
+{
+    // A wrong correspondence or name is no fault of the surface.
+    const auto is_surface = [](const Finding& f) {
+        return f.kind == "correspondence" || f.kind == "repeated_name";
+    };
+    if (!std::all_of(findings.begin(), findings.end(), is_surface))
+        return "the mesh is broken; mend what is listed first";
+    return why_not_spherical(Topology(mesh.faces, static_cast<int>(mesh.points.rows())));
+}
+
 std::vector<CheckedMesh> check_all(const Session& session, const Arguments& arguments)
 {
     const Progress progress = session.progress();
@@ -124,13 +138,15 @@ std::vector<CheckedMesh> check_all(const Session& session, const Arguments& argu
         } catch (const InvalidInput& error) {
             checked.push_back({files[i].stem().string(),
                                files[i].string(),
-                               {{"unreadable", -1, -1, error.what()}}});
+                               {{"unreadable", -1, -1, error.what()}},
+                               "the mesh cannot be read"});
         }
         for (const NamedMesh& mesh : content.meshes) {
             if (!reference)
                 reference = mesh;
             checked.push_back({mesh.name, mesh.path,
                                find_all(mesh, *reference, static_cast<int>(arguments.limit))});
+            checked.back().no_sphere = why_no_sphere(mesh, checked.back().findings);
             if (!names.insert(mesh.name).second)
                 checked.back().findings.push_back(
                     {"repeated_name", -1, -1,
@@ -148,6 +164,9 @@ std::string print(const std::vector<CheckedMesh>& checked)
         text += join(mesh.path, ": ", mesh.findings.empty() ? "ok" : "broken", "\n");
         for (const Finding& finding : mesh.findings)
             text += join("  ", finding.kind, ": ", finding.message, "\n");
+        text += mesh.no_sphere.empty()
+                    ? "  conformal map to the sphere: qualifies\n"
+                    : join("  conformal map to the sphere: no, ", mesh.no_sphere, "\n");
     }
     return text;
 }
@@ -165,7 +184,9 @@ Json figures(const std::vector<CheckedMesh>& checked)
         meshes.push_back({{"name", mesh.name},
                           {"path", mesh.path},
                           {"ok", mesh.findings.empty()},
-                          {"defects", defects}});
+                          {"defects", defects},
+                          {"conformal_sphere", mesh.no_sphere.empty()},
+                          {"no_conformal_sphere", mesh.no_sphere}});
     }
     return meshes;
 }
@@ -192,8 +213,9 @@ Run set_up_check(CLI::App& command)
     command.description(
         "Say which mesh breaks what, where, and how it could be mended: syntax, indices,\n"
         "manifold edges and vertices, orientation, one component, degenerate triangles, the\n"
-        "inequalities of edge-length space, and correspondence with the first mesh. Indices\n"
-        "count from 0. The exit code is 3 if anything is broken.");
+        "inequalities of edge-length space, and correspondence with the first mesh. Says\n"
+        "also which meshes `shape conformal` can map to the sphere, and why not. Indices count\n"
+        "from 0. The exit code is 3 if anything is broken.");
     command.footer("Example:\n  shape check faces/ --json");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);

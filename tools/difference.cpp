@@ -12,6 +12,7 @@
 #include "libshape/model/difference.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
+#include "tools/common/effects_output.h"
 #include "tools/common/embedding_run.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/label_input.h"
@@ -33,6 +34,7 @@ struct Arguments
     std::string to;
     Scale scale = Scale::Unit;
     std::string output;
+    std::string effects;
     std::vector<std::string> load;
     bool apply = false;
     std::string amounts;
@@ -65,6 +67,17 @@ std::vector<double> amounts_of(const Arguments& arguments)
         throw UsageError(join("--amount: ", amounts.size(), " numbers for ", count,
                               " differences; give one for each"));
     return amounts;
+}
+
+/// Writes where the pairs differ, on the mean of the meshes that the difference starts from.
+Json find_effects(const Session& session, const Arguments& arguments,
+                  const DifferenceVector& difference, const ColumnEffects& effects)
+{
+    const Embedder embedder(difference.topology, {difference.reference_points},
+                            arguments.embedding.options);
+    const ShapePoint start = start_of(difference, difference.from_size);
+    return write_effects(session, arguments.effects, difference.topology,
+                         embedder.embed(start).points, effects);
 }
 
 /// The start of a transfer: a mesh, brought to the size that is wanted.
@@ -172,15 +185,22 @@ void run_found(const Session& session, const Arguments& arguments)
     const DifferenceOptions options = difference_options(arguments);
     if (arguments.size && options.scale == Scale::None)
         throw UsageError("--size has no meaning with --scale none, lengths stay as they are");
+    if (arguments.embedding.residuals && !arguments.apply)
+        throw UsageError("--residuals needs --apply: no mesh comes out without it");
     (void)amounts_of(arguments); // refuse them before any work
     check_ending("-o", arguments.output, ".h5");
     const std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     check_output(session, arguments.output, inputs);
+    if (!arguments.effects.empty())
+        check_effects(session, arguments.effects, inputs);
     const Collection collection = read_labelled(session, arguments.input);
     std::unique_ptr<Transfer> transfer;
     if (arguments.apply)
         transfer = std::make_unique<Transfer>(session, arguments, collection, inputs);
     const DifferenceVector difference = mean_difference(collection, options);
+    std::optional<ColumnEffects> effects;
+    if (!arguments.effects.empty())
+        effects = difference_effects(collection, options);
     throw_if_interrupted();
     Json figures{{"outputs", Json::array()}};
     if (transfer)
@@ -194,6 +214,8 @@ void run_found(const Session& session, const Arguments& arguments)
     figures["to_size"] = difference.to_size;
     session.message(
         join(arguments.output, ": mean difference of ", difference.pairs.size(), " pairs"));
+    if (effects)
+        figures["effects"] = find_effects(session, arguments, difference, *effects);
     session.print_figures(figures);
 }
 
@@ -219,6 +241,7 @@ void add_finding_options(CLI::App& command, Arguments& arguments)
         ->required(false)
         ->option_text("FILE")
         ->group(group);
+    add_effects(command, arguments.effects);
 }
 
 void add_applying_options(CLI::App& command, Arguments& arguments)
@@ -230,7 +253,7 @@ void add_applying_options(CLI::App& command, Arguments& arguments)
                         "Instead of finding one, apply these saved differences, all at once")
             ->option_text("FILE ...")
             ->group(group);
-    for (const char* option : {"--pair-by", "--from", "--to", "--scale", "--labels", "--only"})
+    for (const char* option : {"--pair-by", "--from", "--to", "--scale", "--labels", "--only", "--effects"})
         load->excludes(command.get_option(option));
     CLI::Option* apply = command
                              .add_flag("--apply", arguments.apply,
@@ -240,7 +263,7 @@ void add_applying_options(CLI::App& command, Arguments& arguments)
     CLI::Option* mesh =
         command
             .add_option("--mesh", arguments.mesh.path,
-                        "Where the result goes: a file (.obj .ply .off), or a directory if there\n"
+                        "Where the result goes: a file (.obj .ply .off .glb), or a directory if there\n"
                         "are several")
             ->option_text("PATH")
             ->group(group);
@@ -283,6 +306,8 @@ Run set_up_difference(CLI::App& command)
         "Examples:\n"
         "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"
         "      --to expression=happy -o smile.h5 --apply --amount 1.5 --mesh smile.ply\n"
+        "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"
+        "      --to expression=happy -o smile.h5 --effects smile_effects.ply\n"
         "  shape difference --load smile.h5 age.h5 --amounts 1,-0.5 --onto anna.ply \\\n"
         "      --mesh young_anna_smiles.ply");
     const auto arguments = std::make_shared<Arguments>();

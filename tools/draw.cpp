@@ -3,11 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/output_file.h"
 #include "libshape/io/table_file.h"
+#include "libshape/io/vertex_scalars.h"
 #include "libshape/report/picture.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
@@ -25,6 +27,7 @@ struct Arguments
     std::string output;
     std::string scores;
     std::string color_by;
+    std::string color_range;
     std::string view;
     std::int64_t columns = 0;
     std::int64_t cell = 200;
@@ -69,6 +72,58 @@ Plot read_score_plot(const std::string& path, const std::string& color_by)
                       total > 0.0 ? Eigen::VectorXd(squares / total) : Eigen::VectorXd());
 }
 
+/// One value a vertex for every mesh: a property in their PLY files.
+std::vector<Eigen::VectorXd> read_values(const MeshInput& meshes, const std::string& property)
+{
+    std::vector<Eigen::VectorXd> values;
+    for (const std::filesystem::path& file : mesh_files(meshes)) {
+        if (is_collection_file(file))
+            throw InvalidInput(join(file.string(),
+                                    ": a collection has no values at vertices; "
+                                    "--color-by needs PLY files, or --scores"));
+        values.push_back(read_vertex_scalar(file, property));
+    }
+    return values;
+}
+
+/// The range of the colours: as given, or that of all values, which is made symmetric if they have
+/// both signs.
+std::pair<double, double> value_range(const std::string& text,
+                                      const std::vector<Eigen::VectorXd>& values)
+{
+    if (!text.empty()) {
+        const std::vector<std::string> ends = split(text, ':');
+        if (ends.size() != 2)
+            throw UsageError(join("--color-range: '", text, "' must be LOW:HIGH"));
+        const double low = read_number(ends[0], "--color-range");
+        const double high = read_number(ends[1], "--color-range");
+        if (!(low < high))
+            throw UsageError(join("--color-range: ", text, ": LOW must be below HIGH"));
+        return {low, high};
+    }
+    double low = values.front().minCoeff();
+    double high = values.front().maxCoeff();
+    for (const Eigen::VectorXd& of_mesh : values) {
+        low = std::min(low, of_mesh.minCoeff());
+        high = std::max(high, of_mesh.maxCoeff());
+    }
+    if (low < 0.0 && high > 0.0) {
+        high = std::max(-low, high);
+        low = -high;
+    }
+    return {low, high > low ? high : low + std::max(std::abs(low), 1.0)};
+}
+
+void colour_by_values(PictureOptions& options, const Arguments& arguments)
+{
+    options.values = read_values(arguments.meshes, arguments.color_by);
+    std::tie(options.value_low, options.value_high) =
+        value_range(arguments.color_range, options.values);
+    options.value_name = arguments.color_by;
+    const bool has_both_signs = options.value_low < 0.0 && options.value_high > 0.0;
+    options.colour_map = has_both_signs ? ColourMap::Diverging : ColourMap::Sequential;
+}
+
 ViewDirection read_view(const std::string& text)
 {
     const std::vector<double> angles = read_numbers(text, "--view");
@@ -96,6 +151,11 @@ void run(const Session& session, const Arguments& arguments)
     if (!arguments.view.empty())
         options.view = read_view(arguments.view);
     const Collection collection = read_meshes(session, arguments.meshes);
+    const bool has_values = !arguments.color_by.empty() && arguments.scores.empty();
+    if (has_values)
+        colour_by_values(options, arguments);
+    else if (!arguments.color_range.empty())
+        throw UsageError("--color-range needs --color-by with a property of the vertices");
     const Picture picture = draw_collection(collection, options);
     throw_if_interrupted();
     write_file_atomically(
@@ -104,10 +164,16 @@ void run(const Session& session, const Arguments& arguments)
                     ? picture_svg(picture)
                     : overview_svg(picture, read_score_plot(arguments.scores, arguments.color_by)));
     session.message(join(arguments.output, ": ", collection.size(), " meshes"));
-    session.print_figures({{"outputs", {arguments.output}},
-                           {"meshes", collection.size()},
-                           {"width_px", picture.width()},
-                           {"height_px", picture.height()}});
+    if (has_values)
+        session.message(join(arguments.color_by, ": colours from ", options.value_low, " to ",
+                             options.value_high));
+    Json figures{{"outputs", {arguments.output}},
+                 {"meshes", collection.size()},
+                 {"width_px", picture.width()},
+                 {"height_px", picture.height()}};
+    if (has_values)
+        figures["color_range"] = {options.value_low, options.value_high};
+    session.print_figures(figures);
 }
 
 } // namespace
@@ -122,7 +188,8 @@ Run set_up_draw(CLI::App& command)
         "the meshes alone.");
     command.footer(
         "Example:\n  shape draw mean.ply mode1/ --columns 3 -o modes.svg\n"
-        "  shape draw mode1/ mode2/ --scores scores.csv --color-by expression -o overview.svg");
+        "  shape draw mode1/ mode2/ --scores scores.csv --color-by expression -o overview.svg\n"
+        "  shape draw mean_residuals.ply --color-by edge_error -o residuals.svg");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_output_file(command, arguments->output, "Picture to write (.svg or .png)");
@@ -133,11 +200,18 @@ Run set_up_draw(CLI::App& command)
     command.add_option("--view", arguments->view,
                        "Where the viewer stands: azimuth,elevation [deg]; 0,0 looks from +z, 90,0\n"
                        "from +x, 0,90 from +y (default: along the thinnest direction)");
-    CLI::Option* scores =
-        command.add_option("--scores", arguments->scores,
-                           "Scores written by `shape project`: pc1 and pc2 are plotted below");
-    command.add_option("--color-by", arguments->color_by, "Column of the scores that colours them")
-        ->needs(scores);
+    command.add_option("--scores", arguments->scores,
+                       "Scores written by `shape project`: pc1 and pc2 are plotted below");
+    command
+        .add_option("--color-by", arguments->color_by,
+                    "With --scores: column that colours them. Else: property of the vertices of\n"
+                    "PLY files that colours the meshes, as --residuals and --effects write them")
+        ->option_text("NAME");
+    command
+        .add_option("--color-range", arguments->color_range,
+                    "Values of the first and the last colour (default: the least and the largest\n"
+                    "of all; symmetric about 0 if they have both signs)")
+        ->option_text("LOW:HIGH");
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

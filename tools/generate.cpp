@@ -213,8 +213,9 @@ void run(const Session& session, const Arguments& arguments)
     if (!arguments.scores_file.empty())
         inputs.emplace_back(arguments.scores_file);
     MeshOutput output(session, arguments.output, names(targets), inputs);
-    session.print_figures(embed_and_write(session, arguments.embedding, model.topology,
-                                          {model.reference_points}, targets, output));
+    session.print_figures(embed_and_write(
+        session, arguments.embedding, model.topology, {model.reference_points}, targets, output,
+        arguments.mode > 0 ? TargetOrder::Sequence : TargetOrder::Any));
 }
 
 } // namespace
@@ -236,6 +237,7 @@ Run set_up_generate(CLI::App& command)
         ->required()
         ->option_text("REQUIRED");
     add_mesh_output(command, arguments->output);
+    add_animation_options(command, arguments->output);
     CLI::Option_group* points = command.add_option_group("Points", "exactly one of");
     points->add_flag("--mean", arguments->mean, "The mean (mean.ply)");
     CLI::Option* mode = add_integer(

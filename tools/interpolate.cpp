@@ -1,92 +1,198 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/edge_space/safe_range.h"
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/edge_space/tagged_scaling.h"
+#include "libshape/io/index_file.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/embedding_run.h"
 #include "tools/common/mesh_input.h"
 #include "tools/common/mesh_output.h"
+#include "tools/common/path_arguments.h"
+#include "tools/common/sequence_run.h"
 #include "tools/common/session.h"
 
 namespace shape::tools {
 namespace {
 
-/// How the inputs are joined.
-enum class Path
-{
-    Line, ///< Combinations of the inputs; frames run from the first of two to the second.
-};
-
 struct Arguments
 {
     MeshInput meshes;
-    std::vector<std::string> weights;
-    std::int64_t frames = 0;
-    Path path = Path::Line;
+    PathArguments path;
     LengthBlend lengths = LengthBlend::Plain;
-    bool extrapolate = false;
+    std::string scale_vertices;
+    std::string scale_faces;
+    std::vector<double> scale_factors;
+    SequenceArguments sequence;
     MeshOutputArguments output;
     EmbeddingArguments embedding;
 };
 
-/// @throws InvalidInput if the weights do not fit the meshes: their number, sum (within 1e-9 of 1)
-///     or range.
-void check_weights(const std::string& text, const Eigen::VectorXd& weights, Eigen::Index meshes,
-                   bool extrapolate)
+/// The part whose lengths are scaled; without shares, none.
+struct TaggedPart
 {
-    const std::string place = join("--weights ", text, ": ");
-    if (weights.size() != meshes)
-        throw InvalidInput(join(place, weights.size(), " weights for ", meshes, " meshes"));
-    if (std::abs(weights.sum() - 1.0) > 1e-9)
-        throw InvalidInput(join(place, "the weights sum to ", weights.sum(), ", not to 1"));
-    for (Eigen::Index i = 0; i < weights.size(); ++i)
-        if (!extrapolate && (weights[i] < 0.0 || weights[i] > 1.0))
-            throw InvalidInput(join(place, "weight ", i + 1, " is ", weights[i],
-                                    ", outside [0, 1]; --extrapolate allows it"));
+    Eigen::VectorXd shares;  ///< As tagged_shares() gives them.
+    Eigen::VectorXd factors; ///< One a mesh.
+};
+
+TaggedPart read_tagged_part(const Arguments& arguments, const Topology& topology,
+                            std::size_t meshes)
+{
+    const bool tagged = !arguments.scale_vertices.empty() || !arguments.scale_faces.empty();
+    if (tagged == arguments.scale_factors.empty())
+        throw UsageError("--scale-factors and --scale-vertices or --scale-faces go together");
+    if (!tagged)
+        return {};
+    const std::vector<double>& factors = arguments.scale_factors;
+    if (factors.size() != meshes)
+        throw InvalidInput(
+            join("--scale-factors: ", factors.size(), " factors for ", meshes, " meshes"));
+    for (const double factor : factors)
+        if (factor <= 0.0)
+            throw InvalidInput(join("--scale-factors: ", factor, " is not > 0"));
+    std::vector<int> vertices;
+    if (!arguments.scale_vertices.empty())
+        vertices = read_indices(arguments.scale_vertices, topology.vertex_count(), "vertex");
+    if (!arguments.scale_faces.empty()) {
+        const std::vector<int> corners = corners_of_faces(
+            topology, read_indices(arguments.scale_faces, topology.face_count(), "face"));
+        vertices.insert(vertices.end(), corners.begin(), corners.end());
+    }
+    return {tagged_shares(topology, vertices),
+            Eigen::Map<const Eigen::VectorXd>(factors.data(),
+                                              static_cast<Eigen::Index>(factors.size()))};
 }
 
-/// The weights of every frame, in order.
-std::vector<Eigen::VectorXd> frame_weights(const Arguments& arguments, Eigen::Index meshes)
+ShapePoint scaled_blend(const ShapeVectors& vectors, const Eigen::VectorXd& weights,
+                        LengthBlend lengths, const TaggedPart& part)
 {
-    std::vector<Eigen::VectorXd> frames;
-    for (const std::string& text : arguments.weights) {
-        const std::vector<double> numbers = read_numbers(text, "--weights");
-        frames.push_back(Eigen::Map<const Eigen::VectorXd>(
-            numbers.data(), static_cast<Eigen::Index>(numbers.size())));
-        check_weights(text, frames.back(), meshes, arguments.extrapolate);
+    ShapePoint point = blend(vectors, weights, lengths);
+    if (part.shares.size() == 0)
+        return point;
+    return scale_tagged(std::move(point), part.shares, part.factors.dot(weights));
+}
+
+/// A number for JSON, which has no infinity.
+Json finite_or_null(double value)
+{
+    return std::isfinite(value) ? Json(value) : Json();
+}
+
+/// How far the line through the first two and the last two meshes may be followed: the parameter
+/// below 0 and above 1 where the first triangle inequality breaks.
+struct SafeRange
+{
+    SafeReach low;
+    SafeReach high;
+};
+
+SafeRange safe_range_of_line(const Topology& topology, const ShapeVectors& vectors,
+                             LengthBlend lengths)
+{
+    const Eigen::Index count = vectors.edge_lengths.rows();
+    const auto parameter = [&](Eigen::Index end, Eigen::Index inner, double from, double sign) {
+        const Eigen::VectorXd start = Eigen::VectorXd::Unit(count, end);
+        SafeReach reach = safe_reach(topology, vectors, start,
+                                     start - Eigen::VectorXd::Unit(count, inner), lengths);
+        reach.reach = from + sign * reach.reach / static_cast<double>(count - 1);
+        return reach;
+    };
+    return {parameter(0, 1, 0.0, -1.0), parameter(count - 1, count - 2, 1.0, 1.0)};
+}
+
+std::string describe(const SafeRange& range)
+{
+    const auto face = [](const SafeReach& end) {
+        return end.face < 0 ? std::string("nothing breaks") : join("face ", end.face, " breaks");
+    };
+    return join("safe range of the line: ", range.low.reach, " (", face(range.low), ") to ",
+                range.high.reach, " (", face(range.high), ")");
+}
+
+/// Says how far blends may leave the inputs and refuses those that go farther, unless forced.
+/// @return The fields `safe_range` (of lines) and `safe_reach` (per blend, see safe_range.h; null
+///     where nothing ever breaks).
+Json check_safe_range(const Session& session, const Arguments& arguments, const Blends& blends,
+                      const Topology& topology, const ShapeVectors& vectors)
+{
+    Json figures = Json::object();
+    if (!arguments.path.extrapolate)
+        return figures;
+    std::string said;
+    if (blends.kind == PathKind::Line) {
+        const SafeRange range = safe_range_of_line(topology, vectors, arguments.lengths);
+        said = describe(range);
+        figures["safe_range"] = {{"low", finite_or_null(range.low.reach)},
+                                 {"high", finite_or_null(range.high.reach)},
+                                 {"low_face", range.low.face},
+                                 {"high_face", range.high.face}};
     }
-    if (arguments.frames > 0 && meshes != 2)
-        throw InvalidInput(
-            join("--frames: a line has two ends, not ", meshes, " meshes; give --weights"));
-    for (std::int64_t i = 0; i < arguments.frames; ++i) {
-        const double t = static_cast<double>(i) / static_cast<double>(arguments.frames - 1);
-        frames.emplace_back(Eigen::Vector2d(1.0 - t, t));
+    Json reaches = Json::array();
+    for (std::size_t i = 0; i < blends.weights.size(); ++i) {
+        const SafeReach safe = safe_reach(topology, vectors, blends.weights[i], arguments.lengths);
+        reaches.push_back(finite_or_null(safe.reach));
+        if (safe.reach <= 1.0 && !arguments.path.force_range)
+            throw InvalidInput(join(numbered_name("frame", i), " leaves the safe range: face ",
+                                    safe.face, " breaks its triangle inequality after ", safe.reach,
+                                    " of the way beyond the inputs; ", said,
+                                    said.empty() ? "" : "; ", "--force-range goes on"));
     }
-    return frames;
+    figures["safe_reach"] = reaches;
+    if (!said.empty())
+        session.message(said);
+    return figures;
+}
+
+Json weight_figures(const Blends& blends)
+{
+    Json figures = Json::array();
+    for (const Eigen::VectorXd& weights : blends.weights)
+        figures.push_back(std::vector<double>(weights.begin(), weights.end()));
+    return figures;
+}
+
+std::vector<std::filesystem::path> all_inputs(const Arguments& arguments)
+{
+    std::vector<std::filesystem::path> files = input_files(arguments.meshes);
+    for (const std::string& file :
+         {arguments.path.file, arguments.scale_vertices, arguments.scale_faces})
+        if (!file.empty())
+            files.emplace_back(file);
+    return files;
 }
 
 void run(const Session& session, const Arguments& arguments)
 {
     const Collection collection = read_meshes(session, arguments.meshes);
+    const Topology& topology = collection.topology;
     if (collection.size() < 2)
         throw InvalidInput(join("one mesh cannot be blended; give two or more (",
                                 collection.names.front(), " is the only one)"));
+    const Blends blends = blends_of(arguments.path, static_cast<int>(collection.size()));
+    const TaggedPart part = read_tagged_part(arguments, topology, collection.size());
     const ShapeVectors vectors = encode(collection, Scale::None);
-    std::vector<EmbeddingTarget> targets;
-    for (const Eigen::VectorXd& weights :
-         frame_weights(arguments, static_cast<Eigen::Index>(collection.size())))
-        targets.push_back({numbered_name("frame", targets.size()), [&vectors, &arguments, weights] {
-                               return blend(vectors, weights, arguments.lengths);
-                           }});
-    MeshOutput output(session, arguments.output, names(targets), input_files(arguments.meshes));
-    session.print_figures(embed_and_write(session, arguments.embedding, collection.topology,
-                                          collection.points, targets, output));
+
+    Sequence sequence{topology, collection.points, {}, blends.is_sequence};
+    for (const Eigen::VectorXd& weights : blends.weights)
+        sequence.targets.push_back({numbered_name("frame", sequence.targets.size()),
+                                    [&vectors, &arguments, &part, weights] {
+                                        return scaled_blend(vectors, weights, arguments.lengths,
+                                                            part);
+                                    }});
+    MeshOutput output(session, arguments.output, names(sequence.targets), all_inputs(arguments));
+    Json figures = check_safe_range(session, arguments, blends, topology, vectors);
+    figures.update(embed_sequence(session, arguments.embedding, arguments.sequence, sequence,
+                                  arguments.output.path, output));
+    figures["weights"] = weight_figures(blends);
+    session.print_figures(figures);
 }
 
 } // namespace
@@ -94,34 +200,48 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_interpolate(CLI::App& command)
 {
     command.description(
-        "Blend two or more meshes in edge-length space. Each blend is written as a mesh\n"
-        "(frame_0000.ply, frame_0001.ply, ...), turned and placed as the first mesh is.");
+        "Blend two or more meshes in edge-length space, at single places or along a path. Each\n"
+        "blend is written as a mesh (frame_0000.ply, frame_0001.ply, ...); the first is turned "
+        "and\n"
+        "placed as the first mesh is, each further frame of a path as the one before it.");
     command.footer(
         "Examples:\n"
         "  shape interpolate a.ply b.ply -o frames/ --frames 11\n"
-        "  shape interpolate a.ply b.ply c.ply -o mean.ply --weights 0.25,0.25,0.5");
+        "  shape interpolate a.ply b.ply -o animation.glb --frames 50 --fps 25\n"
+        "  shape interpolate a.ply b.ply c.ply -o mean.ply --weights 0.25,0.25,0.5\n"
+        "  shape interpolate a.ply b.ply -o frames/ --frames 7 --range -0.25:1.25 --extrapolate\n"
+        "  shape interpolate a.ply b.ply c.ply d.ply -o patch/ --path bilinear --grid 5,5\n"
+        "  shape interpolate poses/ -o frames/ --path spline --frames 200 --keyframes 20");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_mesh_output(command, arguments->output);
-    CLI::Option_group* blends = command.add_option_group("Blends", "exactly one of");
-    blends
-        ->add_option("--weights", arguments->weights,
-                     "One weight a mesh; they sum to 1 (within 1e-9) and lie in [0, 1]. Repeat\n"
-                     "the option for several blends")
-        ->allow_extra_args(false)
-        ->option_text("w1,w2,...");
-    add_integer(*blends, "--frames", arguments->frames,
-                "N blends of two meshes, equally spaced from the first to the second, both\n"
-                "included, [2, 1000000]",
-                2, 1'000'000);
-    blends->require_option(1);
-    add_choice(command, "--path", arguments->path, "line: combinations of the meshes (default)",
-               {{"line", Path::Line}});
+    add_animation_options(command, arguments->output);
+    add_path_options(command, arguments->path);
     add_choice(
         command, "--lengths", arguments->lengths,
         "What is combined: plain lengths (default) or squared lengths (Rojas 2014, section 6)",
         {{"plain", LengthBlend::Plain}, {"squared", LengthBlend::Squared}});
-    command.add_flag("--extrapolate", arguments->extrapolate, "Allow weights outside [0, 1]");
+    command
+        .add_option(
+            "--scale-vertices", arguments->scale_vertices,
+            "A file with the indices (from 0) of the vertices of a part that is to grow or\n"
+            "shrink along the way: lengths of its edges are multiplied, those of edges with\n"
+            "one end in it half as much (Winkler 2010, Fig. 12)")
+        ->option_text("FILE");
+    command
+        .add_option("--scale-faces", arguments->scale_faces,
+                    "The same with indices of faces, whose corners make the part")
+        ->option_text("FILE");
+    command
+        .add_option_function<std::string>(
+            "--scale-factors",
+            [arguments](const std::string& text) {
+                arguments->scale_factors = read_numbers(text, "--scale-factors");
+            },
+            "Factors of that part, one a mesh, > 0, blended as the meshes are; of two meshes one\n"
+            "at either end of the path")
+        ->option_text("f1,f2,...");
+    add_sequence_options(command, arguments->sequence);
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

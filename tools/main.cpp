@@ -140,8 +140,8 @@ int guarded_run(int argc, char** argv)
         return report_error(error.what()), OverLimit;
     } catch (const std::bad_alloc&) {
         return report_error("out of memory"), OverLimit;
-    } catch (const Interrupted&) {
-        return report_error("interrupted; nothing half-done was kept"), Stopped;
+    } catch (const Interrupted& error) {
+        return report_error(error.what()), Stopped;
     } catch (const std::exception& error) {
         return report_error(std::string("internal error: ") + error.what()), InternalError;
     }

@@ -9,7 +9,7 @@ namespace shape {
 // The standard library's functions of angles for many values at once, in loops without a branch or
 // a call: several times faster. Same bits for a value wherever it stands.
 
-/// sines[i] = sin(angles[i]), cosines[i] = cos(angles[i]), both within 1e-15 for |angles[i]| < 1e6.
+/// sines[i] = sin(angles[i]), cosines[i] = cos(angles[i]), both within 1e-15 + 1e-16 |angles[i]| of it.
 /// @param angles  `count` values [rad].
 void sines_cosines(const double* angles, std::size_t count, double* sines, double* cosines);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -141,6 +142,16 @@ MorphFrame morph_frame(const ConformalMorph& morph, double k)
     frame.point.dihedral_angles =
         ((1.0 - k) * morph.dihedral_angles.row(0) + k * morph.dihedral_angles.row(1)).transpose();
     return frame;
+}
+
+double morph_parameter(double s)
+{
+    return std::sin(0.5 * std::numbers::pi * s);
+}
+
+double morph_pace(double k)
+{
+    return 2.0 / std::numbers::pi * std::asin(k);
 }
 
 } // namespace shape

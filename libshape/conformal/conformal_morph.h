@@ -43,4 +43,13 @@ struct MorphFrame
 /// @throws InvalidInput if k is outside.
 [[nodiscard]] MorphFrame morph_frame(const ConformalMorph& morph, double k);
 
+/// k = sin(pi s / 2): equal steps of s are about equal steps of shape. At k a cylinder has become a
+/// cone that opens by asin(k) to either side, so equal steps of k would tear the end apart.
+/// @param s  In [0, 1].
+[[nodiscard]] double morph_parameter(double s);
+
+/// s of morph_parameter.
+/// @param k  In [0, 1].
+[[nodiscard]] double morph_pace(double k);
+
 } // namespace shape

@@ -35,14 +35,16 @@ bool flip_within_complex(IntrinsicTriangulation& t, int edge)
     return true;
 }
 
-/// Rounds after which all edges are released.
-constexpr int local_rounds = 20;
+/// Newton's method ends above this [rad] only where faces are all but broken.
+constexpr double stuck_residual = 1e-10;
 
 class Flattening
 {
 public:
-    Flattening(IntrinsicTriangulation t, int removed_vertex, const Eigen::VectorXd& factors)
-        : t_(std::move(t)),
+    Flattening(IntrinsicTriangulation t, int removed_vertex, const Eigen::VectorXd& factors,
+               const FlatMetricOptions& options)
+        : options_(options),
+          t_(std::move(t)),
           u_(factors),
           removed_(removed_vertex),
           released_(static_cast<std::size_t>(t_.edge_count()), 0)
@@ -56,7 +58,7 @@ public:
                 u_[v] = mean;
     }
 
-    FlatMetric run(const FlatMetricOptions& options)
+    FlatMetric run()
     {
         int newton_steps = 0;
         for (int round = 0;; ++round) {
@@ -65,7 +67,8 @@ public:
             t_ = solution.triangulation;
             u_ = solution.u;
             find_boundary(); // flips renumber half-edges
-            const bool done = round == options.max_rounds || !repair(solution.broken_faces, round);
+            const bool done = round == options_.max_rounds ||
+                              !repair(solution.broken_faces, solution.residual, round);
             if (!done) {
                 fix_boundary();
                 continue;
@@ -129,12 +132,13 @@ private:
 
     /// Prepares the next round: flips in the star of the removed vertex, releases more edges.
     /// Returns whether anything changed.
-    bool repair(std::vector<int> broken_faces, int round)
+    bool repair(std::vector<int> broken_faces, double residual, int round)
     {
         const std::vector<char> released_before = released_;
         bool flipped = false;
-        if (round == local_rounds && !broken_faces.empty())
-            std::fill(released_.begin(), released_.end(), static_cast<char>(1));
+        const bool is_solved = broken_faces.empty() && residual <= stuck_residual;
+        if (round == options_.local_rounds && !is_solved)
+            release_all();
         // Mending the worse half often mends the others.
         std::sort(broken_faces.begin(), broken_faces.end(), [&](int f, int g) {
             return std::pair(-excess(f), f) < std::pair(-excess(g), g);
@@ -161,8 +165,12 @@ private:
         if (removed_ >= 0)
             for (const int e : link_edges)
                 flipped |= flip_within_complex(t_, e);
+        if (!flipped && released_ == released_before && !is_solved)
+            release_all();
         return flipped || released_ != released_before;
     }
+
+    void release_all() { std::fill(released_.begin(), released_.end(), static_cast<char>(1)); }
 
     /// How much longer the longest side is than the others together, in logarithms.
     [[nodiscard]] double excess(int face) const
@@ -187,6 +195,7 @@ private:
                     released_[static_cast<std::size_t>(t_.edge(side))] = 1;
     }
 
+    FlatMetricOptions options_;
     IntrinsicTriangulation t_;
     Eigen::VectorXd u_;
     int removed_;
@@ -204,14 +213,14 @@ FlatMetric flatten_disc(IntrinsicTriangulation triangulation, const Eigen::Vecto
     if (factors.size() != triangulation.vertex_count())
         throw InvalidInput(join("factors has ", factors.size(), " entries, the mesh ",
                                 triangulation.vertex_count(), " vertices"));
-    return Flattening(std::move(triangulation), -1, factors).run(options);
+    return Flattening(std::move(triangulation), -1, factors, options).run();
 }
 
 FlatMetric flatten_punctured_sphere(IntrinsicTriangulation triangulation, int removed_vertex,
                                     const FlatMetricOptions& options)
 {
     const Eigen::VectorXd factors = Eigen::VectorXd::Zero(triangulation.vertex_count());
-    return Flattening(std::move(triangulation), removed_vertex, factors).run(options);
+    return Flattening(std::move(triangulation), removed_vertex, factors, options).run();
 }
 
 } // namespace shape

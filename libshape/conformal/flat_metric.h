@@ -10,6 +10,13 @@
 
 namespace shape {
 
+/// How a triangulation without solution is repaired.
+struct FlatMetricOptions
+{
+    int local_rounds = 20; ///< Repairs about broken faces before all edges are released; >= 0.
+    int max_rounds = 100;  ///< Repairs in all; >= 0.
+};
+
 /// A conformally equivalent flat disc.
 struct FlatMetric
 {
@@ -26,17 +33,12 @@ struct FlatMetric
     [[nodiscard]] bool converged() const { return broken_faces.empty() && angle_residual <= 1e-10; }
 };
 
-struct FlatMetricOptions
-{
-    int max_rounds = 100; ///< Repairs of the triangulation; >= 0.
-};
-
 /// Flattens a disc whose boundary vertices keep given factors.
 ///
 /// Where no solution exists with the edges as they are (some face breaks its triangle inequality at
 /// the minimiser of the convex energy), the longest edges of those faces are allowed to flip in
 /// Penner coordinates; they flip where they are not Delaunay. If that does not do, the faces around
-/// follow, ring by ring, and after 20 rounds all.
+/// follow, ring by ring, and in the end all.
 ///
 /// @param factors  #V; those of boundary vertices are kept, others ignored.
 /// @throws InvalidInput if factors has another size.

@@ -119,7 +119,8 @@ SphereMap map_to_sphere(const Topology& topology, const Eigen::VectorXd& lengths
     SphereMap map;
     map.infinite_vertex =
         options.infinite_vertex >= 0 ? options.infinite_vertex : central_vertex(topology, lengths);
-    const FlatMetric flat = flatten_punctured_sphere(std::move(triangulation), map.infinite_vertex);
+    const FlatMetric flat =
+        flatten_punctured_sphere(std::move(triangulation), map.infinite_vertex, options.repair);
 
     const Eigen::VectorXd areas = face_areas(topology, lengths);
     const MoebiusBalance balance = balance_on_sphere(

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libshape/conformal/certificate.h"
+#include "libshape/conformal/flat_metric.h"
 #include "libshape/conformal/moebius.h"
 #include "libshape/mesh/topology.h"
 
@@ -15,6 +16,7 @@ namespace shape {
 struct SphereMapOptions
 {
     int infinite_vertex = -1; ///< Vertex whose star is taken out to solve; -1: central_vertex().
+    FlatMetricOptions repair = {};
 };
 
 /// A discrete conformal map to a sphere about 0 with the area of the mesh.

@@ -70,7 +70,10 @@ Embedder::Embedder(const Topology& topology, std::vector<Points> references,
         throw InvalidInput(join("smoothness is ", options.smoothness, ", must be > 0"));
     state_ = std::make_unique<State>(State{topology, references.front(), options, {}, {}, 0.0});
     if (options.method == EmbeddingMethod::Multiscale)
-        state_->multiscale.emplace(topology, references.front());
+        state_->multiscale.emplace(
+            topology, references.front(),
+            MultiscaleOptions{.seed = options.seed,
+                              .registration = {.start = options.registration_start}});
     if (options.method == EmbeddingMethod::Dihedral)
         state_->dihedral.emplace(topology, std::move(references));
     state_->setup_seconds = seconds_since(start);
@@ -86,6 +89,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
     const State& s = *state_;
     Points points;
     EmbeddingReport solver; // the fields that measure_embedding() leaves open
+    std::optional<MultiscaleTimes> multiscale;
     switch (s.options.method) {
         case EmbeddingMethod::Dihedral: {
             DihedralEmbeddingOptions options;
@@ -106,16 +110,19 @@ Embedding Embedder::embed(const ShapePoint& target) const
             solver.closure_energy = closed.solution.energy;
             break;
         }
-        case EmbeddingMethod::Multiscale:
-            points = s.multiscale->embed(target).points;
+        case EmbeddingMethod::Multiscale: {
+            MultiscaleEmbedding pose = s.multiscale->embed(target);
+            points = std::move(pose.points);
+            multiscale = {s.multiscale->setup_times(), pose.times};
             solver.converged = true; // a fixed number of passes
             break;
+        }
     }
     points = best_rigid_motion(points, s.reference)(points);
     points.rowwise() -= Eigen::RowVector3d(points.colwise().mean());
     const double seconds = seconds_since(start);
 
-    Embedding embedding{points, measure_embedding(s.topology, points, target)};
+    Embedding embedding{points, measure_embedding(s.topology, points, target), multiscale};
     embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
                                           ? solver.closure_energy
                                           : closure_energy(s.topology, target);

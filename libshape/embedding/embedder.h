@@ -2,10 +2,13 @@
 
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/multiscale_embedding.h"
 #include "libshape/embedding/report.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
@@ -32,6 +35,15 @@ struct EmbeddingOptions
     EmbeddingMethod method = EmbeddingMethod::Dihedral;
     EmbeddingQuality quality = EmbeddingQuality::Fine;
     double smoothness = 5e-3; ///< Weight mu of the dihedral term against the length term; > 0.
+    RegistrationStart registration_start = RegistrationStart::Incremental; ///< Of Multiscale.
+    std::uint64_t seed = 1;                                                ///< Of Multiscale.
+};
+
+/// Where the time of EmbeddingMethod::Multiscale goes.
+struct MultiscaleTimes
+{
+    MultiscaleSetupTimes setup;
+    MultiscalePoseTimes pose;
 };
 
 /// A mesh and what it is worth.
@@ -39,6 +51,7 @@ struct Embedding
 {
     Points points; ///< #V by 3 [length], centroid at 0.
     EmbeddingReport report;
+    std::optional<MultiscaleTimes> multiscale = {}; ///< Of that method.
 };
 
 /// A mesh that needs no embedding, as one: its targets are its own lengths and angles. The centroid

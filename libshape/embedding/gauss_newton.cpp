@@ -5,9 +5,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "libshape/base/error.h"
+#include "libshape/embedding/graded_unknowns.h"
 #include "libshape/mesh/dihedral_angles.h"
 
 namespace shape {
@@ -40,32 +43,64 @@ GaussNewton::GaussNewton(const Topology& topology, std::vector<int> vertices)
     : topology_(topology), vertices_(std::move(vertices))
 {
     std::sort(vertices_.begin(), vertices_.end());
-    std::vector<int> row(static_cast<std::size_t>(topology.vertex_count()), -1);
+    std::vector<std::vector<int>> rows(static_cast<std::size_t>(topology.vertex_count()));
     for (std::size_t i = 0; i < vertices_.size(); ++i)
-        row[static_cast<std::size_t>(vertices_[i])] = static_cast<int>(i);
+        rows[static_cast<std::size_t>(vertices_[i])] = {static_cast<int>(i)};
+    find_pattern(rows);
+}
+
+GaussNewton::GaussNewton(const Topology& topology, const VectorXd& lengths) : topology_(topology)
+{
+    GradedUnknowns unknowns = graded_unknowns(topology, lengths);
+    vertices_ = std::move(unknowns.vertices);
+    find_pattern(unknowns.rows);
+}
+
+/// @param rows  Per vertex, the unknown translations that move it.
+void GaussNewton::find_pattern(const std::vector<std::vector<int>>& rows)
+{
+    const auto size = static_cast<int>(vertices_.size());
+    carried_begin_.assign(static_cast<std::size_t>(size) + 1, 0);
+    for (const std::vector<int>& of_vertex : rows)
+        for (const int r : of_vertex)
+            ++carried_begin_[static_cast<std::size_t>(r) + 1];
+    for (std::size_t r = 0; r < static_cast<std::size_t>(size); ++r)
+        carried_begin_[r + 1] += carried_begin_[r];
+    carried_.resize(static_cast<std::size_t>(carried_begin_.back()));
+    std::vector<int> next = carried_begin_;
+    for (std::size_t v = 0; v < rows.size(); ++v)
+        for (const int r : rows[v])
+            carried_[static_cast<std::size_t>(next[static_cast<std::size_t>(r)]++)] =
+                static_cast<int>(v);
 
     for (const int v : vertices_)
-        for (const int h : topology.outgoing(v))
+        for (const int h : topology_.outgoing(v))
             for (const int side : {h, Topology::next(h), Topology::previous(h)})
-                edges_.push_back(topology.edge(side));
+                edges_.push_back(topology_.edge(side));
     std::sort(edges_.begin(), edges_.end());
     edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
 
     std::vector<std::pair<int, int>> blocks; // column, row
     for (const int e : edges_) {
-        std::array<int, 4> wedge = wedge_of(topology, e);
-        for (int& v : wedge)
-            v = v < 0 ? -1 : row[static_cast<std::size_t>(v)];
-        wedges_.push_back(wedge);
-        for (const int i : wedge)
-            for (const int j : wedge)
-                if (i >= j && j >= 0)
-                    blocks.emplace_back(j, i);
+        part_begin_.push_back(static_cast<int>(parts_.size()));
+        const std::array<int, 4> wedge = wedge_of(topology_, e);
+        std::map<int, unsigned> moved;
+        for (std::size_t a = 0; a < 4; ++a)
+            if (wedge[a] >= 0)
+                for (const int r : rows[static_cast<std::size_t>(wedge[a])])
+                    moved[r] |= 1u << a;
+        const unsigned all = wedge[3] < 0 ? 7u : 15u;
+        for (const auto& [r, bits] : moved)
+            if (bits != all) // a translation of the whole wedge changes nothing
+                parts_.push_back({r, bits});
+        for (auto j = static_cast<std::size_t>(part_begin_.back()); j < parts_.size(); ++j)
+            for (std::size_t i = j; i < parts_.size(); ++i)
+                blocks.emplace_back(parts_[j].row, parts_[i].row);
     }
+    part_begin_.push_back(static_cast<int>(parts_.size()));
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
 
-    const auto size = static_cast<int>(vertices_.size());
     block_begin_.assign(static_cast<std::size_t>(size) + 1, 0);
     for (const auto& [column, block_row] : blocks) {
         ++block_begin_[static_cast<std::size_t>(column) + 1];
@@ -96,27 +131,30 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
     const ShapePoint& target = energy.target();
     const double mu = energy.smoothness();
     const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
-    // Adds g g^T-like blocks: J^T J of one residual whose derivatives by the wedge's vertices are g.
-    const auto add = [&](const std::array<int, 4>& rows, const std::array<Vector3d, 4>& g,
-                         double weight, double residual) {
-        for (std::size_t a = 0; a < 4; ++a) {
-            if (rows[a] < 0)
-                continue;
-            linearisation->gradient.segment<3>(3 * rows[a]) += weight * residual * g[a];
-            for (std::size_t b = 0; b < 4; ++b) {
-                const int i = rows[a];
-                const int j = rows[b];
-                if (j < 0 || i < j)
-                    continue;
-                const auto j_begin = block_begin_[static_cast<std::size_t>(j)];
-                const auto j_end = block_begin_[static_cast<std::size_t>(j) + 1];
-                const auto k =
-                    std::lower_bound(block_row_.begin() + j_begin, block_row_.begin() + j_end, i) -
-                    block_row_.begin();
-                double* values = linearisation->matrix.valuePtr() + 9 * j_begin + 3 * (k - j_begin);
-                for (int c = 0; c < 3; ++c, values += 3 * (j_end - j_begin))
+    // Adds J^T J of one residual of a wedge whose derivatives by the wedge's vertices are g.
+    std::vector<Vector3d> by_part;
+    const auto add = [&](std::size_t i, const std::array<Vector3d, 4>& g, double weight,
+                         double residual) {
+        const Part* const parts = parts_.data() + part_begin_[i];
+        const auto count = static_cast<std::size_t>(part_begin_[i + 1] - part_begin_[i]);
+        by_part.assign(count, Vector3d::Zero());
+        for (std::size_t p = 0; p < count; ++p)
+            for (std::size_t a = 0; a < 4; ++a)
+                if ((parts[p].moved & 1u << a) != 0)
+                    by_part[p] += g[a];
+        for (std::size_t q = 0; q < count; ++q) {
+            const int column = parts[q].row;
+            linearisation->gradient.segment<3>(3 * column) += weight * residual * by_part[q];
+            const auto begin = block_begin_[static_cast<std::size_t>(column)];
+            const auto end = block_begin_[static_cast<std::size_t>(column) + 1];
+            for (std::size_t p = q; p < count; ++p) {
+                const auto k = std::lower_bound(block_row_.begin() + begin,
+                                                block_row_.begin() + end, parts[p].row) -
+                               block_row_.begin();
+                double* values = linearisation->matrix.valuePtr() + 9 * begin + 3 * (k - begin);
+                for (int c = 0; c < 3; ++c, values += 3 * (end - begin))
                     for (int r = 0; r < 3; ++r)
-                        values[r] += weight * g[a][r] * g[b][c];
+                        values[r] += weight * by_part[p][r] * by_part[q][c];
             }
         }
     };
@@ -137,7 +175,7 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         const Vector3d along = length > 0.0 ? Vector3d(axis / length) : Vector3d(Vector3d::Zero());
         if (linearisation != nullptr) {
             const Vector3d pull = along / target.edge_lengths[e];
-            add(wedges_[i], {-pull, pull, Vector3d::Zero(), Vector3d::Zero()}, weight, strain);
+            add(i, {-pull, pull, Vector3d::Zero(), Vector3d::Zero()}, weight, strain);
         }
         if (wedge[3] < 0)
             continue;
@@ -154,7 +192,7 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         right /= right.squaredNorm();
         const double left_foot = c.dot(along);
         const double right_foot = d.dot(along);
-        add(wedges_[i],
+        add(i,
             {(length - left_foot) * left + (length - right_foot) * right,
              left_foot * left + right_foot * right, -length * left, -length * right},
             mu, bend);
@@ -170,30 +208,45 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
     result.value = evaluate(energy, result.points, &linear);
     if (!std::isfinite(result.value))
         throw NumericalError("Gauss-Newton: the energy is not finite at the start");
-    constexpr double least_damping = 1e-9;
     constexpr double most_damping = 1e6;
-    double damping = 1e-4;
+    double damping = options.damping;
     std::optional<SparseCholesky> factor;
     while (!result.converged && result.iterations < options.max_iterations) {
         ++result.iterations;
         SparseMatrix damped = linear.matrix;
         damped.diagonal() *= 1.0 + damping;
-        damped.diagonal().array() += 1e-12 * damped.diagonal().mean();
-        if (factor)
-            factor->refactor(damped);
-        else
-            factor.emplace(damped, vertices_.size() > 4000 ? Ordering::NestedDissection
-                                                           : Ordering::MinimumDegree);
+        damped.diagonal().array() += 1e-300; // where nothing pulls, nothing moves
+        try {
+            if (factor)
+                factor->refactor(damped);
+            else
+                factor.emplace(damped, vertices_.size() > 4000 ? Ordering::NestedDissection
+                                                               : Ordering::MinimumDegree);
+        } catch (const NumericalError&) { // too little damping for the digits there are
+            damping *= 100.0;
+            if (damping > most_damping)
+                throw;
+            continue;
+        }
         const VectorXd step = factor->solve(linear.gradient);
-        VectorXd next = result.points;
-        for (std::size_t i = 0; i < vertices_.size(); ++i)
-            next.segment<3>(3 * vertices_[i]) -= step.segment<3>(3 * static_cast<Eigen::Index>(i));
-        const double value = evaluate(energy, next, nullptr);
+        VectorXd next;
+        double value = 0.0;
+        double scale = 1.0;
+        for (int halving = 0; halving <= options.halvings; ++halving, scale *= 0.5) {
+            next = result.points;
+            for (std::size_t i = 0; i < vertices_.size(); ++i)
+                for (int k = carried_begin_[i]; k < carried_begin_[i + 1]; ++k)
+                    next.segment<3>(3 * carried_[static_cast<std::size_t>(k)]) -=
+                        scale * step.segment<3>(3 * static_cast<Eigen::Index>(i));
+            value = evaluate(energy, next, nullptr);
+            if (value < result.value)
+                break;
+        }
         if (value < result.value) {
             result.converged = result.value - value <= options.decrease_tolerance * value;
             result.points = std::move(next);
             result.value = evaluate(energy, result.points, &linear);
-            damping = std::max(0.2 * damping, least_damping);
+            damping = std::max(0.2 * damping, options.least_damping);
         } else {
             damping *= 10.0;
             if (damping > most_damping) { // no step is short enough: a minimum up to rounding

@@ -16,6 +16,10 @@ struct GaussNewtonOptions
     int max_iterations = 20; ///< Factorisations at most; >= 0.
     /// Converged once a step lowers E by <= decrease_tolerance * E.
     double decrease_tolerance = 1e-6;
+    double damping = 1e-4;       ///< Of the first step, relative to the diagonal.
+    double least_damping = 1e-9; ///< Of any step.
+    int halvings =
+        0; ///< Times that a step is halved if E does not fall, before it is damped; >= 0.
 };
 
 struct GaussNewtonResult
@@ -35,6 +39,14 @@ public:
     ///     motion is held by the damping, which never vanishes.
     GaussNewton(const Topology& topology, std::vector<int> vertices);
 
+    /// Moves all vertices of a mesh whose lengths may range over many orders of magnitude, as those
+    /// of conformal maps do. Where edges are 300 times shorter than around them, the translation of
+    /// the whole region becomes an unknown of its own: among the stiff terms of its edges the soft
+    /// ones that hold it to the rest would be lost to rounding. The vertex with the longest edges
+    /// is held.
+    /// @param lengths  #E [length], about those of the mesh, > 0.
+    GaussNewton(const Topology& topology, const Eigen::VectorXd& lengths);
+
     /// @param points  Row by row [length].
     /// @throws NumericalError if E is not finite at the start.
     /// Cost: a sparse Cholesky factorisation of size 3 #vertices an iteration.
@@ -48,16 +60,26 @@ public:
     [[nodiscard]] const std::vector<int>& edges() const { return edges_; }
 
 private:
+    /// An unknown translation that moves some of the vertices of a wedge, not all of them.
+    struct Part
+    {
+        int row;
+        unsigned moved; // bit a: vertex a of the wedge
+    };
     struct Linearisation;
+    void find_pattern(const std::vector<std::vector<int>>& rows);
     double evaluate(const LengthDihedralEnergy& energy, const Eigen::VectorXd& points,
                     Linearisation* linearisation) const;
 
     Topology topology_;
     std::vector<int> vertices_;
     std::vector<int> edges_;
-    std::vector<std::array<int, 4>> wedges_; // rows of the system, -1 if held: ends, left, right
-    SparseMatrix pattern_;                   // lower block triangle, all values 0
-    std::vector<int> block_begin_;           // first block of a block column, and their rows
+    std::vector<int> carried_begin_; // vertices that move with vertices_[i], and itself
+    std::vector<int> carried_;
+    std::vector<int> part_begin_; // first part of the wedge of edges_[i]
+    std::vector<Part> parts_;
+    SparseMatrix pattern_;         // lower block triangle, all values 0
+    std::vector<int> block_begin_; // first block of a block column, and their rows
     std::vector<int> block_row_;
 };
 

@@ -21,6 +21,7 @@ public:
     static constexpr std::int64_t vertex_limit = 20'000'000;
     static constexpr std::int64_t face_limit = 40'000'000;
     static constexpr std::int64_t corner_limit = 1024;
+    static constexpr std::uint64_t file_limit = std::uint64_t{2} << 30; // [byte]
 
     /// Throws InvalidInput with a rule and the present place in the file.
     using Fail = std::function<void(std::string_view rule)>;

@@ -9,42 +9,31 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/input_file.h"
+#include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
 #include "libshape/io/output_file.h"
 
 namespace shape {
 namespace {
 
-constexpr std::uint64_t largest_file = std::uint64_t{2} << 30;
-
 struct Format
 {
     MeshFormat format;
     const char* ending;
+    /// Null if the format is only written.
     NamedMesh (*parse)(std::string_view, const std::filesystem::path&, const MeshReadOptions&);
     std::string (*print)(const Points&, const Faces&);
 };
 
-constexpr std::array<Format, 3> formats = {{{MeshFormat::Obj, ".obj", parse_obj, print_obj},
+constexpr std::array<Format, 4> formats = {{{MeshFormat::Obj, ".obj", parse_obj, print_obj},
                                             {MeshFormat::Ply, ".ply", parse_ply, print_ply},
-                                            {MeshFormat::Off, ".off", parse_off, print_off}}};
+                                            {MeshFormat::Off, ".off", parse_off, print_off},
+                                            {MeshFormat::Glb, ".glb", nullptr, print_glb}}};
 
 const Format& find_format(MeshFormat format)
 {
     return *std::find_if(formats.begin(), formats.end(),
                          [&](const Format& f) { return f.format == format; });
-}
-
-void check_mesh(const Points& points, const Faces& faces)
-{
-    for (Eigen::Index v = 0; v < points.rows(); ++v)
-        if (!points.row(v).allFinite())
-            throw InvalidInput(join("points: row ", v, " is (", points(v, 0), ", ", points(v, 1),
-                                    ", ", points(v, 2), "), must be finite"));
-    for (Eigen::Index f = 0; f < faces.rows(); ++f)
-        if (faces.row(f).minCoeff() < 0 || faces.row(f).maxCoeff() >= points.rows())
-            throw InvalidInput(join("faces: row ", f, " is (", faces(f, 0), ", ", faces(f, 1), ", ",
-                                    faces(f, 2), "), must be in [0, ", points.rows(), ")"));
 }
 
 template <class Value>
@@ -66,10 +55,25 @@ void append_number(std::string& text, int value)
     append(text, value);
 }
 
+void check_mesh(const Points& points, const Faces& faces)
+{
+    for (Eigen::Index v = 0; v < points.rows(); ++v)
+        if (!points.row(v).allFinite())
+            throw InvalidInput(join("points: row ", v, " is (", points(v, 0), ", ", points(v, 1),
+                                    ", ", points(v, 2), "), must be finite"));
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+        if (faces.row(f).minCoeff() < 0 || faces.row(f).maxCoeff() >= points.rows())
+            throw InvalidInput(join("faces: row ", f, " is (", faces(f, 0), ", ", faces(f, 1), ", ",
+                                    faces(f, 2), "), must be in [0, ", points.rows(), ")"));
+}
+
 NamedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options)
 {
     const Format& format = find_format(mesh_format(path));
-    return format.parse(read_file(path, largest_file), path, options);
+    if (format.parse == nullptr)
+        throw InvalidInput(
+            join(path.string(), ": ", format.ending, " files are written, not read"));
+    return format.parse(read_file(path, MeshBuilder::file_limit), path, options);
 }
 
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,
@@ -88,8 +92,9 @@ MeshFormat mesh_format(const std::filesystem::path& path)
     for (const Format& format : formats)
         if (ending == format.ending)
             return format.format;
-    throw InvalidInput(
-        join(path.string(), ": the ending of a mesh file must be .obj, .ply or .off"));
+    throw InvalidInput(join(path.string(),
+                            ": the ending of a mesh file must be .obj, .ply or .off, or .glb to "
+                            "write"));
 }
 
 std::string file_ending(MeshFormat format)

@@ -16,6 +16,7 @@ enum class MeshFormat
     Obj,
     Ply, ///< Read: ascii and both binary orders. Written: binary little-endian, double coordinates.
     Off,
+    Glb, ///< Binary glTF 2.0, only written; see gltf_file.h.
 };
 
 struct MeshReadOptions
@@ -29,23 +30,25 @@ struct MeshReadOptions
 /// @throws FileError if the file cannot be read or is no regular file.
 /// @throws LimitExceeded beyond 2 GiB, 20 million vertices or 40 million triangles.
 /// @throws InvalidInput naming file, line or byte offset, and rule, for anything malformed: an
-///     unknown ending, counts that disagree with the data or exceed the file's size, coordinates
-///     that are missing or not finite, indices out of range, polygons without `triangulate`.
+///     unknown ending or that of a format not read, counts that disagree with the data or exceed
+///     the file's size, coordinates that are missing or not finite, indices out of range, polygons
+///     without `triangulate`.
 /// Cost: linear in the size of the file, which is held in memory.
 [[nodiscard]] NamedMesh read_mesh(const std::filesystem::path& path,
                                   const MeshReadOptions& options = {});
 
-/// Writes a mesh by write_file_atomically(); read_mesh() gives every bit of it back.
+/// Writes a mesh by write_file_atomically(); read_mesh() gives every bit of it back, except of
+/// MeshFormat::Glb, which is single precision and not read.
 /// @throws InvalidInput if a coordinate is not finite or a face names a missing vertex.
 /// @throws FileError if it cannot be written.
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,
                 MeshFormat format);
 
-/// The format that the ending of a path tells (".obj", ".ply", ".off", any case).
+/// The format that the ending of a path tells (".obj", ".ply", ".off", ".glb", any case).
 /// @throws InvalidInput for any other; the message lists those that exist.
 [[nodiscard]] MeshFormat mesh_format(const std::filesystem::path& path);
 
-/// ".obj", ".ply" or ".off".
+/// ".obj", ".ply", ".off" or ".glb".
 [[nodiscard]] std::string file_ending(MeshFormat format);
 
 } // namespace shape

@@ -25,6 +25,10 @@ namespace shape {
 [[nodiscard]] std::string print_obj(const Points& points, const Faces& faces);
 [[nodiscard]] std::string print_ply(const Points& points, const Faces& faces);
 [[nodiscard]] std::string print_off(const Points& points, const Faces& faces);
+[[nodiscard]] std::string print_glb(const Points& points, const Faces& faces);
+
+/// @throws InvalidInput if a coordinate is not finite or a face names a missing vertex.
+void check_mesh(const Points& points, const Faces& faces);
 
 /// Appends the shortest digits that give the number back.
 void append_number(std::string& text, double value);

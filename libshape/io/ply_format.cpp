@@ -3,14 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <set>
 #include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/io/input_file.h"
 #include "libshape/io/line_reader.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
+#include "libshape/io/output_file.h"
+#include "libshape/io/vertex_scalars.h"
 
 namespace shape {
 namespace {
@@ -337,8 +342,16 @@ void check_counts(const Header& header, const Body& body)
     }
 }
 
+/// A property of the vertices to be read beside the mesh.
+struct WantedScalar
+{
+    std::string_view name;
+    std::vector<double> values;
+};
+
+/// @param scalar  None if null.
 template <class Body>
-void parse_body(const Header& header, Body& body, MeshBuilder& mesh)
+void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScalar* scalar)
 {
     check_counts(header, body);
     for (const Element& element : header.elements)
@@ -357,6 +370,12 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh)
                 if (property.coordinate >= 0) {
                     point[static_cast<std::size_t>(property.coordinate)] =
                         body.number(property.type);
+                } else if (scalar != nullptr && element.is_vertex() && !property.count_type &&
+                           property.name == scalar->name) {
+                    scalar->values.push_back(body.number(property.type));
+                    if (!std::isfinite(scalar->values.back()))
+                        body.fail(join("property ", in_quotes(property.name), " of vertex ", i,
+                                       " is not finite"));
                 } else if (property.is_corners) {
                     if (count > MeshBuilder::corner_limit)
                         body.fail(join("a face has ", count, " corners; the limit is ",
@@ -377,42 +396,111 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh)
     body.finish();
 }
 
-} // namespace
-
-NamedMesh parse_ply(std::string_view content, const std::filesystem::path& path,
-                    const MeshReadOptions& options)
+NamedMesh parse(std::string_view content, const std::filesystem::path& path,
+                const MeshReadOptions& options, WantedScalar* scalar)
 {
     LineReader reader(content, path.string());
     const Header header = parse_header(reader);
-    const auto parse = [&](auto body) {
+    const auto read = [&](auto body) {
         MeshBuilder mesh(path, options, [&](std::string_view rule) { body.fail(rule); });
-        parse_body(header, body, mesh);
+        parse_body(header, body, mesh, scalar);
         return mesh.finish();
     };
     if (header.encoding == Encoding::Ascii)
-        return parse(AsciiBody(reader, content.size()));
+        return read(AsciiBody(reader, content.size()));
     const bool is_native =
         (header.encoding == Encoding::LittleEndian) == (std::endian::native == std::endian::little);
-    return parse(BinaryBody(content, reader.offset(), path.string(), !is_native));
+    return read(BinaryBody(content, reader.offset(), path.string(), !is_native));
 }
 
-std::string print_ply(const Points& points, const Faces& faces)
+std::string print(const Points& points, const Faces& faces,
+                  const std::vector<VertexScalar>& scalars)
 {
     static_assert(std::endian::native == std::endian::little, "values are written as they are");
-    std::string text =
-        join("ply\nformat binary_little_endian 1.0\nelement vertex ", points.rows(),
-             "\nproperty double x\nproperty double y\nproperty double z\n", "element face ",
-             faces.rows(), "\nproperty list uchar int vertex_indices\nend_header\n");
+    std::string text = join("ply\nformat binary_little_endian 1.0\nelement vertex ", points.rows(),
+                            "\nproperty double x\nproperty double y\nproperty double z\n");
+    for (const VertexScalar& scalar : scalars)
+        text += "property double " + scalar.name + "\n";
+    text += join("element face ", faces.rows(),
+                 "\nproperty list uchar int vertex_indices\nend_header\n");
     const auto append_bytes = [&](const void* bytes, std::size_t size) {
         text.append(static_cast<const char*>(bytes), size);
     };
-    text.reserve(text.size() + static_cast<std::size_t>(points.rows() * 24 + faces.rows() * 13));
-    append_bytes(points.data(), static_cast<std::size_t>(points.size()) * sizeof(double));
+    const auto vertex_size = static_cast<Eigen::Index>(sizeof(double) * (3 + scalars.size()));
+    text.reserve(text.size() +
+                 static_cast<std::size_t>(points.rows() * vertex_size + faces.rows() * 13));
+    for (Eigen::Index v = 0; v < points.rows(); ++v) {
+        append_bytes(points.data() + 3 * v, 3 * sizeof(double));
+        for (const VertexScalar& scalar : scalars)
+            append_bytes(scalar.values.data() + v, sizeof(double));
+    }
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
         text += '\3';
         append_bytes(faces.data() + 3 * f, 3 * sizeof(int));
     }
     return text;
+}
+
+bool is_property_name(std::string_view name)
+{
+    const auto is_letter = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+    };
+    const auto is_usual = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); };
+    return !name.empty() && is_letter(name.front()) && name != "x" && name != "y" && name != "z" &&
+           std::all_of(name.begin(), name.end(), is_usual);
+}
+
+void check_scalars(const std::vector<VertexScalar>& scalars, Eigen::Index vertices)
+{
+    std::set<std::string> names;
+    for (const VertexScalar& scalar : scalars) {
+        const std::string place = join("scalar ", in_quotes(scalar.name));
+        if (!is_property_name(scalar.name) || !names.insert(scalar.name).second)
+            throw InvalidInput(join(place, ": the name must be of letters, digits and _, start ",
+                                    "with no digit, and be used once; x, y and z are taken"));
+        if (scalar.values.size() != vertices)
+            throw InvalidInput(join(place, " has ", scalar.values.size(), " values, the mesh has ",
+                                    vertices, " vertices"));
+        for (Eigen::Index v = 0; v < vertices; ++v)
+            if (!std::isfinite(scalar.values[v]))
+                throw InvalidInput(
+                    join(place, ": value ", v, " is ", scalar.values[v], ", must be finite"));
+    }
+}
+
+} // namespace
+
+NamedMesh parse_ply(std::string_view content, const std::filesystem::path& path,
+                    const MeshReadOptions& options)
+{
+    return parse(content, path, options, nullptr);
+}
+
+std::string print_ply(const Points& points, const Faces& faces)
+{
+    return print(points, faces, {});
+}
+
+void write_vertex_scalars(const std::filesystem::path& path, const Points& points,
+                          const Faces& faces, const std::vector<VertexScalar>& scalars)
+{
+    check_mesh(points, faces);
+    check_scalars(scalars, points.rows());
+    write_file_atomically(path, print(points, faces, scalars));
+}
+
+Eigen::VectorXd read_vertex_scalar(const std::filesystem::path& path, std::string_view name)
+{
+    if (mesh_format(path) != MeshFormat::Ply)
+        throw InvalidInput(join(path.string(), ": only PLY files have values at their vertices"));
+    WantedScalar scalar{name, {}};
+    const NamedMesh mesh =
+        parse(read_file(path, MeshBuilder::file_limit), path, {.triangulate = true}, &scalar);
+    if (scalar.values.empty())
+        throw InvalidInput(
+            join(path.string(), ": the vertices have no property ", in_quotes(name)));
+    return Eigen::Map<const Eigen::VectorXd>(scalar.values.data(), mesh.points.rows());
 }
 
 } // namespace shape

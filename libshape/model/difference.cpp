@@ -54,9 +54,14 @@ Collection pair_up(const Collection& collection, const Group& from, const Group&
     return paired;
 }
 
-} // namespace
+/// The pairs of a collection: the `from` members, then the `to` members in the same order.
+struct Pairs
+{
+    Collection members;
+    std::vector<std::string> values; ///< Of the pairing label.
+};
 
-DifferenceVector mean_difference(const Collection& collection, const DifferenceOptions& options)
+Pairs find_pairs(const Collection& collection, const DifferenceOptions& options)
 {
     const LabelColumn& pair_by = find_label(collection.labels, options.pair_by);
     const Group from = find_group(collection, pair_by, options.from_label, options.from_value);
@@ -67,7 +72,14 @@ DifferenceVector mean_difference(const Collection& collection, const DifferenceO
         throw InvalidInput(join("difference: no ", options.pair_by, " has both ",
                                 options.from_label, " = '", options.from_value, "' and ",
                                 options.to_label, " = '", options.to_value, "'"));
+    return {paired, std::move(pairs)};
+}
 
+} // namespace
+
+DifferenceVector mean_difference(const Collection& collection, const DifferenceOptions& options)
+{
+    auto [paired, pairs] = find_pairs(collection, options);
     const ShapeVectors vectors = encode(paired, options.scale);
     const auto count = static_cast<Eigen::Index>(pairs.size());
     const auto mean_change = [&](const RowMatrix& rows) {
@@ -83,6 +95,15 @@ DifferenceVector mean_difference(const Collection& collection, const DifferenceO
             .from_size = vectors.sizes.head(count).mean(),
             .to_size = vectors.sizes.tail(count).mean(),
             .pairs = std::move(pairs)};
+}
+
+ColumnEffects difference_effects(const Collection& collection, const DifferenceOptions& options)
+{
+    const Pairs pairs = find_pairs(collection, options);
+    const ShapeVectors vectors = encode(pairs.members, options.scale);
+    const auto count = static_cast<Eigen::Index>(pairs.values.size());
+    return paired_effects(vectors.edge_lengths.topRows(count),
+                          vectors.edge_lengths.bottomRows(count));
 }
 
 ShapePoint start_of(const DifferenceVector& difference, double size)

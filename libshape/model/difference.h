@@ -8,6 +8,7 @@
 
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/mesh/collection.h"
+#include "libshape/statistics/column_effects.h"
 
 namespace shape {
 
@@ -40,6 +41,11 @@ struct DifferenceOptions
 /// @throws InvalidInput if a label is missing, a group is empty, a value of pair_by occurs twice in
 ///     a group, or no value occurs in both. Members without a partner are left out.
 [[nodiscard]] DifferenceVector mean_difference(const Collection& collection,
+                                               const DifferenceOptions& options);
+
+/// Where the two groups differ: the paired effects of every entry of the shape vectors, #E.
+/// @throws InvalidInput as mean_difference() and paired_effects(); so for a single pair.
+[[nodiscard]] ColumnEffects difference_effects(const Collection& collection,
                                                const DifferenceOptions& options);
 
 /// The mean of the `from` members, in units of length.

@@ -3,6 +3,8 @@
 #include "libshape/report/picture.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +18,7 @@ namespace {
 
 constexpr double page_width = 1200.0; // [px]
 constexpr double caption_height = 24.0;
+constexpr double bar_height = 44.0;
 constexpr Colour paper{255, 255, 255};
 
 void check(const Collection& collection, const PictureOptions& options)
@@ -51,6 +54,30 @@ std::vector<Colour> colours_of(const Eigen::VectorXd& values, const PictureOptio
             map_colour(options.colour_map,
                        (value - options.value_low) / (options.value_high - options.value_low)));
     return colours;
+}
+
+/// The colours of the values, their ends and their name.
+void draw_colour_bar(Svg& svg, const Picture::ColourBar& bar, double middle, double top)
+{
+    constexpr int width = 200; // [px]
+    constexpr double height = 12.0;
+    Image colours(width, 1, paper);
+    for (int x = 0; x < width; ++x)
+        colours.at(x, 0) = map_colour(bar.map, x / (width - 1.0));
+    Image swatch(width, static_cast<int>(height), paper);
+    for (int y = 0; y < swatch.height; ++y)
+        swatch.paste(colours, 0, y);
+    const auto number = [](double value) {
+        std::array<char, 32> digits;
+        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
+                                       std::chars_format::general, 3);
+        return std::string(digits.data(), end.ptr);
+    };
+    const double left = middle - 0.5 * width;
+    svg.image(left, top, width, height, swatch);
+    svg.text(left - 6.0, top + height - 2.0, number(bar.low), {.anchor = TextAnchor::End});
+    svg.text(left + width + 6.0, top + height - 2.0, number(bar.high));
+    svg.text(middle, top + height + 16.0, bar.name, {.anchor = TextAnchor::Middle});
 }
 
 void draw_picture(Svg& svg, const Picture& picture, double left)
@@ -98,7 +125,7 @@ Picture draw_collection(const Collection& collection, const PictureOptions& opti
     if (static_cast<double>(sheet_width) * rows * pixels(pitch) > 0x1p28)
         throw LimitExceeded(join("the sheet would be ", sheet_width, " by ", rows * pixels(pitch),
                                  " pixels, more than 2^28; draw fewer meshes or smaller cells"));
-    Picture picture{Image(sheet_width, rows * pixels(pitch), paper), options.scale, {}};
+    Picture picture{Image(sheet_width, rows * pixels(pitch), paper), options.scale, {}, {}};
     RenderOptions render;
     render.width = pixels(cell_width);
     render.height = pixels(cell_height);
@@ -122,13 +149,24 @@ Picture draw_collection(const Collection& collection, const PictureOptions& opti
         picture.captions.push_back({(column + 0.5) * cell_width, (row + 1) * pitch - 8.0,
                                     collection.names[static_cast<std::size_t>(i)]});
     }
+    if (!options.values.empty())
+        picture.colour_bar = {options.colour_map, options.value_low, options.value_high,
+                              options.value_name};
     return picture;
 }
 
 std::string picture_svg(const Picture& picture)
 {
-    Svg svg(picture.width(), picture.height());
-    draw_picture(svg, picture, 0.0);
+    if (!picture.colour_bar) {
+        Svg svg(picture.width(), picture.height());
+        draw_picture(svg, picture, 0.0);
+        return svg.document();
+    }
+    const double width = std::max(picture.width(), 320.0);
+    Svg svg(width, picture.height() + bar_height);
+    svg.rectangle(0.0, 0.0, width, picture.height() + bar_height, paper);
+    draw_picture(svg, picture, 0.5 * (width - picture.width()));
+    draw_colour_bar(svg, *picture.colour_bar, 0.5 * width, picture.height() + 8.0);
     return svg.document();
 }
 

@@ -24,6 +24,7 @@ struct PictureOptions
     ColourMap colour_map = ColourMap::Sequential;
     double value_low = 0.0;  ///< Value of the first colour.
     double value_high = 1.0; ///< Value of the last colour; > value_low.
+    std::string value_name;  ///< Stands at the colour bar.
 };
 
 /// A sheet of meshes and their captions.
@@ -38,6 +39,14 @@ struct Picture
         std::string text;
     };
     std::vector<Caption> captions;
+    struct ColourBar
+    {
+        ColourMap map = ColourMap::Sequential;
+        double low = 0.0;
+        double high = 1.0;
+        std::string name;
+    };
+    std::optional<ColourBar> colour_bar; ///< Of a picture coloured by values; stands below it.
 
     [[nodiscard]] double width() const { return static_cast<double>(sheet.width) / scale; }
     [[nodiscard]] double height() const { return static_cast<double>(sheet.height) / scale; }
@@ -50,7 +59,7 @@ struct Picture
 [[nodiscard]] Picture draw_collection(const Collection& collection,
                                       const PictureOptions& options = {});
 
-/// The picture as SVG, the sheet embedded as PNG, captions as text.
+/// The picture as SVG, the sheet embedded as PNG, captions and the colour bar as text.
 [[nodiscard]] std::string picture_svg(const Picture& picture);
 
 /// The picture above a plot as one SVG.

@@ -303,7 +303,28 @@ struct Net
 {
     Faces faces;
     std::vector<Vector3d> bare; ///< Positions on the bare head.
+    std::vector<int> rim;       ///< Counter-clockwise seen from the front.
 };
+
+Faces to_faces(const std::vector<std::array<int, 3>>& list)
+{
+    Faces faces(static_cast<Eigen::Index>(list.size()), 3);
+    for (std::size_t f = 0; f < list.size(); ++f)
+        faces.row(static_cast<Eigen::Index>(f)) << list[f][0], list[f][1], list[f][2];
+    return faces;
+}
+
+/// Vertices around a net: its first row, the right ends of the rows, the last row, the left ends.
+std::vector<int> rim_of(const std::vector<std::vector<int>>& rows)
+{
+    std::vector<int> loop(rows.front().begin(), rows.front().end());
+    for (std::size_t r = 1; r + 1 < rows.size(); ++r)
+        loop.push_back(rows[r].back());
+    loop.insert(loop.end(), rows.back().rbegin(), rows.back().rend());
+    for (std::size_t r = rows.size() - 2; r > 0; --r)
+        loop.push_back(rows[r].front());
+    return loop;
+}
 
 Net net(int vertices)
 {
@@ -350,9 +371,8 @@ Net net(int vertices)
                 add(shorter[c], shorter[c + 1], longer[c + 1]);
         }
     }
-    result.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
-    for (std::size_t f = 0; f < faces.size(); ++f)
-        result.faces.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+    result.faces = to_faces(faces);
+    result.rim = rim_of(numbers);
     return result;
 }
 
@@ -371,12 +391,90 @@ Person random_person(Random& random)
     return person;
 }
 
-} // namespace
+// --- The back of the head: rings that shrink from the rim of the mask to a pole -----------------
 
-Collection make_faces(const SyntheticOptions& options)
+constexpr double back_depth = 105.0; ///< From the middle of the rim to the pole [mm].
+
+struct BackVertex
 {
-    const auto [faces, bare] = net(options.vertices);
-    Members members(faces, {"subject", "expression"});
+    double polar = 0.0;  ///< 0 at the rim, pi/2 at the pole.
+    double around = 0.0; ///< Share of the rim, [0, 1).
+};
+
+struct Back
+{
+    std::vector<std::array<int, 3>> faces; ///< Its vertices are numbered after those of the mask.
+    std::vector<BackVertex> vertices;
+};
+
+Back back_of(const Net& mask)
+{
+    const auto rim_size = static_cast<double>(mask.rim.size());
+    const int rings = std::max(4, static_cast<int>(std::lround(0.16 * rim_size)));
+    const auto first = static_cast<int>(mask.bare.size());
+    Back back;
+    std::vector<int> outer = mask.rim;
+    for (int ring = 1; ring < rings; ++ring) {
+        const double share = static_cast<double>(ring) / rings;
+        const double coarser = 1.0 - 0.4 * ramp(share, 0.0, 0.4);
+        const int count = std::max(
+            6, static_cast<int>(std::lround(rim_size * coarser * std::cos(0.5 * pi * share))));
+        std::vector<int> inner;
+        for (int i = 0; i < count; ++i) {
+            inner.push_back(first + static_cast<int>(back.vertices.size()));
+            back.vertices.push_back({0.5 * pi * share, static_cast<double>(i) / count});
+        }
+        // A strip of triangles; the ring that lags behind moves on.
+        for (std::size_t i = 0, j = 0; i < outer.size() || j < inner.size();) {
+            const auto at = [](const std::vector<int>& r, std::size_t k) {
+                return r[k % r.size()];
+            };
+            const bool on_outer =
+                j == inner.size() ||
+                (i < outer.size() && (i + 1) * inner.size() <= (j + 1) * outer.size());
+            if (on_outer)
+                back.faces.push_back({at(outer, i + 1), at(outer, i), at(inner, j)});
+            else
+                back.faces.push_back({at(outer, i), at(inner, j), at(inner, j + 1)});
+            ++(on_outer ? i : j);
+        }
+        outer = std::move(inner);
+    }
+    const int pole = first + static_cast<int>(back.vertices.size());
+    back.vertices.push_back({0.5 * pi, 0.0});
+    for (std::size_t i = 0; i < outer.size(); ++i)
+        back.faces.push_back({outer[(i + 1) % outer.size()], outer[i], pole});
+    return back;
+}
+
+/// Adds the back to the points of a mask: it leaves the rim straight backwards.
+void add_back(const Back& back, const std::vector<int>& loop, double size, Points& points)
+{
+    Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+    for (const int v : loop)
+        centre += points.row(v) / static_cast<double>(loop.size());
+    const Eigen::Index mask_size = points.rows();
+    points.conservativeResize(mask_size + static_cast<Eigen::Index>(back.vertices.size()), 3);
+    for (std::size_t i = 0; i < back.vertices.size(); ++i) {
+        const BackVertex& v = back.vertices[i];
+        const double place = v.around * static_cast<double>(loop.size());
+        const auto before = static_cast<std::size_t>(place);
+        const double share = place - std::floor(place);
+        const Eigen::RowVector3d on_rim = (1.0 - share) * points.row(loop[before]) +
+                                          share * points.row(loop[(before + 1) % loop.size()]);
+        points.row(mask_size + static_cast<Eigen::Index>(i)) =
+            centre + std::cos(v.polar) * (on_rim - centre) -
+            size * back_depth * std::sin(v.polar) * Eigen::RowVector3d::UnitZ();
+    }
+}
+
+/// People, each neutral, happy and angry.
+/// @param back  Added to the masks if it has vertices.
+Collection make_people(const SyntheticOptions& options, const Net& mask, const Back& back)
+{
+    Faces faces(mask.faces.rows() + static_cast<Eigen::Index>(back.faces.size()), 3);
+    faces << mask.faces, to_faces(back.faces);
+    Members members(std::move(faces), {"subject", "expression"});
     Random seeds(options.seed);
     for (int i = 0; i < options.count; ++i) {
         Random random(seeds.bits());
@@ -384,11 +482,12 @@ Collection make_faces(const SyntheticOptions& options)
         const Mood happy{.happy = random.uniform(0.5, 1.2)};
         const Mood angry{.angry = random.uniform(0.5, 1.2)};
         const std::string subject = join("s", padded(i, 3));
-        const auto add = [&, &bare = bare](const char* expression, const Mood& mood) {
-            Points points(static_cast<Eigen::Index>(bare.size()), 3);
-            for (std::size_t v = 0; v < bare.size(); ++v)
+        const auto add = [&](const char* expression, const Mood& mood) {
+            Points points(static_cast<Eigen::Index>(mask.bare.size()), 3);
+            for (std::size_t v = 0; v < mask.bare.size(); ++v)
                 points.row(static_cast<Eigen::Index>(v)) =
-                    face_point(bare[v], person, mood).transpose();
+                    face_point(mask.bare[v], person, mood).transpose();
+            add_back(back, mask.rim, 1.0 + 0.03 * person.size, points);
             members.add(join(subject, "_", expression), std::move(points), {subject, expression});
         };
         add("neutral", {});
@@ -396,6 +495,27 @@ Collection make_faces(const SyntheticOptions& options)
         add("angry", angry);
     }
     return members.take();
+}
+
+} // namespace
+
+Collection make_faces(const SyntheticOptions& options)
+{
+    return make_people(options, net(options.vertices), {});
+}
+
+Collection make_heads(const SyntheticOptions& options)
+{
+    Net mask;
+    Back back;
+    double share = 0.45; // of the mask; the rest follows from its rim
+    for (int attempt = 0; attempt < 3; ++attempt) {
+        mask = net(static_cast<int>(std::lround(share * options.vertices)));
+        back = back_of(mask);
+        share *= static_cast<double>(options.vertices) /
+                 static_cast<double>(mask.bare.size() + back.vertices.size());
+    }
+    return make_people(options, mask, back);
 }
 
 } // namespace shape::synthetic

@@ -12,6 +12,7 @@ namespace shape::synthetic {
 [[nodiscard]] Collection make_barbells(const SyntheticOptions& options);
 [[nodiscard]] Collection make_faces(const SyntheticOptions& options);
 [[nodiscard]] Collection make_femurs(const SyntheticOptions& options);
+[[nodiscard]] Collection make_heads(const SyntheticOptions& options);
 [[nodiscard]] Collection make_helix(const SyntheticOptions& options);
 [[nodiscard]] Collection make_icosahedron(const SyntheticOptions& options);
 [[nodiscard]] Collection make_noisy_helix(const SyntheticOptions& options);

@@ -128,6 +128,27 @@ TEST(AllSpheresSlow, ExtremeTriangulationsNeedMoreFlipsButAreSolved)
     EXPECT_GT(check(test::globe(12, 300)), 1e-3);
 }
 
+TEST(AllSpheresSlow, NoneOfManyRoughMeshesIsLeftUnsolved)
+{
+    int count = 0;
+    for (unsigned seed = 1; seed <= 60; ++seed) {
+        for (const test::TestMesh& mesh :
+             {test::jittered(test::bumpy_sphere(2, 0.5, seed), 0.2, seed),
+              test::jittered(test::stretched(test::random_inscribed(200, seed), {1, 1, 4}), 0.1,
+                             seed),
+              test::stretched(test::random_inscribed(200, seed), {1, 0.3, 0.05})}) {
+            const Eigen::VectorXd lengths = edge_lengths(mesh.topology, mesh.points);
+            const auto vertex = static_cast<int>(seed);
+            const SphereMap map =
+                map_to_sphere(mesh.topology, lengths, {.infinite_vertex = vertex});
+            EXPECT_NE(map.certificate, ConformalCertificate::Unsolved) << mesh.name << seed;
+            EXPECT_LE(map.edges.worst, 1e-10) << mesh.name << seed;
+            ++count;
+        }
+    }
+    EXPECT_EQ(count, 180);
+}
+
 TEST(AllSpheresSlow, BodyPoses)
 {
     if (!std::filesystem::exists(test::data_dir() / "mh_body_poses"))

@@ -113,6 +113,14 @@ TEST(ConformalMorph, IsContinuousInItsParameter)
     EXPECT_LE(largest, 3.0 * unmended);
 }
 
+TEST(ConformalMorph, HasAPaceThatIsUndone)
+{
+    EXPECT_EQ(morph_parameter(0.0), 0.0);
+    EXPECT_EQ(morph_parameter(1.0), 1.0);
+    for (const double k : {0.0, 0.1, 0.5, 0.9, 1.0})
+        EXPECT_NEAR(morph_parameter(morph_pace(k)), k, 1e-15);
+}
+
 TEST(ConformalMorph, RefusesWhatDoesNotFit)
 {
     const test::TestMesh mesh = test::icosphere(1);

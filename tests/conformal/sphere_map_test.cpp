@@ -188,6 +188,42 @@ TEST(SphereMap, SolvesWhereTheTriangulationIsFarFromDelaunay)
     EXPECT_LE(map.balance_residual, 1e-12);
 }
 
+TEST(SphereMap, RefinedIsTheOneIdealPolyhedronWhateverTheInfiniteVertex)
+{
+    // Rivin's theorem: with all edges free to flip there is one solution. Locally repaired maps do
+    // depend on the infinite vertex, near the flips.
+    for (const test::TestMesh& mesh :
+         {test::stretched(test::random_inscribed(300, 5), {1, 1, 10}),
+          test::with_slivers(test::bumpy_sphere(2, 0.5, 3), 0.2, 0.1, 7), test::globe(12, 60)}) {
+        SCOPED_TRACE(mesh.name);
+        const Eigen::VectorXd lengths = edge_lengths(mesh.topology, mesh.points);
+        Eigen::VectorXd first;
+        int compared = 0;
+        for (int i = 0; i < 6; ++i) {
+            const SphereMap map =
+                map_to_sphere(mesh.topology, lengths,
+                              {.infinite_vertex = i * mesh.topology.vertex_count() / 6,
+                               .repair = {.local_rounds = 0}});
+            if (map.certificate != ConformalCertificate::Refined)
+                continue; // solved on the mesh's own edges, seen from there
+            if (first.size() == 0)
+                first = map.factors;
+            EXPECT_NEAR((map.factors - first).lpNorm<Eigen::Infinity>(), 0.0, 1e-8);
+            ++compared;
+        }
+        EXPECT_GE(compared, 5);
+    }
+}
+
+TEST(SphereMap, SaysThatFacesAreReversedThoughEquation13Holds)
+{
+    const SphereMap map = map_mesh(test::jittered(test::bumpy_sphere(2, 0.5, 28), 0.2, 28));
+    EXPECT_EQ(map.certificate, ConformalCertificate::Folded);
+    EXPECT_TRUE(map.edges.flipped.empty());
+    EXPECT_GT(map.reversed_faces.size(), 0u);
+    EXPECT_LE(map.edges.worst, 1e-10);
+}
+
 TEST(SphereMap, TakesLengthsThatBreakTriangleInequalities)
 {
     const test::TestMesh mesh = test::icosphere(2);

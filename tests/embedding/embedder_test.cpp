@@ -91,9 +91,9 @@ TEST(Embedder, ScalesWithTheUnitOfLength)
     ShapePoint target = shape_of(mesh.topology, mesh.points);
     target.edge_lengths = 0.5 * (target.edge_lengths + edge_lengths(mesh.topology, other.points));
     const Points small = Embedder(mesh.topology, {mesh.points}).embed(target).points;
-    target.edge_lengths *= 1000.0;
-    const Points large = Embedder(mesh.topology, {1000.0 * mesh.points}).embed(target).points;
-    EXPECT_LT(rigid_distance(large / 1000.0, small), 1e-6);
+    target.edge_lengths *= 1024.0; // a power of two: rounding scales too
+    const Points large = Embedder(mesh.topology, {1024.0 * mesh.points}).embed(target).points;
+    EXPECT_LT(rigid_distance(large / 1024.0, small), 1e-12);
 }
 
 TEST(Embedder, UnwindsFarBeyondAFullTurn)

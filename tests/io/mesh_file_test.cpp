@@ -149,6 +149,7 @@ TEST(MeshFile, TakesItsFormatFromTheEndingInAnyCase)
     EXPECT_EQ(mesh_format("a.b.Ply"), MeshFormat::Ply);
     EXPECT_EQ(mesh_format("dir.obj/a.off"), MeshFormat::Off);
     EXPECT_EQ(mesh_format(".off"), MeshFormat::Off);
+    EXPECT_EQ(mesh_format("a.glb"), MeshFormat::Glb);
     for (const char* name : {"a.stl", "a", "obj", "a.obj.gz", "a.obj ", ""}) {
         const std::string message =
             test::message_of<InvalidInput>([&] { (void)mesh_format(name); });

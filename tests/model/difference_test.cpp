@@ -197,5 +197,32 @@ TEST(ApplyDifferences, RefusesWhatBreaksARule)
     EXPECT_THROW((void)apply_differences(start, {d, other}, {1.0, 1.0}), InvalidInput);
 }
 
+TEST(DifferenceEffects, AreThePairedEffectsOfTheShapeVectors)
+{
+    for (const Scale scale : {Scale::Unit, Scale::None}) {
+        const Collection collection = people();
+        const RowMatrix lengths = encode(collection, scale).edge_lengths;
+        RowMatrix from(2, lengths.cols());
+        RowMatrix to(2, lengths.cols());
+        from << lengths.row(1), lengths.row(0);
+        to << lengths.row(4), lengths.row(3);
+        const ColumnEffects effects = difference_effects(collection, rest_to_bent(scale));
+        const ColumnEffects expected = paired_effects(from, to);
+        EXPECT_LE((effects.effects - expected.effects).norm(), 1e-9 * expected.effects.norm());
+        EXPECT_LE((effects.probabilities - expected.probabilities).norm(), 1e-9);
+    }
+}
+
+TEST(DifferenceEffects, NeedTwoPairs)
+{
+    Collection collection = people();
+    collection.labels[0].values[4] = "dora";
+    EXPECT_EQ(mean_difference(collection, rest_to_bent()).pairs.size(), 1U);
+    EXPECT_THROW((void)difference_effects(collection, rest_to_bent()), InvalidInput);
+    DifferenceOptions unknown = rest_to_bent();
+    unknown.pair_by = "name";
+    EXPECT_THROW((void)difference_effects(collection, unknown), InvalidInput);
+}
+
 } // namespace
 } // namespace shape

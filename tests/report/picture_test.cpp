@@ -131,6 +131,24 @@ TEST(PictureSvg, IsWellFormedWithStrangeNames)
     EXPECT_EQ(test::named(elements, "text")[1].text, "<a & 'b'>");
 }
 
+TEST(PictureSvg, HasAColourBarBelowMeshesColouredByValues)
+{
+    PictureOptions options = small_cells();
+    options.values.assign(2, Eigen::VectorXd::Zero(12));
+    options.value_low = -0.25;
+    options.value_high = 1234.5;
+    options.value_name = "edge_error";
+    const Picture picture = draw_collection(make_synthetic("icosahedron"), options);
+    const auto elements = test::parse_xml(picture_svg(picture));
+    ASSERT_EQ(test::named(elements, "image").size(), 2U);
+    EXPECT_GE(std::stod(test::named(elements, "image")[1].attributes.at("y")), picture.height());
+    const auto texts = test::named(elements, "text");
+    ASSERT_EQ(texts.size(), 5U);
+    EXPECT_EQ(texts[2].text, "-0.25");
+    EXPECT_EQ(texts[3].text, "1.23e+03");
+    EXPECT_EQ(texts[4].text, "edge_error");
+}
+
 TEST(OverviewSvg, HasThePictureAboveThePlot)
 {
     Plot plot{.title = "t", .x_label = "x", .y_label = "y", .series = {}, .equal_axes = false};

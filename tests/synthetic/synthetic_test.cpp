@@ -82,7 +82,7 @@ TEST(Synthetic, NoTriangleIsASliver)
 
 TEST(Synthetic, TheSeedDecidesEverythingRandomAndNothingElse)
 {
-    const std::set<std::string> random_sets{"faces", "femurs", "noisy_helix", "torus"};
+    const std::set<std::string> random_sets{"faces", "femurs", "heads", "noisy_helix", "torus"};
     for (const SyntheticDataset& dataset : synthetic_datasets()) {
         SCOPED_TRACE(dataset.name);
         const Collection a = make_synthetic(dataset.name, {.count = few(dataset), .seed = 7});
@@ -97,7 +97,7 @@ TEST(Synthetic, TheSeedDecidesEverythingRandomAndNothingElse)
 
 TEST(Synthetic, MoreIndividualsLeaveTheFirstOnesAsTheyAre)
 {
-    for (const char* name : {"faces", "femurs"}) {
+    for (const char* name : {"faces", "femurs", "heads"}) {
         const Collection few = make_synthetic(name, {.count = 3});
         const Collection many = make_synthetic(name, {.count = 5});
         ASSERT_GT(many.size(), few.size());

@@ -434,10 +434,6 @@ std::vector<BadInput> bad_requests()
          3,
          {"a"},
          running({"interpolate", "a.ply", "--weights", "1", "-o", "x.ply"})},
-        {"FramesBetweenThreeMeshes",
-         3,
-         {"--frames", "3"},
-         running({"interpolate", "good.h5", "--frames", "3", "-o", "new"})},
         {"UnknownDataset", 3, {"cube", "torus"}, running({"synth", "cube", "-o", "new"})},
         {"BarbellsOfOddNumber",
          3,
@@ -447,6 +443,156 @@ std::vector<BadInput> bad_requests()
          3,
          {"torus", "5"},
          running({"synth", "torus", "--vertices", "5", "-o", "new"})},
+    };
+}
+
+/// What `interpolate` must refuse about paths, ranges and tagged parts.
+std::vector<BadInput> bad_paths()
+{
+    const auto blending = [](Arguments more) {
+        Arguments arguments{"interpolate", "a.ply", "b.ply", "c.ply", "-o", "new"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return arguments;
+    };
+    const auto blending_four = [](Arguments more) {
+        return [=](const Folder& folder) {
+            folder.write("twin.ply", folder.read("a.ply"));
+            Arguments arguments{"interpolate", "a.ply", "b.ply", "c.ply", "twin.ply", "-o", "new"};
+            arguments.insert(arguments.end(), more.begin(), more.end());
+            return arguments;
+        };
+    };
+    const auto refusing = [=](Arguments more) { return running(blending(std::move(more))); };
+    const auto with_path = [=](std::string json) {
+        return running_with("path.json", std::move(json), blending({"--path-file", "path.json"}));
+    };
+    const auto with_tags = [=](const std::string& option, std::string tags) {
+        return running_with(
+            "tags.txt", std::move(tags),
+            blending({"--frames", "3", option, "tags.txt", "--scale-factors", "1,1,2"}));
+    };
+    return {
+        {"PatchOfThreeMeshes", 3, {"4", "3"}, refusing({"--path", "bilinear", "--frames", "3"})},
+        {"PlaceOutsideThePatch",
+         3,
+         {"outside [0, 1]", "--extrapolate"},
+         blending_four({"--path", "bilinear", "--at", "0.5,1.5"})},
+        {"PolygonOfTwoMeshes",
+         3,
+         {"3 corners", "2 meshes"},
+         running(
+             {"interpolate", "a.ply", "b.ply", "-o", "new", "--path", "polygon", "--frames", "3"})},
+        {"PointOutsideThePolygon",
+         3,
+         {"(5, 0)", "outside the polygon"},
+         refusing({"--path", "polygon", "--at", "5,0"})},
+        {"PolygonOfOtherCorners",
+         3,
+         {"4 corners for 3 meshes"},
+         refusing({"--path", "polygon", "--frames", "3", "--polygon", "0,0:1,0:1,1:0,1"})},
+        {"PolygonWithoutArea",
+         3,
+         {"not simple"},
+         refusing({"--path", "polygon", "--frames", "3", "--polygon", "0,0:1,0:2,0"})},
+        {"PolygonThatCrossesItself",
+         3,
+         {"not simple", "touch"},
+         blending_four({"--path", "polygon", "--frames", "3", "--polygon", "0,0:2,2:2,0:0,2"})},
+        {"TrackThatLeavesThePolygon",
+         3,
+         {"outside the polygon"},
+         refusing({"--path", "polygon", "--frames", "3", "--track", "0,0:3,3"})},
+        {"LineBeyondTheInputs",
+         3,
+         {"outside [0, 1]", "--extrapolate"},
+         refusing({"--frames", "3", "--range", "0:1.25"})},
+        {"SplineBeyondTheInputs",
+         3,
+         {"1.25", "[0, 1]"},
+         refusing({"--path", "spline", "--frames", "3", "--range", "0:1.25", "--extrapolate"})},
+        {"BeyondTheSafeRange",
+         3,
+         {"safe range", "face", "--force-range"},
+         refusing({"--frames", "3", "--range", "0:90", "--extrapolate"})},
+        {"WeightsBeyondTheSafeRange",
+         3,
+         {"safe range", "face", "--force-range"},
+         refusing({"--weights", "90,-89,0", "--extrapolate"})},
+        {"PathFileThatIsNoJson", 3, {"path.json", "JSON"}, with_path("frames: 3")},
+        {"PathFileThatIsNoObject", 3, {"path.json", "object"}, with_path("[3]")},
+        {"PathFileWithAnUnknownKey",
+         3,
+         {"path.json", "'frame'", "frames"},
+         with_path(R"({"frame": 3})")},
+        {"PathFileWithAKeyTwice",
+         3,
+         {"path.json", "'frames' occurs twice"},
+         with_path(R"({"frames": 3, "frames": 4})")},
+        {"PathFileWithAnUnknownPath",
+         3,
+         {"path.json: path", "curve", "bilinear"},
+         with_path(R"({"path": "curve", "frames": 3})")},
+        {"PathFileWithOneFrame", 3, {"path.json: frames", "[2, "}, with_path(R"({"frames": 1})")},
+        {"PathFileWithHalfAFrame", 3, {"frames", "integer"}, with_path(R"({"frames": 2.5})")},
+        {"PathFileWithATextAsNumber",
+         3,
+         {"path.json: at[1][0]", "number"},
+         with_path(R"({"path": "polygon", "at": [[0, 0], ["1", 0]]})")},
+        {"PathFileWithATriple",
+         3,
+         {"path.json: track[0]", "pair"},
+         with_path(R"({"path": "polygon", "frames": 3, "track": [[0, 0, 0]]})")},
+        {"PathFileWithAnEmptyList",
+         3,
+         {"path.json: weights", "not empty"},
+         with_path(R"({"weights": []})")},
+        {"PathFileWithAWideGrid",
+         3,
+         {"path.json: grid[0]", "[2, 1000]"},
+         with_path(R"({"path": "bilinear", "grid": [5000, 2]})")},
+        {"MissingPathFile", 5, {"no.json"}, refusing({"--path-file", "no.json"})},
+        {"TagsOutOfRange",
+         3,
+         {"tags.txt", "line 2", "vertex 42", "[0, 41]"},
+         with_tags("--scale-vertices", "0 1\n42\n")},
+        {"TaggedFacesOutOfRange",
+         3,
+         {"tags.txt", "line 1", "face 80", "[0, 79]"},
+         with_tags("--scale-faces", "80\n")},
+        {"TagsThatAreNoIntegers",
+         3,
+         {"tags.txt", "line 1", "2.5"},
+         with_tags("--scale-vertices", "2.5\n")},
+        {"NoTags", 3, {"tags.txt", "no vertex"}, with_tags("--scale-vertices", "# none\n")},
+        {"MissingTags",
+         5,
+         {"no.txt"},
+         refusing({"--frames", "3", "--scale-faces", "no.txt", "--scale-factors", "1,1,2"})},
+        {"FactorsOfAnotherNumber",
+         3,
+         {"2 factors for 3 meshes"},
+         running_with("tags.txt", "0",
+                      blending({"--frames", "3", "--scale-vertices", "tags.txt", "--scale-factors",
+                                "1,2"}))},
+        {"FactorThatIsNotPositive",
+         3,
+         {"--scale-factors", "-1"},
+         running_with("tags.txt", "0",
+                      blending({"--frames", "3", "--scale-vertices", "tags.txt", "--scale-factors",
+                                "1,2,-1"}))},
+        {"MeshesOfAnInterruptedRun",
+         5,
+         {"new.unfinished", "--resume", "--force"},
+         running_with("new.unfinished/manifest.json", "{}", blending({"--frames", "3"}))},
+        {"MeshesOfAnotherInterruptedRun",
+         3,
+         {"new.unfinished", "differs in", "--force"},
+         running_with("new.unfinished/manifest.json", R"({"program": "0"})",
+                      blending({"--frames", "3", "--resume"}))},
+        {"DirectoryThatIsNoInterruptedRun",
+         3,
+         {"new.unfinished", "remove the directory"},
+         running_with("new.unfinished/mine.txt", "mine", blending({"--frames", "3", "--force"}))},
     };
 }
 
@@ -518,6 +664,7 @@ INSTANTIATE_TEST_SUITE_P(Tables, BadInputTest, testing::ValuesIn(bad_tables()), 
 INSTANTIATE_TEST_SUITE_P(Lengths, BadInputTest, testing::ValuesIn(bad_lengths()), case_name);
 INSTANTIATE_TEST_SUITE_P(Hdf5, BadInputTest, testing::ValuesIn(bad_hdf5()), case_name);
 INSTANTIATE_TEST_SUITE_P(Requests, BadInputTest, testing::ValuesIn(bad_requests()), case_name);
+INSTANTIATE_TEST_SUITE_P(Paths, BadInputTest, testing::ValuesIn(bad_paths()), case_name);
 INSTANTIATE_TEST_SUITE_P(Outputs, BadInputTest, testing::ValuesIn(bad_outputs()), case_name);
 
 } // namespace

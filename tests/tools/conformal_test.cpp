@@ -77,19 +77,86 @@ TEST_F(Conformal, WritesTheSphereAndTheFactorsThatLeadToIt)
 TEST_F(Conformal, MorphsFromTheMeshToTheSphere)
 {
     ASSERT_EQ(run({"conformal", "head.ply", "-o", "sphere.ply"}).exit_code, 0);
-    const Outcome outcome = run({"conformal", "head.ply", "-o", "morph", "--steps", "3", "--json"});
+    const Outcome outcome = run({"conformal", "head.ply", "-o", "morph", "--steps", "5", "--json"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const Json figures = Json::parse(outcome.out);
-    ASSERT_EQ(figures["frames"].size(), 3u);
-    EXPECT_EQ(figures["frames"][1]["k"], 0.5);
-    EXPECT_EQ(figures["frames"][1]["name"], "frame_0001");
-    EXPECT_EQ(figures["frames"][1]["mended_faces"], 0);
+    ASSERT_EQ(figures["frames"].size(), 5u);
+    EXPECT_EQ(figures["frames"][2]["k"], 0.5);
+    EXPECT_EQ(figures["frames"][2]["name"], "frame_0002");
+    EXPECT_EQ(figures["frames"][2]["mended_faces"], 0);
     for (const Json& embedding : figures["embeddings"])
         EXPECT_LE(embedding["edge_max"], 5e-3);
     EXPECT_LE((lengths("morph/frame_0000.ply") - lengths("head.ply")).lpNorm<Eigen::Infinity>(),
-              1e-5);
-    EXPECT_LE((lengths("morph/frame_0002.ply") - lengths("sphere.ply")).lpNorm<Eigen::Infinity>(),
-              1e-5);
+              1e-12);
+    EXPECT_LE((lengths("morph/frame_0004.ply") - lengths("sphere.ply")).lpNorm<Eigen::Infinity>(),
+              1e-12);
+}
+
+TEST_F(Conformal, SaysHowFarThePathEndsFromTheSphere)
+{
+    TestMesh egg = icosphere(2);
+    egg.points.col(0) *= 1.5;
+    write("egg.ply", egg);
+    const auto gap = [&](const std::string& mesh) -> double {
+        return Json::parse(
+            run({"conformal", mesh + ".ply", "-o", mesh, "--steps", "2", "--json"}).out)["end_gap"];
+    };
+    EXPECT_LE(gap("egg"), 1e-3);
+    EXPECT_GE(gap("head"), 0.1); // bumps: dents remain
+}
+
+TEST_F(Conformal, AFrameIsTheSameWhateverTheOthersAre)
+{
+    ASSERT_EQ(run({"conformal", "head.ply", "-o", "three", "--steps", "3"}).exit_code, 0);
+    ASSERT_EQ(run({"conformal", "head.ply", "-o", "five", "--steps", "5"}).exit_code, 0);
+    EXPECT_EQ(folder_.read("three/frame_0001.ply"), folder_.read("five/frame_0002.ply"));
+}
+
+TEST_F(Conformal, MakesTheMorphByAnyMethod)
+{
+    for (const char* method : {"closure", "multiscale"})
+        EXPECT_EQ(run({"conformal", "head.ply", "-o", method, "--steps", "2", "--method", method})
+                      .exit_code,
+                  0);
+}
+
+TEST_F(Conformal, WritesTheFactorsOfACollectionOneRowAMesh)
+{
+    write("other.ply", bumpy_sphere(2, 0.3, 2));
+    ASSERT_EQ(run({"conformal", "other.ply", "-o", "one.ply", "--factors", "one.csv"}).exit_code,
+              0);
+    const Outcome outcome = run(
+        {"conformal", "head.ply", "other.ply", "-o", "spheres", "--factors", "u.csv", "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json figures = Json::parse(outcome.out);
+    EXPECT_EQ(figures["outputs"], Json({"spheres/head.ply", "spheres/other.ply", "u.csv"}));
+    EXPECT_EQ(figures["conformal"][1]["name"], "other");
+    EXPECT_EQ(folder_.read("spheres/other.ply"), folder_.read("one.ply"));
+    const Table one = read_table(folder_ / "one.csv");
+    const Table all = read_table(folder_ / "u.csv");
+    ASSERT_EQ(all.rows.size(), 2u);
+    ASSERT_EQ(all.columns.size(), 1 + one.rows.size());
+    EXPECT_EQ(all.columns[0], "mesh");
+    EXPECT_EQ(all.columns[1], "u0");
+    EXPECT_EQ(all.rows[1][0], "other");
+    for (std::size_t v = 0; v < one.rows.size(); ++v)
+        EXPECT_EQ(all.rows[1][v + 1], one.rows[v][1]);
+}
+
+TEST_F(Conformal, CheckSaysWhichMeshesQualify)
+{
+    write("patch.ply", open_patch(4, 1));
+    write("torus.ply", torus(9, 16));
+    const auto check = [&](const char* mesh) {
+        const Outcome outcome = run({"check", mesh});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    EXPECT_NE(check("head.ply").find("conformal map to the sphere: qualifies"), std::string::npos);
+    EXPECT_NE(check("patch.ply").find("close the holes"), std::string::npos);
+    EXPECT_NE(check("torus.ply").find("genus 1"), std::string::npos);
+    const Json figures = Json::parse(run({"check", "torus.ply", "--json"}).out);
+    EXPECT_EQ(figures["meshes"][0]["conformal_sphere"], false);
 }
 
 TEST_F(Conformal, RefusesWhatHasNoSphereAndSaysWhatToDo)
@@ -99,7 +166,7 @@ TEST_F(Conformal, RefusesWhatHasNoSphereAndSaysWhatToDo)
     const auto refusal = [&](const std::vector<std::string>& meshes) {
         std::vector<std::string> arguments{"conformal"};
         arguments.insert(arguments.end(), meshes.begin(), meshes.end());
-        arguments.insert(arguments.end(), {"-o", "x.ply"});
+        arguments.insert(arguments.end(), {"-o", "x.ply", "--steps", "2"});
         const Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.exit_code, 3);
         return outcome.err;

@@ -86,8 +86,11 @@ Outcome run_shape(const fs::path& folder, const std::vector<std::string>& argume
     const auto start = steady_clock::now();
     while (wait4(child, &status, WNOHANG, &usage) == 0) {
         const auto elapsed = steady_clock::now() - start;
-        if (launch.interrupt_after_ms > 0 && !interrupted &&
-            elapsed > milliseconds(launch.interrupt_after_ms)) {
+        const bool is_time =
+            launch.interrupt_after_ms > 0 && elapsed > milliseconds(launch.interrupt_after_ms);
+        const bool is_there =
+            !launch.interrupt_at_file.empty() && fs::exists(folder / launch.interrupt_at_file);
+        if (!interrupted && (is_time || is_there)) {
             kill(child, SIGINT);
             interrupted = true;
         }

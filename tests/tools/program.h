@@ -25,7 +25,8 @@ struct Outcome
 /// How the program is run.
 struct Launch
 {
-    int interrupt_after_ms = 0;                ///< > 0: SIGINT is sent then.
+    int interrupt_after_ms = 0;                ///< > 0: SIGINT is sent then,
+    std::string interrupt_at_file = {};        ///< or when this file of the folder exists.
     bool close_stdout = false;                 ///< stdout is a pipe that nobody reads.
     std::vector<std::string> environment = {}; ///< NAME=VALUE, added to that of the test.
 };

@@ -42,14 +42,7 @@ CLI::Option* add_integer(CLI::App& command, const std::string& name, std::int64_
                          const std::string& description, std::int64_t low, std::int64_t high)
 {
     const auto read = [&value, name, low, high](const std::string& text) {
-        const char* end = text.data() + text.size();
-        std::int64_t number = 0;
-        const auto [rest, error] = std::from_chars(text.data(), end, number);
-        if (error != std::errc() || rest != end)
-            throw UsageError(join(name, ": '", text, "' is no integer"));
-        if (number < low || number > high)
-            throw UsageError(join(name, ": ", number, " is out of range [", low, ", ", high, "]"));
-        value = number;
+        value = read_integer(text, name, low, high);
     };
     return command.add_option_function<std::string>(name, read, description)
         ->option_text("INTEGER");
@@ -62,6 +55,19 @@ double read_number(const std::string& text, const std::string& place)
     } catch (const InvalidInput& error) {
         throw UsageError(error.what());
     }
+}
+
+std::int64_t read_integer(const std::string& text, const std::string& place, std::int64_t low,
+                          std::int64_t high)
+{
+    const char* end = text.data() + text.size();
+    std::int64_t number = 0;
+    const auto [rest, error] = std::from_chars(text.data(), end, number);
+    if (error != std::errc() || rest != end)
+        throw UsageError(join(place, ": '", text, "' is no integer"));
+    if (number < low || number > high)
+        throw UsageError(join(place, ": ", number, " is out of range [", low, ", ", high, "]"));
+    return number;
 }
 
 std::vector<double> read_numbers(const std::string& text, const std::string& place)

@@ -39,10 +39,10 @@ CLI::Option* add_integer(CLI::App& command, const std::string& name, std::int64_
                          std::int64_t high = std::numeric_limits<std::int64_t>::max());
 
 /// Adds an option that takes one of the named values.
-template <class T>
-CLI::Option* add_choice(CLI::App& command, const std::string& name, T& value,
-                        const std::string& description,
-                        const std::vector<std::pair<std::string, T>>& choices)
+template <class Value, class T>
+CLI::Option* add_choice_option(CLI::App& command, const std::string& name, Value& value,
+                               const std::string& description,
+                               const std::vector<std::pair<std::string, T>>& choices)
 {
     std::vector<std::string> names;
     for (const auto& choice : choices)
@@ -56,10 +56,29 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, T& value,
         ->check(CLI::IsMember(names))
         ->option_text(CLI::detail::join(names, "|"));
 }
+template <class T>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, T& value,
+                        const std::string& description,
+                        const std::vector<std::pair<std::string, T>>& choices)
+{
+    return add_choice_option(command, name, value, description, choices);
+}
+template <class T>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, std::optional<T>& value,
+                        const std::string& description,
+                        const std::vector<std::pair<std::string, T>>& choices)
+{
+    return add_choice_option(command, name, value, description, choices);
+}
 
 /// The finite number that the text spells; `place` starts the message.
 /// @throws UsageError if it is none.
 [[nodiscard]] double read_number(const std::string& text, const std::string& place);
+
+/// The integer in [low, high] that the text spells; `place` starts the message.
+/// @throws UsageError if it is none.
+[[nodiscard]] std::int64_t read_integer(const std::string& text, const std::string& place,
+                                        std::int64_t low, std::int64_t high);
 
 /// The numbers of "n1,n2,...".
 /// @throws UsageError as read_number().

@@ -11,44 +11,46 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/residual_field.h"
+#include "libshape/embedding/sequence_jumps.h"
+#include "libshape/io/vertex_scalars.h"
 #include "libshape/mesh/alignment.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
 #include "tools/common/arguments.h"
 
 namespace shape::tools {
 namespace {
 
-const char* method_name(EmbeddingMethod method)
+Json times_of(const MultiscaleTimes& times)
 {
-    switch (method) {
-        case EmbeddingMethod::Dihedral:
-            return "dihedral";
-        case EmbeddingMethod::Closure:
-            return "closure";
-        case EmbeddingMethod::Multiscale:
-            return "multiscale";
-    }
-    return "";
+    return {{"splitting", times.setup.splitting},        {"factorising", times.setup.factorising},
+            {"interpolation", times.pose.interpolation}, {"registration", times.pose.registration},
+            {"blending", times.pose.blending},           {"pose", times.pose.total}};
 }
 
-Json figures(const std::string& mesh, const char* method, const Embedding& embedding)
+Json figures_of(const std::string& mesh, const std::string& method, const Embedding& embedding)
 {
     const EmbeddingReport& report = embedding.report;
-    return {{"name", mesh},
-            {"method", method},
-            {"vertices", embedding.points.rows()},
-            {"status", name(report.status)},
-            {"edge_rms", report.edge_rms},
-            {"edge_max", report.edge_max},
-            {"edge_p999", report.edge_p999},
-            {"edge_p99", report.edge_p99},
-            {"dihedral_rms_deg", report.dihedral_rms_deg},
-            {"dihedral_p99_deg", report.dihedral_p99_deg},
-            {"dihedral_max_deg", report.dihedral_max_deg},
-            {"closure_energy", report.closure_energy},
-            {"iterations", report.iterations},
-            {"converged", report.converged},
-            {"seconds", report.seconds},
-            {"setup_seconds", report.setup_seconds}};
+    Json figures{{"name", mesh},
+                 {"method", method},
+                 {"vertices", embedding.points.rows()},
+                 {"status", name(report.status)},
+                 {"edge_rms", report.edge_rms},
+                 {"edge_max", report.edge_max},
+                 {"edge_p999", report.edge_p999},
+                 {"edge_p99", report.edge_p99},
+                 {"dihedral_rms_deg", report.dihedral_rms_deg},
+                 {"dihedral_p99_deg", report.dihedral_p99_deg},
+                 {"dihedral_max_deg", report.dihedral_max_deg},
+                 {"closure_energy", report.closure_energy},
+                 {"iterations", report.iterations},
+                 {"converged", report.converged},
+                 {"seconds", report.seconds},
+                 {"setup_seconds", report.setup_seconds}};
+    if (embedding.multiscale)
+        figures["multiscale_seconds"] = times_of(*embedding.multiscale);
+    return figures;
 }
 
 template <class... Values>
@@ -65,11 +67,13 @@ std::string table_head()
                      "dihedral RMS", "time");
 }
 
-std::string table_row(const std::string& mesh, const EmbeddingReport& report)
+std::string table_row(const Json& figures)
 {
-    return print_row("%-24s %-12s %9.4f%% %9.4f%% %8.3f deg %7.3f s", mesh.c_str(),
-                     name(report.status), 100.0 * report.edge_rms, 100.0 * report.edge_max,
-                     report.dihedral_rms_deg, report.seconds);
+    const auto number = [&](const char* field) { return figures.at(field).get<double>(); };
+    const auto text = [&](const char* field) { return figures.at(field).get<std::string>(); };
+    return print_row("%-24s %-12s %9.4f%% %9.4f%% %8.3f deg %7.3f s", text("name").c_str(),
+                     text("status").c_str(), 100.0 * number("edge_rms"), 100.0 * number("edge_max"),
+                     number("dihedral_rms_deg"), number("seconds"));
 }
 
 void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets)
@@ -87,6 +91,46 @@ void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarg
     }
 }
 
+void write_residuals(const std::filesystem::path& path, const Topology& topology,
+                     const Points& points, const DecodedShape& target)
+{
+    const ShapePoint* const point = std::get_if<ShapePoint>(&target);
+    const ResidualField field = residual_field(
+        topology, points,
+        point ? *point
+              : ShapePoint{edge_lengths(topology, points), dihedral_angles(topology, points)});
+    write_vertex_scalars(
+        path, points, topology.faces(),
+        {{"edge_error", field.edge_error}, {"dihedral_drift", field.dihedral_drift}});
+}
+
+/// Warns of jumps; returns them as figures.
+Json jump_figures(const Session& session, const std::vector<EmbeddingTarget>& targets,
+                  const std::vector<SequenceStep>& steps)
+{
+    Json jumps = Json::array();
+    for (const SequenceJump& jump : find_jumps(steps)) {
+        const std::string& from = targets[jump.from].name;
+        const std::string& to = targets[jump.from + 1].name;
+        session.warn(join("the sequence jumps from ", from, " to ", to, ", ",
+                          print_row("%.1f", jump.ratio), " times as far as nearby"));
+        jumps.push_back({{"from", from}, {"to", to}, {"ratio", jump.ratio}});
+    }
+    return jumps;
+}
+
+Json animation_figures(const Session& session, const GlbAnimation& animation, std::size_t frames)
+{
+    session.message(
+        print_row("animation: %zu of %zu frames kept, %.2f s; the others within %.2g of"
+                  " the bounding box diagonal",
+                  animation.keyframes.size(), frames, animation.seconds, animation.error));
+    return {{"frames", frames},
+            {"keyframes", animation.keyframes},
+            {"error", animation.error},
+            {"seconds", animation.seconds}};
+}
+
 /// Embeds shapes as they come; the embedder is made for the first that needs it.
 class Decoder
 {
@@ -97,21 +141,17 @@ public:
     {
     }
 
-    /// The mesh, and how it was made.
-    std::pair<Embedding, const char*> operator()(const EmbeddingTarget& target)
+    /// The mesh of a target, with its figures.
+    FinishedMesh operator()(const EmbeddingTarget& target, const DecodedShape& shape)
     {
-        try {
-            DecodedShape shape = target.shape();
-            if (Points* points = std::get_if<Points>(&shape))
-                return {as_embedding(topology_, std::move(*points)), "procrustes"};
+        if (const Points* points = std::get_if<Points>(&shape))
+            return finish(target.name, "procrustes",
+                          [&] { return as_embedding(topology_, *points); });
+        return finish(target.name, name(options_.method), [&] {
             if (!embedder_)
                 embedder_.emplace(topology_, std::move(references_), options_);
-            return {embedder_->embed(std::get<ShapePoint>(shape)), method_name(options_.method)};
-        } catch (const InvalidInput& error) {
-            throw InvalidInput(join(target.name, ": ", error.what()));
-        } catch (const NumericalError& error) {
-            throw NumericalError(join(target.name, ": ", error.what()));
-        }
+            return embedder_->embed(std::get<ShapePoint>(shape));
+        });
     }
 
 private:
@@ -120,11 +160,6 @@ private:
     EmbeddingOptions options_;
     std::optional<Embedder> embedder_;
 };
-
-Points in_place(const Points& points, const EmbeddingTarget& target)
-{
-    return target.place ? best_rigid_motion(points, *target.place)(points) : points;
-}
 
 } // namespace
 
@@ -148,6 +183,13 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
                     options.smoothness, "); of the method dihedral"),
                Sign::Positive)
         ->group("Embedding");
+    add_choice(
+        command, "--init", options.registration_start,
+        "Where the method multiscale starts to register patches: incremental, each from the\n"
+        "best fit to those before it (default); identity, as in the paper",
+        {{"incremental", RegistrationStart::Incremental},
+         {"identity", RegistrationStart::Identity}})
+        ->group("Embedding");
 }
 
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
@@ -158,34 +200,109 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
                   "An infeasible target ends the run with exit code 4 before anything is\n"
                   "written (default: the nearest mesh is written, with a warning)")
         ->group("Embedding");
+    command
+        .add_flag("--residuals", arguments.residuals,
+                  "Write NAME_residuals.ply beside each mesh: that mesh with the properties\n"
+                  "edge_error (largest relative error of the edges at a vertex) and\n"
+                  "dihedral_drift (largest of their angles [deg]); `shape draw --color-by` shows\n"
+                  "them")
+        ->group("Embedding");
 }
 
 Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
                      const Topology& topology, std::vector<Points> references,
-                     const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
+                     const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
+                     TargetOrder order)
 {
+    prepare_output(arguments, topology, targets, output);
+    Decoder decoder(topology, std::move(references), embedding_options(session, arguments));
+    const auto make = [&](std::size_t i, const DecodedShape& shape) {
+        return decoder(targets[i], shape);
+    };
+    return make_and_write(session, arguments, topology, targets, make, output, order);
+}
+
+void prepare_output(const EmbeddingArguments& arguments, const Topology& topology,
+                    const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
+{
+    if (arguments.residuals)
+        output.add_companions("_residuals.ply");
     if (arguments.strict)
         refuse_infeasible(topology, targets);
-    Decoder decoder(topology, std::move(references), arguments.options);
+}
+
+Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
+                    const Topology& topology, const std::vector<EmbeddingTarget>& targets,
+                    const MeshMaker& make, MeshOutput& output, TargetOrder order)
+{
     const Progress progress = session.progress();
     Json embeddings = Json::array();
     std::vector<std::string> rows{table_head()};
+    std::vector<SequenceStep> steps;
+    Points previous;
     for (std::size_t i = 0; i < targets.size(); ++i) {
         progress("embedding", i, targets.size());
-        const std::string& mesh = targets[i].name;
-        const auto [embedding, method] = decoder(targets[i]);
-        if (embedding.report.status == EmbeddingStatus::Infeasible)
-            session.warn(join(mesh, ": infeasible target, ", embedding.report.reason,
+        const DecodedShape shape = targets[i].shape();
+        FinishedMesh mesh = make(i, shape);
+        if (targets[i].place)
+            mesh.points = best_rigid_motion(mesh.points, *targets[i].place)(mesh.points);
+        if (!mesh.reason.empty())
+            session.warn(join(targets[i].name, ": infeasible target, ", mesh.reason,
                               "; the nearest mesh is written"));
-        output.write(i, in_place(embedding.points, targets[i]), topology.faces());
-        embeddings.push_back(figures(mesh, method, embedding));
-        rows.push_back(table_row(mesh, embedding.report));
+        output.write(i, mesh.points, topology.faces());
+        if (arguments.residuals)
+            write_residuals(output.staged_companion(i), topology, mesh.points, shape);
+        if (order == TargetOrder::Sequence && i > 0)
+            steps.push_back(measure_step(topology, previous, mesh.points));
+        rows.push_back(table_row(mesh.figures));
+        embeddings.push_back(std::move(mesh.figures));
+        previous = std::move(mesh.points);
     }
     progress("embedding", targets.size(), targets.size());
     output.commit();
     for (const std::string& row : rows)
         session.message(row);
-    return {{"outputs", output.paths()}, {"embeddings", embeddings}};
+    Json result{{"outputs", output.paths()}, {"embeddings", embeddings}};
+    if (order == TargetOrder::Sequence)
+        result["jumps"] = jump_figures(session, targets, steps);
+    if (output.animation())
+        result["animation"] = animation_figures(session, *output.animation(), targets.size());
+    return result;
+}
+
+FinishedMesh finish(const std::string& target, const std::string& method,
+                    const std::function<Embedding()>& embed)
+{
+    try {
+        Embedding embedding = embed();
+        Json figures = figures_of(target, method, embedding);
+        return {std::move(embedding.points), std::move(figures),
+                std::move(embedding.report.reason)};
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(join(target, ": ", error.what()));
+    } catch (const NumericalError& error) {
+        throw NumericalError(join(target, ": ", error.what()));
+    }
+}
+
+const char* name(EmbeddingMethod method)
+{
+    switch (method) {
+        case EmbeddingMethod::Dihedral:
+            return "dihedral";
+        case EmbeddingMethod::Closure:
+            return "closure";
+        case EmbeddingMethod::Multiscale:
+            return "multiscale";
+    }
+    return "";
+}
+
+EmbeddingOptions embedding_options(const Session& session, const EmbeddingArguments& arguments)
+{
+    EmbeddingOptions options = arguments.options;
+    options.seed = static_cast<std::uint64_t>(session.seed);
+    return options;
 }
 
 std::string numbered_name(const std::string& stem, std::size_t number)

@@ -32,7 +32,7 @@ void catch_signals()
 void throw_if_interrupted()
 {
     if (stop_requested)
-        throw Interrupted("interrupted");
+        throw Interrupted("interrupted; nothing half-done was kept");
 }
 
 } // namespace shape::tools

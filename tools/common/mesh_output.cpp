@@ -52,6 +52,12 @@ void check_names(const std::vector<std::string>& names)
     }
 }
 
+/// A hidden name that no other process uses.
+std::string staging_name(const std::string& name)
+{
+    return join(".", name, ".", getpid(), ".tmp");
+}
+
 } // namespace
 
 void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments)
@@ -59,8 +65,8 @@ void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments)
     command
         .add_option("--format", arguments.format,
                     "Format of the files in a directory (default: ply, binary with doubles)")
-        ->check(CLI::IsMember({"obj", "ply", "off"}))
-        ->option_text("obj|ply|off");
+        ->check(CLI::IsMember({"obj", "ply", "off", "glb"}))
+        ->option_text("obj|ply|off|glb");
 }
 
 CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
@@ -68,29 +74,49 @@ CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
     add_mesh_format(command, arguments);
     return command
         .add_option("-o,--output", arguments.path,
-                    "One mesh: a file (.obj .ply .off) or a directory; several: a directory.\n"
+                    "One mesh: a file (.obj .ply .off .glb) or a directory; several: a directory,\n"
+                    "or a .glb file for one animation.\n"
                     "A missing directory is made, its parent must exist")
         ->required()
         ->option_text("PATH REQUIRED");
 }
 
+void add_animation_options(CLI::App& command, MeshOutputArguments& arguments)
+{
+    const GlbAnimationOptions standard;
+    add_number(command, "--fps", arguments.frames_per_second,
+               join("Frames per second of an animation (-o FILE.glb), > 0 (default: ",
+                    standard.frames_per_second, ")"),
+               Sign::Positive);
+    add_number(command, "--glb-tolerance", arguments.glb_tolerance,
+               join("Largest error of a coordinate of an animation, > 0, as a fraction of the\n"
+                    "diagonal of the first frame's bounding box (default: ",
+                    standard.tolerance,
+                    "). Frames that linear\ninterpolation gives back that well are left out"),
+               Sign::Positive);
+}
+
 MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& arguments,
                        const std::vector<std::string>& names, const std::vector<fs::path>& inputs,
                        const std::vector<std::string>& further_files)
+    : session_(session), inputs_(inputs), mesh_count_(names.size())
 {
     const fs::path path = arguments.path;
     if (names_a_file(path)) {
         format_ = format_of(path);
-        if (names.size() + further_files.size() > 1)
+        is_animation_ = format_ == MeshFormat::Glb && names.size() > 1;
+        if ((names.size() > 1 && !is_animation_) || !further_files.empty())
             throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '",
                                   path.string(), "' names one file, give a directory"));
         if (!arguments.format.empty() && mesh_format("x." + arguments.format) != format_)
             throw UsageError(join("--format ", arguments.format, " contradicts the ending of '",
                                   path.string(), "'"));
+        prepare_animation(arguments, names.size());
         check_output(session, path, inputs);
         paths_ = {path};
         return;
     }
+    prepare_animation(arguments, names.size());
     format_ = arguments.format.empty() ? MeshFormat::Ply : mesh_format("x." + arguments.format);
     directory_ = path.has_filename() ? path : path.parent_path();
     check_names(names);
@@ -98,14 +124,12 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
         paths_.push_back(directory_ / (name + file_ending(format_)));
     for (const std::string& file : further_files)
         paths_.push_back(directory_ / file);
-    const std::string own_suffix = join(".", getpid(), ".tmp");
     if (fs::is_directory(directory_)) {
-        for (const fs::path& file : paths_)
-            check_output(session, file, inputs);
-        staging_ = directory_ / (".shape" + own_suffix);
+        check_paths(0);
+        staging_ = directory_ / staging_name("shape");
     } else {
         check_output(session, directory_, inputs);
-        staging_ = directory_.parent_path() / ("." + directory_.filename().string() + own_suffix);
+        staging_ = directory_.parent_path() / staging_name(directory_.filename().string());
     }
 }
 
@@ -116,8 +140,50 @@ MeshOutput::~MeshOutput()
         fs::remove_all(staging_, ignored);
 }
 
+void MeshOutput::check_paths(std::size_t first) const
+{
+    for (std::size_t i = first; i < paths_.size(); ++i)
+        check_output(session_, paths_[i], inputs_);
+}
+
+void MeshOutput::prepare_animation(const MeshOutputArguments& arguments, std::size_t meshes)
+{
+    if (is_animation_)
+        frames_.reserve(meshes);
+    else if (arguments.frames_per_second || arguments.glb_tolerance)
+        throw UsageError(
+            "--fps and --glb-tolerance are for an animation: several meshes and a "
+            ".glb file as -o");
+    const GlbAnimationOptions standard;
+    animation_options_ = {
+        .tolerance = arguments.glb_tolerance.value_or(standard.tolerance),
+        .frames_per_second = arguments.frames_per_second.value_or(standard.frames_per_second)};
+}
+
+void MeshOutput::add_companions(const std::string& suffix)
+{
+    if (is_animation_)
+        throw UsageError(join("no file *", suffix,
+                              " can stand beside the meshes of an animation; "
+                              "give a directory as -o"));
+    if (staging_.empty()) { // one mesh as a file
+        directory_ = paths_.front().has_parent_path() ? paths_.front().parent_path() : ".";
+        staging_ = directory_ / staging_name("shape");
+    }
+    first_companion_ = paths_.size();
+    for (std::size_t i = 0; i < mesh_count_; ++i)
+        paths_.push_back(directory_ / (paths_[i].stem().string() + suffix));
+    if (fs::is_directory(directory_))
+        check_paths(first_companion_);
+}
+
 void MeshOutput::write(std::size_t index, const Points& points, const Faces& faces)
 {
+    if (is_animation_) {
+        frames_.push_back(points);
+        faces_ = faces;
+        return;
+    }
     if (!staging_.empty())
         fs::create_directory(staging_);
     const fs::path path = paths_.at(index);
@@ -129,8 +195,15 @@ fs::path MeshOutput::staged(const std::string& further_file) const
     return staging_ / further_file;
 }
 
+fs::path MeshOutput::staged_companion(std::size_t index) const
+{
+    return staging_ / paths_.at(first_companion_ + index).filename();
+}
+
 void MeshOutput::commit()
 {
+    if (is_animation_)
+        animation_ = write_glb_animation(paths_.front(), frames_, faces_, animation_options_);
     if (staging_.empty())
         return;
     if (fs::is_directory(directory_))

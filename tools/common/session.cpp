@@ -8,9 +8,9 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -36,50 +36,72 @@ std::string one_line(std::string text)
     return text;
 }
 
+/// "40 s", "12 min" or "3 h 05 min".
+std::string print_duration(double seconds)
+{
+    char text[32];
+    const auto minutes = static_cast<long>(seconds / 60.0 + 0.5);
+    if (seconds < 99.5)
+        std::snprintf(text, sizeof text, "%.0f s", seconds);
+    else if (minutes < 100)
+        std::snprintf(text, sizeof text, "%ld min", minutes);
+    else
+        std::snprintf(text, sizeof text, "%ld h %02ld min", minutes / 60, minutes % 60);
+    return text;
+}
+
 /// Draws the state of one stage of the work, at most ten times a second.
 class Bar
 {
 public:
     void update(std::string_view stage, std::size_t done, std::size_t total)
     {
-        const Clock::time_point now = Clock::now();
-        if (stage != stage_ || done < done_) {
+        const Mark now{Clock::now(), done};
+        if (stage != stage_ || done < last_.done) {
             stage_ = stage;
-            start_ = now;
-            start_done_ = done;
+            last_ = before_ = now;
         }
-        done_ = done;
+        if (now.time - last_.time > std::chrono::seconds(10))
+            before_ = std::exchange(last_, now);
         if (done >= total)
             return clear_bar();
-        if (now - drawn_ < std::chrono::milliseconds(100))
+        if (now.time - drawn_ < std::chrono::milliseconds(100))
             return;
-        drawn_ = now;
-        draw(total, std::chrono::duration<double>(now - start_).count());
+        drawn_ = now.time;
+        draw(now, total);
     }
 
 private:
     using Clock = std::chrono::steady_clock;
+    struct Mark
+    {
+        Clock::time_point time;
+        std::size_t done = 0;
+    };
 
-    void draw(std::size_t total, double seconds) const
+    /// The time left follows the speed of the last ten to twenty seconds: a resumed run takes what is
+    /// finished much faster than it makes the rest.
+    void draw(const Mark& now, std::size_t total) const
     {
         const std::size_t width = 30;
-        const std::size_t filled = width * done_ / total;
+        const std::size_t filled = width * now.done / total;
         std::ostringstream line;
         line << "\r\033[K" << stage_ << " [" << std::string(filled, '#')
-             << std::string(width - filled, '.') << "] " << done_ << "/" << total;
-        if (done_ > start_done_) {
-            const double left = seconds / static_cast<double>(done_ - start_done_) *
-                                static_cast<double>(total - done_);
-            line << ", " << std::fixed << std::setprecision(0) << left << " s left";
+             << std::string(width - filled, '.') << "] " << now.done << "/" << total;
+        if (now.done > before_.done) {
+            const double seconds = std::chrono::duration<double>(now.time - before_.time).count();
+            line << ", "
+                 << print_duration(seconds / static_cast<double>(now.done - before_.done) *
+                                   static_cast<double>(total - now.done))
+                 << " left";
         }
         std::fputs(line.str().c_str(), stderr);
         bar_is_drawn = true;
     }
 
     std::string stage_;
-    std::size_t done_ = 0;
-    std::size_t start_done_ = 0;
-    Clock::time_point start_;
+    Mark last_;   ///< Ten seconds ago at most,
+    Mark before_; ///< and ten before that.
     Clock::time_point drawn_;
 };
 

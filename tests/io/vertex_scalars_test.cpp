@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/vertex_scalars.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "libshape/base/error.h"
+#include "libshape/io/mesh_file.h"
+#include "tests/support/files.h"
+#include "tests/support/matrices.h"
+#include "tests/support/meshes.h"
+
+namespace shape {
+namespace {
+
+using test::TemporaryDirectory;
+using test::TestMesh;
+
+const std::string triangle =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property uchar heat\nproperty float z\nproperty list uchar int near\n"
+    "element face 1\nproperty list uchar int vertex_indices\nproperty int heat\nend_header\n"
+    "0 0 7 0 1 5\n1 0 8 0 0\n0 1 9 0 2 1 1\n3 0 1 2 4\n";
+
+class VertexScalars : public testing::Test
+{
+protected:
+    [[nodiscard]] std::string writing(const std::vector<VertexScalar>& scalars) const
+    {
+        return test::message_of<InvalidInput>([&] {
+            write_vertex_scalars(directory_ / "x.ply", mesh_.points, mesh_.topology.faces(),
+                                 scalars);
+        });
+    }
+    [[nodiscard]] std::string reading(const char* file, const char* name) const
+    {
+        return test::message_of<InvalidInput>(
+            [&] { (void)read_vertex_scalar(directory_ / file, name); });
+    }
+
+    const TemporaryDirectory directory_;
+    const TestMesh mesh_ = test::open_patch(4, 1);
+};
+
+TEST_F(VertexScalars, ComeBackBitByBitAndLeaveTheMeshAsItIs)
+{
+    const Eigen::VectorXd first = test::random_matrix(mesh_.points.rows(), 1, 1);
+    const Eigen::VectorXd second = 1e-300 * test::random_matrix(mesh_.points.rows(), 1, 2);
+    write_vertex_scalars(directory_ / "x.ply", mesh_.points, mesh_.topology.faces(),
+                         {{"edge_error", first}, {"Q2", second}});
+    EXPECT_EQ(read_vertex_scalar(directory_ / "x.ply", "edge_error"), first);
+    EXPECT_EQ(read_vertex_scalar(directory_ / "x.ply", "Q2"), second);
+    const NamedMesh read = read_mesh(directory_ / "x.ply");
+    EXPECT_EQ(read.points, mesh_.points);
+    EXPECT_EQ(read.faces, mesh_.topology.faces());
+}
+
+TEST_F(VertexScalars, AreNoneInAnOrdinaryFile)
+{
+    for (const char* name : {"with.ply", "without.ply"})
+        write_mesh(directory_ / name, mesh_.points, mesh_.topology.faces(), MeshFormat::Ply);
+    write_vertex_scalars(directory_ / "with.ply", mesh_.points, mesh_.topology.faces(), {});
+    EXPECT_EQ(test::read_bytes(directory_ / "with.ply"),
+              test::read_bytes(directory_ / "without.ply"));
+}
+
+TEST_F(VertexScalars, OfOtherProgramsAreReadWhateverTheirTypeAndPlace)
+{
+    test::write_bytes(directory_ / "t.ply", triangle);
+    EXPECT_EQ(read_vertex_scalar(directory_ / "t.ply", "heat"), Eigen::Vector3d(7, 8, 9));
+}
+
+TEST_F(VertexScalars, RefuseWhatNoFileCanHold)
+{
+    const Eigen::VectorXd good = Eigen::VectorXd::Zero(mesh_.points.rows());
+    for (const char* name : {"", "x", "y", "z", "1st", "two words", "a-b", "naïve", "a\nb"})
+        EXPECT_NE(writing({{name, good}}).find("name"), std::string::npos) << name;
+    EXPECT_NE(writing({{"a", good}, {"a", good}}).find("once"), std::string::npos);
+    EXPECT_NE(writing({{"a", good.head(3)}}).find("has 3 values"), std::string::npos);
+    Eigen::VectorXd bad = good;
+    bad[5] = std::numeric_limits<double>::infinity();
+    EXPECT_NE(writing({{"a", bad}}).find("value 5"), std::string::npos);
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  write_vertex_scalars(directory_ / "x.ply", mesh_.points,
+                                       mesh_.topology.faces().array() + 1, {});
+              }).find("faces: row"),
+              std::string::npos);
+    EXPECT_TRUE(directory_.names().empty());
+    EXPECT_THROW(
+        write_vertex_scalars(directory_ / "no" / "x.ply", mesh_.points, mesh_.topology.faces(), {}),
+        FileError);
+}
+
+TEST_F(VertexScalars, ThatAreNotThereAreNotRead)
+{
+    test::write_bytes(directory_ / "t.ply", triangle);
+    for (const char* name : {"cold", "near", "x", "", "vertex_indices"})
+        EXPECT_NE(reading("t.ply", name).find("no property"), std::string::npos) << name;
+    EXPECT_NE(reading("t.obj", "heat").find("only PLY"), std::string::npos);
+    EXPECT_THROW((void)read_vertex_scalar(directory_ / "no.ply", "heat"), FileError);
+    write_vertex_scalars(directory_ / "nan.ply", mesh_.points, mesh_.topology.faces(),
+                         {{"heat", Eigen::VectorXd::Zero(mesh_.points.rows())}});
+    std::string bytes = test::read_bytes(directory_ / "nan.ply");
+    const std::size_t heat_of_second = bytes.find("end_header\n") + 11 + 32 + 24;
+    bytes.replace(heat_of_second, 8, std::string("\0\0\0\0\0\0\xf8\x7f", 8));
+    test::write_bytes(directory_ / "nan.ply", bytes);
+    EXPECT_NE(reading("nan.ply", "heat").find("vertex 1 is not finite"), std::string::npos);
+    EXPECT_NO_THROW((void)read_mesh(directory_ / "nan.ply"));
+}
+
+} // namespace
+} // namespace shape
