@@ -3,19 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/output_file.h"
-#include "libshape/io/table_file.h"
 #include "libshape/model/shape_model.h"
 #include "libshape/report/plot.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/mesh_input.h"
+#include "tools/common/mesh_table.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
 
@@ -34,35 +33,13 @@ struct Arguments
 /// Columns `mesh`, the labels, `size`, `residual`, `pc1`, `pc2`, ...
 Table score_table(const Projection& projection)
 {
-    Table table;
-    table.columns.push_back("mesh");
-    for (const LabelColumn& label : projection.labels)
-        table.columns.push_back(label.name);
-    table.columns.insert(table.columns.end(), {"size", "residual"});
+    Table table = mesh_table(projection.names, projection.labels);
+    add_column(table, "size", projection.sizes);
+    add_column(table, "residual", projection.residuals);
     for (Eigen::Index k = 0; k < projection.scores.cols(); ++k)
-        table.columns.push_back(join("pc", k + 1));
-    for (std::size_t i = 0; i < projection.names.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        std::vector<std::string>& cells = table.rows.emplace_back();
-        cells.push_back(projection.names[i]);
-        for (const LabelColumn& label : projection.labels)
-            cells.push_back(label.values[i]);
-        cells.push_back(print_number(projection.sizes[row]));
-        cells.push_back(print_number(projection.residuals[row]));
-        for (const double score : projection.scores.row(row))
-            cells.push_back(print_number(score));
-    }
+        add_column(table, join("pc", k + 1), projection.scores.col(k));
+    check_columns(table);
     return table;
-}
-
-/// A label may not have the name of another column.
-void check_columns(const Table& table)
-{
-    std::set<std::string> seen;
-    for (const std::string& column : table.columns)
-        if (!seen.insert(column).second)
-            throw InvalidInput(join("the label '", column,
-                                    "' has the name of another column of the scores; rename it"));
 }
 
 /// The first two scores as an SVG document, coloured by a label if one is named.
@@ -96,7 +73,6 @@ void run(const Session& session, const Arguments& arguments)
     const ShapeModel model = read_model(arguments.model);
     const Projection projection = project(model, read_meshes(session, arguments.meshes));
     const Table table = score_table(projection);
-    check_columns(table);
     std::vector<std::string> outputs{arguments.output};
     const std::string plot =
         arguments.plot.empty() ? std::string() : draw_scores(arguments, model, projection);

@@ -183,12 +183,14 @@ void run(const Session& session, const Arguments& arguments)
     const Grouping folds = folds_of(session, arguments, collection);
     if (modes.empty())
         modes = usual_mode_counts(std::max(1, most_modes(folds)));
+    EmbeddingOptions embedding = arguments.embedding;
+    embedding.seed = static_cast<std::uint64_t>(session.seed);
     const ModelQuality quality = measure_quality(collection, folds,
                                                  {.space = arguments.space,
                                                   .modes = modes,
                                                   .tests = static_cast<int>(arguments.tests),
                                                   .samples = static_cast<int>(arguments.samples),
-                                                  .embedding = arguments.embedding,
+                                                  .embedding = embedding,
                                                   .seed = static_cast<std::uint64_t>(session.seed)},
                                                  session.progress());
     throw_if_interrupted();

@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/format.h"
-#include "libshape/io/table_file.h"
 #include "libshape/synthetic/synthetic.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/mesh_output.h"
+#include "tools/common/mesh_table.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
 
@@ -53,20 +53,6 @@ void list_datasets(const Session& session)
     session.print_figures({{"datasets", datasets}});
 }
 
-Table label_table(const Collection& collection)
-{
-    Table table{{"mesh"}, {}};
-    for (const LabelColumn& label : collection.labels)
-        table.columns.push_back(label.name);
-    for (std::size_t i = 0; i < collection.size(); ++i) {
-        std::vector<std::string>& row = table.rows.emplace_back();
-        row.push_back(collection.names[i]);
-        for (const LabelColumn& label : collection.labels)
-            row.push_back(label.values[i]);
-    }
-    return table;
-}
-
 void run(const Session& session, const Arguments& arguments)
 {
     if (arguments.list)
@@ -85,7 +71,7 @@ void run(const Session& session, const Arguments& arguments)
         output.write(i, collection.points[i], collection.topology.faces());
     }
     progress("writing", collection.size(), collection.size());
-    write_table(output.staged(label_file), label_table(collection));
+    write_table(output.staged(label_file), mesh_table(collection.names, collection.labels));
     output.commit();
     session.message(join(arguments.output.path, ": ", collection.size(), " meshes of ",
                          collection.topology.vertex_count(), " vertices"));
