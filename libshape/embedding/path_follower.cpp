@@ -45,19 +45,23 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
     next_ = next_stop();
 }
 
-/// The mesh at the target; where lengths are not met, wanted again with the angles it got.
+/// The mesh at the target; where lengths are not met, wanted again with the angles it got, which
+/// then weigh less: they are those of a mesh nearby.
 ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target) const
 {
     ContinuedMesh mesh{from, 0.0, 0, false};
+    ContinuationOptions options = options_.continuation;
     for (int round = 0; round < options_.rounds; ++round) {
         const int iterations = mesh.iterations;
-        mesh = continue_to(topology_, mesh.points, target, options_.continuation);
+        mesh = continue_to(topology_, mesh.points, target, options);
         mesh.iterations += iterations;
         const VectorXd lengths = edge_lengths(topology_, mesh.points);
         const double worst = (lengths.array() / target.edge_lengths.array() - 1.0).abs().maxCoeff();
         if (worst <= options_.edge_tolerance)
             break;
         target.dihedral_angles = dihedral_angles(topology_, mesh.points);
+        options.smoothness *= 0.3;
+        options.decrease_tolerance *= 0.3;
     }
     return mesh;
 }
