@@ -43,7 +43,7 @@ struct DihedralEmbedding
 /// Our embedding: the closed mesh nearest to wanted lengths and dihedral angles.
 ///
 /// 1. Frames: every face laid out by lengths and angles, oriented patch by patch, transitions
-///    trusted by how well the walks around their ends close (patch_frames.h, closure.h).
+///    trusted by how well the walks around their ends close (patch_frames.h, face_layout.h).
 /// 2. Positions: one Laplace solve; then wedge steps, each rotating every two-triangle wedge to its
 ///    best fit and solving again.
 /// 3. Folds that this start left are turned back (fold_repair.h).

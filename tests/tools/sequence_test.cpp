@@ -113,8 +113,9 @@ TEST_F(Sequences, ResidualsLieBesideEveryMeshAndHaveTheFiguresOfTheReport)
     for (std::size_t i = 0; i < 3; ++i) {
         const std::string file = figures["outputs"][3 + i];
         const Json& report = figures["embeddings"][i];
-        EXPECT_EQ(largest(file, "edge_error"), report["edge_max"]);
-        EXPECT_EQ(largest(file, "dihedral_drift"), report["dihedral_max_deg"]);
+        // Up to the rounding of the motion that places the frame.
+        EXPECT_NEAR(largest(file, "edge_error"), report["edge_max"], 1e-13);
+        EXPECT_NEAR(largest(file, "dihedral_drift"), report["dihedral_max_deg"], 1e-11);
         EXPECT_EQ(read_mesh(folder_ / file).points,
                   read_mesh(folder_ / std::string(figures["outputs"][i])).points);
     }
