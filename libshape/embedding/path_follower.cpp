@@ -45,23 +45,19 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
     next_ = next_stop();
 }
 
-/// The mesh at the target; where lengths are not met, wanted again with the angles it got, which
-/// then weigh less: they are those of a mesh nearby.
-ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target, int rounds) const
+/// The mesh at the target; where lengths are not met, wanted again with the angles it got.
+ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target) const
 {
     ContinuedMesh mesh{from, 0.0, 0, false};
-    ContinuationOptions options = options_.continuation;
-    for (int round = 0; round < rounds; ++round) {
+    for (int round = 0; round < options_.rounds; ++round) {
         const int iterations = mesh.iterations;
-        mesh = continue_to(topology_, mesh.points, target, options);
+        mesh = continue_to(topology_, mesh.points, target, options_.continuation);
         mesh.iterations += iterations;
         const VectorXd lengths = edge_lengths(topology_, mesh.points);
         const double worst = (lengths.array() / target.edge_lengths.array() - 1.0).abs().maxCoeff();
         if (worst <= options_.edge_tolerance)
             break;
         target.dihedral_angles = dihedral_angles(topology_, mesh.points);
-        options.smoothness *= 0.3;
-        options.decrease_tolerance *= 0.3;
     }
     return mesh;
 }
@@ -71,8 +67,7 @@ PathFollower::Stop PathFollower::next_stop() const
     const double left = options_.steps - step_;
     const ShapePoint target{lengths_((step_ + 1.0) / options_.steps),
                             blend_angles(here_.angles, end_angles_, 1.0 / left)};
-    constexpr int rounds = 2; // enough to lead the way
-    const ContinuedMesh mesh = reach(here_.points, target, std::min(rounds, options_.rounds));
+    const ContinuedMesh mesh = reach(here_.points, target);
     return {mesh.points, dihedral_angles(topology_, mesh.points)};
 }
 
@@ -95,7 +90,7 @@ PathMesh PathFollower::at(double s)
     }
     const double share = s * options_.steps - step_;
     ShapePoint target{lengths_(s), blend_angles(here_.angles, next_.angles, share)};
-    ContinuedMesh mesh = reach(share < 0.5 ? here_.points : next_.points, target, options_.rounds);
+    ContinuedMesh mesh = reach(share < 0.5 ? here_.points : next_.points, target);
     return {std::move(target), std::move(mesh)};
 }
 

@@ -15,8 +15,7 @@ namespace shape {
 struct PathFollowerOptions
 {
     int steps = 16; ///< From s = 0 to 1; >= 1.
-    int rounds = 5; ///< Times at most that a mesh is moved on to its lengths, 2 at most for those
-                    ///< that lead the way; >= 1. It is over
+    int rounds = 4; ///< Times at most that a mesh is moved on to its lengths; >= 1. It is over
                     ///< once no edge is off by more than
     double edge_tolerance = 2e-3; ///< relative to its length.
     ContinuationOptions continuation;
@@ -63,7 +62,7 @@ private:
         Points points;
         Eigen::VectorXd angles; ///< Measured.
     };
-    [[nodiscard]] ContinuedMesh reach(const Points& from, ShapePoint target, int rounds) const;
+    [[nodiscard]] ContinuedMesh reach(const Points& from, ShapePoint target) const;
     [[nodiscard]] Stop next_stop() const;
 
     Topology topology_;
