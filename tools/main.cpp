@@ -6,6 +6,10 @@
 #include <map>
 #include <new>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
@@ -147,11 +151,22 @@ int guarded_run(int argc, char** argv)
     }
 }
 
+/// Arrays as large as a collection go back to the system when they are freed; glibc would keep the
+/// room of most of them, and a run would hold what it no longer needs.
+void return_large_arrays()
+{
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 16 << 20);
+    mallopt(M_TRIM_THRESHOLD, 32 << 20);
+#endif
+}
+
 } // namespace
 } // namespace shape::tools
 
 int main(int argc, char** argv)
 {
+    shape::tools::return_large_arrays();
     shape::tools::catch_signals();
     return shape::tools::guarded_run(argc, argv);
 }

@@ -67,25 +67,38 @@ Collection make_femurs(const SyntheticOptions& options)
     const Tube grid = tube({.length = knee_end + grid_shaft + hip_end,
                             .radius = head_radius,
                             .vertices = options.vertices});
-    Members members(grid.faces, {"kind", "shaft_mm"});
-    const auto add = [&](const std::string& name, const std::string& kind, const Bone& bone) {
+    Members members(grid.faces, {"kind", "ends", "shaft_mm"});
+    const auto add = [&](const std::string& name, const std::string& kind, const std::string& ends,
+                         const Bone& bone) {
         members.add(name, place(grid, [&](const TubeVertex& v) { return bone_point(v, bone); }),
-                    {kind, std::to_string(std::lround(bone.shaft))});
+                    {kind, ends, std::to_string(std::lround(bone.shaft))});
     };
-    add("femur_short", "sketch", {.shaft = 200.0});
-    add("femur_long", "sketch", {.shaft = 340.0});
+    const Bone slender{};
+    const Bone stout{.condyles = 1.3, .trochanter = 1.8, .neck_turn = 36.0 * pi / 180.0};
+    const auto add_sketch = [&](const std::string& name, const std::string& ends, Bone bone,
+                                double shaft) {
+        bone.shaft = shaft;
+        add(name, "sketch", ends, bone);
+    };
+    add_sketch("femur_short", "slender", slender, 200.0);
+    add_sketch("femur_long", "slender", slender, 340.0);
+    if (options.count >= 4) {
+        add_sketch("femur_stout_short", "stout", stout, 200.0);
+        add_sketch("femur_stout_long", "stout", stout, 340.0);
+    }
     Random random(options.seed);
     const auto around = [&](double mean, double spread) {
         return mean + spread * std::clamp(random.normal(), -2.5, 2.5);
     };
-    for (int i = 0; i + 2 < options.count; ++i) {
+    const int sketches = options.count >= 4 ? 4 : 2;
+    for (int i = 0; i + sketches < options.count; ++i) {
         Bone bone;
         bone.shaft = around(270.0, 25.0);
         bone.girth = around(1.0, 0.07);
         bone.condyles = around(1.0, 0.06);
         bone.trochanter = around(1.0, 0.15);
         bone.neck_turn = around(52.0, 4.0) * pi / 180.0;
-        add("femur_" + padded(i, 3), "individual", bone);
+        add("femur_" + padded(i, 3), "individual", "own", bone);
     }
     return members.take();
 }

@@ -45,10 +45,12 @@ TEST(RenderMesh, FillsTheTriangleAndNothingElse)
             const double right = 0.1 * (x + 0.5) - 2.0;
             const double up = 2.0 - 0.1 * (y + 0.5);
             const double inside = std::min({right + 1.0, up + 1.0, (1.0 - right - up) / 1.4143});
-            if (inside > 0.08)
+            if (inside > 0.08) {
                 EXPECT_NE(image.at(x, y), white) << x << " " << y;
-            if (inside < -0.08)
+            }
+            if (inside < -0.08) {
                 EXPECT_EQ(image.at(x, y), white) << x << " " << y;
+            }
         }
 }
 

@@ -215,6 +215,24 @@ TEST(Femurs, WithEqualEndsDifferInTheShaftAlone)
     EXPECT_GT(hip, 100);
 }
 
+TEST(Femurs, ComeWithTwoKindsOfEndsOnTheSameShafts)
+{
+    const Collection set = make_synthetic("femurs", {.count = 4});
+    const auto shaft_of = [&](const std::string& name) {
+        const Points& points = mesh_named(set, name);
+        return points.col(1).maxCoeff() - points.col(1).minCoeff();
+    };
+    EXPECT_NEAR(shaft_of("femur_long") - shaft_of("femur_short"), 140.0, 1e-9);
+    EXPECT_NEAR(shaft_of("femur_stout_long") - shaft_of("femur_stout_short"), 140.0, 1e-9);
+    const auto width_of = [&](const std::string& name) {
+        return mesh_named(set, name).col(0).maxCoeff() - mesh_named(set, name).col(0).minCoeff();
+    };
+    EXPECT_GT(width_of("femur_stout_short"), 1.05 * width_of("femur_short"));
+    EXPECT_EQ(set.labels.at(1).values,
+              (std::vector<std::string>{"slender", "slender", "stout", "stout"}));
+    EXPECT_EQ(make_synthetic("femurs", {.count = 3}).names.back(), "femur_000");
+}
+
 TEST(Helix, KeepsTheLengthsOfTheCylinderWithinTheCurvatureOfItsAxis)
 {
     // A fibre at distance r from an axis of curvature k is longer or shorter by at most r k.
