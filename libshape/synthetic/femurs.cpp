@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <ranges>
+#include <vector>
 
 #include "libshape/base/random.h"
 #include "libshape/synthetic/generators.h"
@@ -73,25 +75,28 @@ Collection make_femurs(const SyntheticOptions& options)
         members.add(name, place(grid, [&](const TubeVertex& v) { return bone_point(v, bone); }),
                     {kind, ends, std::to_string(std::lround(bone.shaft))});
     };
-    const Bone slender{};
-    const Bone stout{.condyles = 1.3, .trochanter = 1.8, .neck_turn = 36.0 * pi / 180.0};
-    const auto add_sketch = [&](const std::string& name, const std::string& ends, Bone bone,
-                                double shaft) {
-        bone.shaft = shaft;
-        add(name, "sketch", ends, bone);
+    const auto stout = [](double shaft) {
+        return Bone{
+            .shaft = shaft, .condyles = 1.3, .trochanter = 1.8, .neck_turn = 36.0 * pi / 180.0};
     };
-    add_sketch("femur_short", "slender", slender, 200.0);
-    add_sketch("femur_long", "slender", slender, 340.0);
-    if (options.count >= 4) {
-        add_sketch("femur_stout_short", "stout", stout, 200.0);
-        add_sketch("femur_stout_long", "stout", stout, 340.0);
-    }
+    struct Sketch
+    {
+        std::string name;
+        std::string ends;
+        Bone bone;
+    };
+    const std::vector<Sketch> sketches{{"femur_short", "slender", {.shaft = 200.0}},
+                                       {"femur_long", "slender", {.shaft = 340.0}},
+                                       {"femur_stout_short", "stout", stout(200.0)},
+                                       {"femur_stout_long", "stout", stout(340.0)}};
+    const int drawn = std::min(options.count, static_cast<int>(sketches.size()));
+    for (const Sketch& sketch : sketches | std::views::take(drawn))
+        add(sketch.name, "sketch", sketch.ends, sketch.bone);
     Random random(options.seed);
     const auto around = [&](double mean, double spread) {
         return mean + spread * std::clamp(random.normal(), -2.5, 2.5);
     };
-    const int sketches = options.count >= 4 ? 4 : 2;
-    for (int i = 0; i + sketches < options.count; ++i) {
+    for (int i = 0; i + drawn < options.count; ++i) {
         Bone bone;
         bone.shaft = around(270.0, 25.0);
         bone.girth = around(1.0, 0.07);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <numbers>
 
 #include "libshape/base/error.h"
 #include "libshape/synthetic/synthetic.h"
@@ -161,11 +162,11 @@ TEST(AutomaticView, LooksAFaceIntoTheEyesHoweverItIsTurned)
     EXPECT_TRUE(automatic_view(faces, set.points[0]).isIdentity(1e-12));
     for (const double degrees : {-120.0, -50.0, 40.0, 90.0, 180.0}) {
         const Eigen::Matrix3d turn =
-            Eigen::AngleAxisd(degrees * EIGEN_PI / 180.0, Eigen::Vector3d::UnitY())
+            Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY())
                 .toRotationMatrix();
         const Points turned = set.points[0] * turn.transpose();
         const Eigen::Vector3d viewer = automatic_view(faces, turned).row(2).transpose();
-        EXPECT_GT(viewer.dot(turn * Eigen::Vector3d::UnitZ()), std::cos(25.0 * EIGEN_PI / 180.0));
+        EXPECT_GT(viewer.dot(turn * Eigen::Vector3d::UnitZ()), std::cos(25.0 * std::numbers::pi / 180.0));
     }
 }
 

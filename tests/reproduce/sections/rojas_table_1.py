@@ -22,11 +22,10 @@ def make(experiment):
                      f"{closure['closure_energy']:.4f}", f"{100 * closure['edge_rms']:.2f} %",
                      f"{ours['seconds']:.2f} s", f"{100 * ours['edge_rms']:.2f} %"])
     return f"""One mesh half-way between two, by the paper's method as it is here (`closure`) and by the default one. The paper's meshes are
-not public; ours are the nearest there are ({'; '.join(f'{a} and {b} of `{folder}`' for folder, a, b in PAIRS.values())}). E
-is the sum over the vertices of eq. (3) after the optimisation.
+not public; ours are the nearest there are ({'; '.join(f'`{a}` and `{b}`' for _, a, b in PAIRS.values())}). E is the sum over the vertices of eq. (3) after the optimisation.
 
 {markdown_table(["paper", "vertices", "time", "E", "ours", "vertices", "`closure`", "E", "edge RMS", "`dihedral`", "edge RMS"], rows)}
 The paper's times are means over the frames of its videos, in Python in 2014; ours are those of one mesh on two cores. E is
-lower here on every mesh, and the edges are still not met: what is left adds up along the mesh
+lower here on every mesh, and the edges are still not met, worst on the hand: what is left adds up along the mesh
 ([closure.md](closure.md#what-falls-short)). `dihedral` has no E; it is measured by the edges.
 """
