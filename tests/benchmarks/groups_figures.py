@@ -22,7 +22,7 @@ NEUTRAL_TO_HAPPY = ["--pair-by", "subject", "--from", "expression=neutral", "--t
 
 class Study:
     def __init__(self, program, data, out):
-        self.program, self.data, self.out = Path(program).resolve(), Path(data).resolve(), Path(out)
+        self.program, self.data, self.out = (Path(path).resolve() for path in (program, data, out))
         self.out.mkdir(exist_ok=True)
 
     def shape(self, *arguments):
@@ -32,6 +32,11 @@ class Study:
 
     def draw(self, picture, meshes, *options):
         self.shape("draw", *meshes, "-o", picture, *options)
+
+    def renamed(self, folder, names, suffix):
+        """Meshes of a folder under names that differ from those of the inputs, as a picture needs."""
+        return [(self.out / folder / f"{name}.ply").replace(self.out / folder / f"{name}{suffix}.ply")
+                for name in names]
 
     def faces(self):
         """The 600 faces as a collection."""
@@ -112,7 +117,7 @@ def transfer(study):
     neutral = [folder / f"{s}_neutral.ply" for s in UNSEEN]
     happy = [folder / f"{s}_happy.ply" for s in UNSEEN]
     made = study.shape("difference", "--load", "smile.h5", "--onto", *neutral, "--mesh", "happy/")
-    ours = [study.out / "happy" / f"{s}_neutral.ply" for s in UNSEEN]
+    ours = study.renamed("happy", [f"{s}_neutral" for s in UNSEEN], "_transferred")
     study.draw("groups_transfer.png", [*neutral, *ours, *happy], "--columns", 5, "--cell", 110, "--view", "0,0")
     own = [read_ply(mesh)[0] for mesh in happy]
     print(f"| | {' | '.join(UNSEEN)} |\n|{'---|' * 6}")
@@ -137,14 +142,15 @@ def walk(study):
     mean = read_ply(study.out / "mean.ply")[0]
     height = np.ptp(mean, axis=0).max()
     before = [rms(read_ply(folder / f"{name}.ply")[0], mean) / height for name in names]
-    after = [rms(read_ply(study.out / "standing" / f"{name}.ply")[0], mean) / height for name in names]
+    standing = study.renamed("standing", names, "_standing")
+    after = [rms(read_ply(mesh)[0], mean) / height for mesh in standing]
     print(f"variance of 4 modes {100 * model['modes'][3]['cumulative']:.2f} %; RMS to the mean, of the height: "
           f"{100 * min(before):.1f} to {100 * max(before):.1f} % before, {100 * min(after):.2f} to "
           f"{100 * max(after):.2f} % after; mean: edge RMS {100 * report['edge_rms']:.2f} %, "
           f"worst {100 * report['edge_max']:.1f} %")
     some = names[::3]
     study.draw("groups_walk.png", [*(folder / f"{n}.ply" for n in some),
-                                   *(f"standing/{n}.ply" for n in some), "mean.ply"],
+                                   *standing[::3], "mean.ply"],
                "--columns", 4, "--cell", 110, "--view", "60,5")
     study.shape("stats", *common, "-o", "poses.h5")
     rest = read_ply(folder / "rest.ply")[0]

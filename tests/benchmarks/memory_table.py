@@ -4,8 +4,9 @@
 
 memory_table.py SHAPE MESHES [COMMAND ...]
 
-SHAPE is the program, MESHES a folder of meshes with labels.csv (columns subject, expression). The size of
-the collection is that of its positions, edge lengths and dihedral angles in memory. Needs /usr/bin/time.
+SHAPE is the program, MESHES a folder of meshes with labels.csv (columns subject, expression). Memory is
+the largest resident set less that of `shape --version`; the size of the collection that of its positions,
+edge lengths and dihedral angles. Needs /usr/bin/time.
 """
 import json
 import re
@@ -43,9 +44,8 @@ COMMANDS = {
 
 
 def run(command, folder):
-    """Seconds and the largest memory [MB] of a run."""
-    done = subprocess.run(["/usr/bin/time", "-v", *command, "--force", "--quiet"], cwd=folder,
-                          capture_output=True, text=True)
+    """Seconds and the largest resident set [MB] of a run."""
+    done = subprocess.run(["/usr/bin/time", "-v", *command], cwd=folder, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(done.stderr)
     clock = re.search(r"Elapsed.*: (?:(\d+):)?(\d+):([\d.]+)", done.stderr)
@@ -59,12 +59,14 @@ def main():
     program, meshes = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
     with tempfile.TemporaryDirectory() as folder:
         size = None
+        _, program_alone = run([program, "--version"], folder)
         print("| command | seconds | MB | over the collection |\n|---|---|---|---|")
         for name, arguments in COMMANDS.items():
             if sys.argv[3:] and name not in ("collect", "stats", "stats, procrustes", *sys.argv[3:]):
                 continue
             words = [word.replace("MESHES", str(meshes)) for word in arguments]
-            seconds, memory = run([str(program), *words], folder)
+            seconds, memory = run([program, *words, "--force", "--quiet"], folder)
+            memory -= program_alone
             if size is None:
                 info = json.loads(subprocess.run([program, "info", "faces.h5", "--json"], cwd=folder,
                                                  check=True, capture_output=True).stdout)
