@@ -134,27 +134,23 @@ def walk(study):
     """A walk without its pose."""
     folder = study.data / "mh_body_poses"
     common = [folder, "--labels", folder / "labels.csv"]
-    only = ["--only", "pose=walk"]
-    study.shape("remove", *common, *only, "--modes", 4, "-o", "standing/")
-    model = study.shape("stats", *common, *only, "-o", "walk.h5")
-    report = study.shape("generate", "walk.h5", "--mean", "-o", "mean.ply")["embeddings"][0]
     names = [f"walk_{i:02d}" for i in range(12)]
+    frames = [folder / f"{name}.ply" for name in names]
+    study.shape("remove", *common, "--only", "pose=walk", "--modes", 4, "-o", "standing/")
+    model = study.shape("stats", *frames, "-o", "walk.h5")
+    report = study.shape("generate", "walk.h5", "--mean", "-o", "mean.ply")["embeddings"][0]
     mean = read_ply(study.out / "mean.ply")[0]
     height = np.ptp(mean, axis=0).max()
-    before = [rms(read_ply(folder / f"{name}.ply")[0], mean) / height for name in names]
+    before = [rms(read_ply(frame)[0], mean) / height for frame in frames]
     standing = study.renamed("standing", names, "_standing")
     after = [rms(read_ply(mesh)[0], mean) / height for mesh in standing]
     print(f"variance of 4 modes {100 * model['modes'][3]['cumulative']:.2f} %; RMS to the mean, of the height: "
           f"{100 * min(before):.1f} to {100 * max(before):.1f} % before, {100 * min(after):.2f} to "
           f"{100 * max(after):.2f} % after; mean: edge RMS {100 * report['edge_rms']:.2f} %, "
           f"worst {100 * report['edge_max']:.1f} %")
-    some = names[::3]
-    study.draw("groups_walk.png", [*(folder / f"{n}.ply" for n in some),
-                                   *standing[::3], "mean.ply"],
-               "--columns", 4, "--cell", 110, "--view", "60,5")
+    study.draw("groups_walk.png", [*frames[::3], *standing[::3], "mean.ply"], "--columns", 4, "--cell", 110, "--view", "60,5")
     study.shape("stats", *common, "-o", "poses.h5")
     rest = read_ply(folder / "rest.ply")[0]
-    frames = [folder / f"{name}.ply" for name in names]
     for modes in (20, 6):
         study.shape("remove", *frames, "--model", "poses.h5", "--modes", modes, "--like", folder / "rest.ply",
                     "-o", f"like_{modes}/")
