@@ -54,6 +54,22 @@ def percent(values, digits=2):
     return " | ".join(f"{100 * value:.{digits}f}" for value in values)
 
 
+def rotation_onto(points, onto):
+    """The rotation of rows that fits points to others, both about their centroids."""
+    u, _, vt = np.linalg.svd((points - points.mean(axis=0)).T @ (onto - onto.mean(axis=0)))
+    return u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
+
+
+def step_length(points, rest):
+    """How far one foot is before the other, over the height, with the trunk turned as in `rest` (+z is ahead)."""
+    height = np.ptp(rest[:, 1])
+    share = (rest[:, 1] - rest[:, 1].min()) / height
+    trunk = (share > 0.55) & (share < 0.75) & (abs(rest[:, 0]) < 0.12 * height)
+    turned = points @ rotation_onto(points[trunk], rest[trunk])
+    feet = [turned[(share < 0.04) & (side * rest[:, 0] > 0)].mean(axis=0) for side in (1, -1)]
+    return abs(feet[0][2] - feet[1][2]) / height
+
+
 def unit_sum_sides(points, faces):
     """The sides of every triangle, over the sum of all edge lengths."""
     ends = np.stack([faces, np.roll(faces, 1, axis=1)], axis=2)
@@ -118,7 +134,7 @@ def transfer(study):
     happy = [folder / f"{s}_happy.ply" for s in UNSEEN]
     made = study.shape("difference", "--load", "smile.h5", "--onto", *neutral, "--mesh", "happy/")
     ours = study.renamed("happy", [f"{s}_neutral" for s in UNSEEN], "_transferred")
-    study.draw("groups_transfer.png", [*neutral, *ours, *happy], "--columns", 5, "--cell", 110, "--view", "0,0")
+    study.draw("groups_transfer.png", [*neutral, *ours, *happy], "--columns", 5, "--cell", 80, "--view", "0,0")
     own = [read_ply(mesh)[0] for mesh in happy]
     print(f"| | {' | '.join(UNSEEN)} |\n|{'---|' * 6}")
     for name, meshes in (("neutral", neutral), ("transferred", ours)):
@@ -158,6 +174,9 @@ def walk(study):
         print(f"like rest, {modes} modes: {100 * min(off):.2f} to {100 * max(off):.2f} % of the height")
     was = [rms(read_ply(frame)[0], rest) / height for frame in frames]
     print(f"before: {100 * min(was):.1f} to {100 * max(was):.1f} %")
+    steps = [step_length(read_ply(frame)[0], rest) for frame in frames]
+    print(f"step: {100 * min(steps):.0f} to {100 * max(steps):.0f} % of the height; of the mean: "
+          f"{100 * step_length(mean, rest):.1f} %")
 
 
 def modes(study):
@@ -171,7 +190,7 @@ def modes(study):
         for report in reports:
             print(f"{report['name']}: {report['status']}, edge RMS {100 * report['edge_rms']:.3f} %, worst "
                   f"{100 * report['edge_max']:.2f} %, {report['seconds']:.2f} s")
-    study.draw("faces600.png", meshes, "--columns", 5, "--cell", 90, "--view", "0,0")
+    study.draw("faces600.png", meshes, "--columns", 5, "--cell", 75, "--view", "0,0")
 
 
 CASES = [tests, transfer, walk, modes]

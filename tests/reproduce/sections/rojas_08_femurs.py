@@ -82,6 +82,6 @@ shaft grows, all else shrinks. All four bones:
 {four_way(experiment)}
 The last column is large where the shaft decides who is alike, below 1 where the ends do. How large depends on how different
 these made-up ends are; between spaces it can be compared. In no space are bones with the same ends the nearest ones, but positions
-see the shaft the most. Diagonals of the table tell the same: to positions the long bones are more alike than
-the short ones, since scaling shrinks what is not shaft, to lengths less so.
+see the shaft the most. As with the barbells, to positions the two long bones are more alike than the two short ones, since bringing
+them to one size shrinks the ends; to lengths of one size less so.
 """
