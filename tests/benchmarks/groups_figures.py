@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes the figures and pictures of docs/groups.md, and those of the faces in docs/embedding.md.
+"""Makes the figures and pictures of docs/groups.md, and some of the 600 faces in other pages.
 
 groups_figures.py SHAPE DATA OUT [CASE ...]
 
 SHAPE is the program, DATA the folder of the real datasets, OUT a folder for meshes and pictures. Cases:
-tests, transfer, walk, modes; all by default.
+tests, transfer, walk, modes, quality; all by default.
 """
 import json
 import subprocess
@@ -193,7 +193,21 @@ def modes(study):
     study.draw("faces600.png", meshes, "--columns", 5, "--cell", 75, "--view", "0,0")
 
 
-CASES = [tests, transfer, walk, modes]
+def quality(study):
+    """What models of the 600 faces are worth (docs/statistics.md)."""
+    faces = study.faces()
+    made = {space: study.shape("quality", faces, "--leave-out", "subject", "--space", space, "-o", "q.csv")
+            for space in ("edge", "procrustes")}
+    for space, figures in made.items():
+        print(f"{space}: {figures['infeasible']} of {figures['decoded']} infeasible")
+    for i, count in enumerate(made["edge"]["modes"]):
+        for space, q in made.items():
+            print(f"| {count} | {space} | {100 * q['compactness'][i]:.1f} % | {q['generalisation_vertex'][i]:.3f} | "
+                  f"{100 * q['generalisation_edge'][i]:.1f} % | {q['specificity_vertex'][i]:.3f} | "
+                  f"{100 * q['specificity_edge'][i]:.1f} % |")
+
+
+CASES = [tests, transfer, walk, modes, quality]
 
 
 def main():
