@@ -6,10 +6,6 @@
 #include <map>
 #include <new>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
@@ -18,6 +14,7 @@
 #include "tools/common/arguments.h"
 #include "tools/common/help.h"
 #include "tools/common/interrupt.h"
+#include "tools/common/memory.h"
 #include "tools/common/session.h"
 
 namespace shape::tools {
@@ -149,16 +146,6 @@ int guarded_run(int argc, char** argv)
     } catch (const std::exception& error) {
         return report_error(std::string("internal error: ") + error.what()), InternalError;
     }
-}
-
-/// Arrays as large as a collection go back to the system when they are freed; glibc would keep the
-/// room of most of them, and a run would hold what it no longer needs.
-void return_large_arrays()
-{
-#ifdef __GLIBC__
-    mallopt(M_MMAP_THRESHOLD, 4 << 20);
-    mallopt(M_TRIM_THRESHOLD, 8 << 20);
-#endif
 }
 
 } // namespace
