@@ -179,14 +179,15 @@ PrincipalComponents principal_components(RowMatrix data, const PrincipalComponen
     const double squares = data.squaredNorm();
     data.rowwise() -= result.mean.transpose();
     const RowMatrix& centred = data;
-    const Eigen::MatrixXd gram = inner_products(centred);
-    if (gram.trace() <= 1e-24 * squares)
-        throw InvalidInput(join("principal components: all ", data.rows(),
-                                " observations are equal, they have no modes"));
-    result.total_variance = gram.trace() / static_cast<double>(data.rows() - 1);
-
-    const Eigenpairs pairs = leading_eigenpairs(gram, options);
-    result.weights = pairs.vectors * pairs.values.cwiseSqrt().cwiseInverse().asDiagonal();
+    { // what is N by N goes before the modes come
+        const Eigen::MatrixXd gram = inner_products(centred);
+        if (gram.trace() <= 1e-24 * squares)
+            throw InvalidInput(join("principal components: all ", data.rows(),
+                                    " observations are equal, they have no modes"));
+        result.total_variance = gram.trace() / static_cast<double>(data.rows() - 1);
+        const Eigenpairs pairs = leading_eigenpairs(gram, options);
+        result.weights = pairs.vectors * pairs.values.cwiseSqrt().cwiseInverse().asDiagonal();
+    }
     result.modes = combine_rows(result.weights, centred);
     orthonormalise(result.modes, result.weights);
     const RowMatrix rotation = decorrelating_rotation(coordinates(centred, result.modes));
