@@ -19,7 +19,7 @@ METHODS = ["dihedral", "multiscale"]
 
 class Study:
     def __init__(self, shape, data, out):
-        self.program, self.data, self.out = shape, Path(data), Path(out)
+        self.program, self.data, self.out = (Path(path).resolve() for path in (shape, data, out))
         self.out.mkdir(exist_ok=True)
 
     def shape(self, *arguments):
