@@ -5,8 +5,8 @@
 rojas_figure_12.py SHAPE BENT STRAIGHT OUT.png [--frames N] [--work FOLDER]
 
 Left the RMS edge error over the mean length, right the worst relative edge error, per cent, over N
-frames (100). Runs that were interrupted go on. Prints the maxima, and at how many frames `dihedral`
-is below the others.
+frames (100). Runs that were interrupted go on. Prints the maxima, the largest step from frame to frame
+over the diagonal of the bounding box, and at how many frames `dihedral` is below the others.
 """
 import argparse
 import json
@@ -17,6 +17,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+
+from interpolation_figures import steps
 
 COLOURS = {"closure": "black", "multiscale": "tab:red", "dihedral": "tab:blue"}
 
@@ -45,12 +47,14 @@ def main():
     meshes = [options.bent, options.straight]
     results = {method: errors(options.shape, meshes, method, options.frames, options.work)
                for method in COLOURS}
-    print("| method | largest edge RMS | largest worst edge | frames above dihedral, RMS | worst |")
-    print("|---|---|---|---|---|")
+    print("| method | edge RMS | worst edge | step | frames above dihedral, RMS | worst edge |")
+    print("|---|---|---|---|---|---|")
     for method, found in results.items():
         above = (found > results["dihedral"])[1:-1].sum(axis=0)
         beside = ["", ""] if method == "dihedral" else [f"{count} of {options.frames - 2}" for count in above]
-        print(f"| {method} | {found[:, 0].max():.3f} % | {found[:, 1].max():.2f} % | {beside[0]} | {beside[1]} |")
+        step = steps(sorted((options.work / f"{method}_{options.frames}").glob("*.ply"))).max()
+        print(f"| {method} | {found[:, 0].max():.2f} % | {found[:, 1].max():.1f} % | {100 * step:.1f} % "
+              f"| {beside[0]} | {beside[1]} |")
 
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.2), constrained_layout=True)
     for column, (axis, title) in enumerate(zip(axes, ("edge RMS / mean length [%]", "worst edge [%]"))):
