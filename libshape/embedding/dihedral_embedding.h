@@ -17,7 +17,7 @@ struct DihedralEmbeddingOptions
 {
     double smoothness = 5e-3;     ///< mu of length_dihedral_energy.h; > 0.
     int local_global_steps = 3;   ///< Face steps after the linear start; >= 0.
-    int max_iterations = 150;     ///< Linear steps of descent.h; 0 stops after the face steps.
+    int max_iterations = 120;     ///< Linear steps of descent.h; 0 stops after the face steps.
     int first_linear_steps = 8;   ///< Of descent.h.
     int steps_before_repair = 24; ///< Linear steps before folds are looked for.
     FoldRepairOptions folds = {};
