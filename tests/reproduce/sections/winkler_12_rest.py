@@ -6,11 +6,11 @@ TITLE = "Growing parts, noise, thin triangles, times (Winkler 2010, Fig. 12, 13,
 
 def make(experiment):
     del experiment
-    return """An arm whose hand grows to twice its size as it bends; a helix with noise; a cylinder of long and thin triangles, all by
+    return """An arm whose hand grows to twice its size as it bends (the factor falls to 1 over four edges); a helix with noise; a cylinder of long and thin triangles, all by
 `dihedral`. Figures of all methods are in [interpolation.md](interpolation.md#parts-that-grow) (growing parts) and
 [there](interpolation.md#noise-and-long-and-thin-triangles) (noise, thin triangles); the paper gives none.
 
-![growing hand](images/growing_dihedral.png)
+![growing hand](images/growing4_dihedral.png)
 ![noisy helix](images/noisy_helix.png)
 ![thin cylinder](images/thin_cylinder.png)
 
