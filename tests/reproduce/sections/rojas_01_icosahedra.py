@@ -10,7 +10,7 @@ def make(experiment):
     files = ["ico/icosahedron_convex.ply", "ico/icosahedron_pushed.ply"]
     (convex, faces), (pushed, _) = map(experiment.mesh, files)
     edges = edges_of(faces)
-    gap = abs(lengths_of(convex, edges) - lengths_of(pushed, edges)).max()
+    assert abs(lengths_of(convex, edges) - lengths_of(pushed, edges)).max() < 1e-14
     picture = experiment.draw("icosahedra.png", files, "--columns", 2, "--cell", 170, "--view", "20,35")
     columns = []
     for method in METHODS:
@@ -23,7 +23,7 @@ def make(experiment):
         columns.append(cells)
     rows = [[f"{t / 10:.1f}", *cells] for t, cells in enumerate(zip(*columns))]
     return f"""The regular icosahedron and the one with its top vertex pushed in. Their {len(edges)} lengths are the same up to
-{gap:.0e} (radius 1), so every blend of their lengths is that one vector, which both satisfy. What differs are the companion angles
+rounding, so every blend of their lengths is that one vector, which both satisfy. What differs are the companion angles
 that a solver starts from: (1 - t) times those of the convex one plus t times those of the other.
 
 {picture}

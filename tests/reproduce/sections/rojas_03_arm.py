@@ -17,8 +17,8 @@ def make(experiment):
         if method == "dihedral":
             picture = experiment.draw("rojas_arm.png", frames, "--columns", 6, "--cell", 100)
     return f"""A real arm of 2,120 vertices with the elbow bent by 0 and by 100 degrees (the paper's has 2,502), and four steps between, by
-`dihedral`. Both ends come from a skeleton with corrections by hand, as in the paper; the self-intersecting intermediate of its
-figure is not in these data.
+`dihedral`. Both ends come from a skeleton; the paper's bent arm was then cleaned of self-intersections by hand, of which there is
+nothing in these data.
 
 {picture}
 
