@@ -102,7 +102,7 @@ public:
                         return morph_frame(morph, morph_parameter(s)).point.edge_lengths;
                     },
                     morph.dihedral_angles.row(1).transpose(),
-                    {.continuation = {.smoothness = options.smoothness}})
+                    {.smoothness = options.smoothness})
     {
     }
 

@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "libshape/base/error.h"
-#include "libshape/embedding/graded_unknowns.h"
 #include "libshape/mesh/dihedral_angles.h"
 
 namespace shape {
@@ -49,10 +47,9 @@ GaussNewton::GaussNewton(const Topology& topology, std::vector<int> vertices)
     find_pattern(rows);
 }
 
-GaussNewton::GaussNewton(const Topology& topology, const VectorXd& lengths) : topology_(topology)
+GaussNewton::GaussNewton(const Topology& topology, const GradedUnknowns& unknowns)
+    : topology_(topology), vertices_(unknowns.vertices)
 {
-    GradedUnknowns unknowns = graded_unknowns(topology, lengths);
-    vertices_ = std::move(unknowns.vertices);
     find_pattern(unknowns.rows);
 }
 
@@ -201,7 +198,8 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
 }
 
 GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, VectorXd points,
-                                        const GaussNewtonOptions& options) const
+                                        const GaussNewtonOptions& options,
+                                        std::optional<SparseCholesky>* kept) const
 {
     GaussNewtonResult result{std::move(points), 0.0, 0, false};
     Linearisation linear;
@@ -210,7 +208,8 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
         throw NumericalError("Gauss-Newton: the energy is not finite at the start");
     constexpr double most_damping = 1e6;
     double damping = options.damping;
-    std::optional<SparseCholesky> factor;
+    std::optional<SparseCholesky> own;
+    std::optional<SparseCholesky>& factor = kept != nullptr ? *kept : own;
     while (!result.converged && result.iterations < options.max_iterations) {
         ++result.iterations;
         SparseMatrix damped = linear.matrix;

@@ -32,6 +32,7 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
       lengths_(std::move(lengths)),
       end_angles_(std::move(end_angles)),
       options_(options),
+      continuation_(topology, lengths_(0.0).cwiseMin(lengths_(1.0))), // as fine as both ends
       start_{start, dihedral_angles(topology, start)}
 {
     if (end_angles_.size() != topology.edge_count())
@@ -39,35 +40,37 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
                                 topology.edge_count(), " edges"));
     if (options.steps < 1)
         throw InvalidInput(join("steps is ", options.steps, ", must be >= 1"));
+    if (!(options.haste > 0.0))
+        throw InvalidInput(join("haste is ", options.haste, ", must be > 0"));
     if (options.rounds < 1)
         throw InvalidInput(join("rounds is ", options.rounds, ", must be >= 1"));
     here_ = start_;
     next_ = next_stop();
 }
 
-/// The mesh at the target; where lengths are not met, wanted again with the angles it got.
-ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target) const
+/// The mesh at the target: guided there by its angles, then adjusted to its lengths.
+ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target)
 {
-    ContinuedMesh mesh{from, 0.0, 0, false};
+    ContinuedMesh mesh = continuation_.move(from, target, {.smoothness = options_.guidance});
     for (int round = 0; round < options_.rounds; ++round) {
+        target.dihedral_angles = dihedral_angles(topology_, mesh.points);
         const int iterations = mesh.iterations;
-        mesh = continue_to(topology_, mesh.points, target, options_.continuation);
+        mesh = continuation_.adjust(mesh.points, target, {.smoothness = options_.smoothness});
         mesh.iterations += iterations;
         const VectorXd lengths = edge_lengths(topology_, mesh.points);
         const double worst = (lengths.array() / target.edge_lengths.array() - 1.0).abs().maxCoeff();
         if (worst <= options_.edge_tolerance)
             break;
-        target.dihedral_angles = dihedral_angles(topology_, mesh.points);
     }
     return mesh;
 }
 
-PathFollower::Stop PathFollower::next_stop() const
+PathFollower::Stop PathFollower::next_stop()
 {
-    const double left = options_.steps - step_;
-    const ShapePoint target{lengths_((step_ + 1.0) / options_.steps),
-                            blend_angles(here_.angles, end_angles_, 1.0 / left)};
-    const ContinuedMesh mesh = reach(here_.points, target);
+    const double share = std::min(1.0, options_.haste / (options_.steps - step_));
+    const ContinuedMesh mesh = reach(
+        here_.points,
+        {lengths_((step_ + 1.0) / options_.steps), blend_angles(here_.angles, end_angles_, share)});
     return {mesh.points, dihedral_angles(topology_, mesh.points)};
 }
 

@@ -65,36 +65,39 @@ TEST(GradedUnknowns, MoveFineRegionsAsAWhole)
     EXPECT_GT(free, 0);
 }
 
-TEST(ContinueTo, FindsTheMeshThatHasTheTargetExactly)
+TEST(Continuation, FindsTheMeshThatHasTheTargetExactly)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
     const Points bent = test::bumpy_sphere(3, 0.35, 1).points;
-    const ContinuedMesh found =
-        continue_to(mesh.topology, mesh.points, point_of(mesh.topology, bent),
-                    {.decrease_tolerance = 1e-6, .max_iterations = 30});
+    const ContinuedMesh found = Continuation(mesh.topology, edge_lengths(mesh.topology, bent))
+                                    .move(mesh.points, point_of(mesh.topology, bent),
+                                          {.decrease_tolerance = 1e-6, .max_iterations = 30});
     EXPECT_LE(worst_edge(mesh.topology, found.points, edge_lengths(mesh.topology, bent)), 1e-6);
 }
 
-TEST(ContinueTo, MeetsLengthsOverEightOrdersOfMagnitude)
+TEST(Continuation, MeetsLengthsOverEightOrdersOfMagnitude)
 {
     const test::TestMesh mesh = test::icosphere(4);
     const Points from = horn(mesh.points, 9.0);
     const ShapePoint target = point_of(mesh.topology, horn(mesh.points, 8.7));
     ASSERT_LE(target.edge_lengths.minCoeff(), 1e-7 * target.edge_lengths.maxCoeff());
-    const ContinuedMesh found = continue_to(mesh.topology, from, target,
-                                            {.decrease_tolerance = 1e-6, .max_iterations = 30});
+    const ContinuedMesh found =
+        Continuation(mesh.topology, target.edge_lengths)
+            .move(from, target, {.decrease_tolerance = 1e-6, .max_iterations = 30});
     EXPECT_LE(worst_edge(mesh.topology, found.points, target.edge_lengths), 1e-5);
 }
 
-TEST(ContinueTo, RefusesWhatDoesNotFit)
+TEST(Continuation, RefusesWhatDoesNotFit)
 {
     const test::TestMesh mesh = test::icosphere(1);
     const ShapePoint target = point_of(mesh.topology, mesh.points);
-    EXPECT_THROW((void)continue_to(mesh.topology, Points(3, 3), target), InvalidInput);
-    EXPECT_THROW((void)continue_to(mesh.topology, mesh.points, {VectorXd(2), VectorXd(2)}),
-                 InvalidInput);
-    EXPECT_THROW((void)continue_to(mesh.topology, mesh.points, target, {.smoothness = 0.0}),
-                 InvalidInput);
+    EXPECT_THROW(Continuation(mesh.topology, VectorXd::Ones(2)), InvalidInput);
+    EXPECT_THROW(Continuation(mesh.topology, 0.0 * target.edge_lengths), InvalidInput);
+    Continuation continuation(mesh.topology, target.edge_lengths);
+    EXPECT_THROW((void)continuation.move(Points(3, 3), target), InvalidInput);
+    EXPECT_THROW((void)continuation.adjust(Points(3, 3), target), InvalidInput);
+    EXPECT_THROW((void)continuation.move(mesh.points, {VectorXd(2), VectorXd(2)}), InvalidInput);
+    EXPECT_THROW((void)continuation.adjust(mesh.points, target, {.smoothness = 0.0}), InvalidInput);
 }
 
 /// Two knobs on a bar.
