@@ -272,7 +272,7 @@ Run set_up_conformal(CLI::App& command)
             "one row a mesh")
         ->option_text("FILE");
     // The lengths are the conformal map itself; the angles only choose between meshes.
-    arguments->embedding.options.smoothness = 1e-4;
+    arguments->embedding.options.smoothness = 1e-3;
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

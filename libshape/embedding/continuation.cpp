@@ -157,7 +157,8 @@ struct Continuation::State
                              .decrease_tolerance = options.decrease_tolerance,
                              .damping = 1e-10,
                              .least_damping = 1e-13,
-                             .halvings = 3},
+                             .halvings = 3,
+                             .stiffness = options.stiffness},
                             &factor);
         const Points points =
             Eigen::Map<const Points>(found.points.data(), topology.vertex_count(), 3);

@@ -14,6 +14,7 @@ namespace shape {
 struct ContinuationOptions
 {
     double smoothness = 1e-4;         ///< mu of length_dihedral_energy.h; > 0.
+    double stiffness = 1.0;           ///< As in gauss_newton.h.
     double decrease_tolerance = 1e-2; ///< As in gauss_newton.h.
     int max_iterations = 12;          ///< Gauss-Newton steps; >= 0.
 };

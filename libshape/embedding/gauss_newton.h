@@ -22,6 +22,8 @@ struct GaussNewtonOptions
     double least_damping = 1e-9; ///< Of any step.
     int halvings =
         0; ///< Times that a step is halved if E does not fall, before it is damped; >= 0.
+    /// phi(c s) / c^2 takes the place of phi(s) in E: edges grow stiffer from 0.04 / c on; > 0.
+    double stiffness = 1.0;
 };
 
 struct GaussNewtonResult
@@ -70,7 +72,7 @@ private:
     struct Linearisation;
     void find_pattern(const std::vector<std::vector<int>>& rows);
     double evaluate(const LengthDihedralEnergy& energy, const Eigen::VectorXd& points,
-                    Linearisation* linearisation) const;
+                    double stiffness, Linearisation* linearisation) const;
 
     Topology topology_;
     std::vector<int> vertices_;

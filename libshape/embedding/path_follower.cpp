@@ -42,25 +42,24 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
         throw InvalidInput(join("steps is ", options.steps, ", must be >= 1"));
     if (!(options.haste > 0.0))
         throw InvalidInput(join("haste is ", options.haste, ", must be > 0"));
-    if (options.rounds < 1)
-        throw InvalidInput(join("rounds is ", options.rounds, ", must be >= 1"));
+    if (options.rounds < 0)
+        throw InvalidInput(join("rounds is ", options.rounds, ", must be >= 0"));
     here_ = start_;
     next_ = next_stop();
 }
 
-/// The mesh at the target: guided there by its angles, then adjusted to its lengths.
-ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target)
+/// Adjusts a mesh until its lengths are met, bending it as little as that takes.
+ContinuedMesh PathFollower::settle(ContinuedMesh mesh, const VectorXd& lengths)
 {
-    ContinuedMesh mesh = continuation_.move(from, target, {.smoothness = options_.guidance});
     for (int round = 0; round < options_.rounds; ++round) {
-        target.dihedral_angles = dihedral_angles(topology_, mesh.points);
-        const int iterations = mesh.iterations;
-        mesh = continuation_.adjust(mesh.points, target, {.smoothness = options_.smoothness});
-        mesh.iterations += iterations;
-        const VectorXd lengths = edge_lengths(topology_, mesh.points);
-        const double worst = (lengths.array() / target.edge_lengths.array() - 1.0).abs().maxCoeff();
-        if (worst <= options_.edge_tolerance)
+        const VectorXd ratios = edge_lengths(topology_, mesh.points).cwiseQuotient(lengths);
+        if ((ratios.array() - 1.0).abs().maxCoeff() <= options_.edge_tolerance)
             break;
+        const int iterations = mesh.iterations;
+        mesh = continuation_.adjust(
+            mesh.points, {lengths, dihedral_angles(topology_, mesh.points)},
+            {.smoothness = options_.smoothness, .stiffness = options_.stiffness});
+        mesh.iterations += iterations;
     }
     return mesh;
 }
@@ -68,9 +67,11 @@ ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target)
 PathFollower::Stop PathFollower::next_stop()
 {
     const double share = std::min(1.0, options_.haste / (options_.steps - step_));
-    const ContinuedMesh mesh = reach(
-        here_.points,
-        {lengths_((step_ + 1.0) / options_.steps), blend_angles(here_.angles, end_angles_, share)});
+    const ShapePoint target{lengths_((step_ + 1.0) / options_.steps),
+                            blend_angles(here_.angles, end_angles_, share)};
+    const ContinuedMesh mesh =
+        settle(continuation_.move(here_.points, target, {.smoothness = options_.guidance}),
+               target.edge_lengths);
     return {mesh.points, dihedral_angles(topology_, mesh.points)};
 }
 
@@ -93,7 +94,10 @@ PathMesh PathFollower::at(double s)
     }
     const double share = s * options_.steps - step_;
     ShapePoint target{lengths_(s), blend_angles(here_.angles, next_.angles, share)};
-    ContinuedMesh mesh = reach(share < 0.5 ? here_.points : next_.points, target);
+    ContinuedMesh mesh = settle(
+        continuation_.move(share < 0.5 ? here_.points : next_.points, target,
+                           {.smoothness = options_.smoothness, .stiffness = options_.stiffness}),
+        target.edge_lengths);
     return {std::move(target), std::move(mesh)};
 }
 

@@ -19,9 +19,10 @@ struct PathFollowerOptions
     /// what is left, at most all the way; > 0.
     double haste = 6.0;
     double guidance = 1e-2;   ///< mu of length_dihedral_energy.h with those angles; > 0.
-    double smoothness = 1e-4; ///< mu with the angles that resulted; > 0.
-    int rounds = 4;           ///< Times at most that a mesh is adjusted so; >= 1. It is over once
-    double edge_tolerance = 2e-3; ///< |l - l*| <= edge_tolerance * l* on every edge.
+    double smoothness = 1e-3; ///< mu with the angles that resulted, and between steps; > 0.
+    double stiffness = 20.0;  ///< Of gauss_newton.h with that mu; > 0.
+    int rounds = 4; ///< Times at most that a mesh is adjusted to the angles it has; >= 0. Over once
+    double edge_tolerance = 4e-3; ///< |l - l*| <= edge_tolerance * l* on every edge.
 };
 
 /// A mesh on a path, and the point it was made for: the path's lengths, the follower's angles.
@@ -68,7 +69,7 @@ private:
         Points points;
         Eigen::VectorXd angles; ///< Measured.
     };
-    [[nodiscard]] ContinuedMesh reach(const Points& from, ShapePoint target);
+    [[nodiscard]] ContinuedMesh settle(ContinuedMesh mesh, const Eigen::VectorXd& lengths);
     [[nodiscard]] Stop next_stop();
 
     Topology topology_;
