@@ -101,8 +101,7 @@ public:
                     [&morph](double s) {
                         return morph_frame(morph, morph_parameter(s)).point.edge_lengths;
                     },
-                    morph.dihedral_angles.row(1).transpose(),
-                    {.smoothness = options.smoothness})
+                    morph.dihedral_angles.row(1).transpose(), {.smoothness = options.smoothness})
     {
     }
 
@@ -199,6 +198,8 @@ Json write_spheres(const Session& session, const Arguments& arguments, const Col
 
 SphereMap map_mesh(const Topology& topology, const Points& points, const std::string& mesh)
 {
+    if (const std::string reason = why_not_spherical(topology); !reason.empty())
+        throw InvalidInput(join(mesh, ": ", reason));
     SphereMap map = map_to_sphere(topology, edge_lengths(topology, points));
     if (map.certificate == ConformalCertificate::Unsolved)
         throw NumericalError(join(mesh, ": no conformal map was found: residual of eq. (13) ",

@@ -51,14 +51,14 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
 /// Adjusts a mesh until its lengths are met, bending it as little as that takes.
 ContinuedMesh PathFollower::settle(ContinuedMesh mesh, const VectorXd& lengths)
 {
-    for (int round = 0; round < options_.rounds; ++round) {
+    double smoothness = options_.smoothness;
+    for (int round = 0; round < options_.rounds; ++round, smoothness *= 0.3) {
         const VectorXd ratios = edge_lengths(topology_, mesh.points).cwiseQuotient(lengths);
         if ((ratios.array() - 1.0).abs().maxCoeff() <= options_.edge_tolerance)
             break;
         const int iterations = mesh.iterations;
-        mesh = continuation_.adjust(
-            mesh.points, {lengths, dihedral_angles(topology_, mesh.points)},
-            {.smoothness = options_.smoothness, .stiffness = options_.stiffness});
+        mesh = continuation_.adjust(mesh.points, {lengths, dihedral_angles(topology_, mesh.points)},
+                                    {.smoothness = smoothness, .stiffness = options_.stiffness});
         mesh.iterations += iterations;
     }
     return mesh;
