@@ -10,11 +10,11 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/embedding/face_fit.h"
 #include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/gauss_newton.h"
 #include "libshape/embedding/graded_unknowns.h"
 #include "libshape/embedding/length_dihedral_energy.h"
-#include "libshape/embedding/wedge_fit.h"
 #include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/alignment.h"
 
@@ -134,14 +134,14 @@ struct Continuation::State
     /// The mesh with the target's lengths and bending as far as Laplace solves can have them.
     Points linear_start(const Points& from, const ShapePoint& target)
     {
-        constexpr int wedge_steps = 3;
+        constexpr int face_steps = 3;
         laplacian.set_lengths(target.edge_lengths);
         const FaceLayout layout =
             lay_out_faces(topology, target.edge_lengths, target.dihedral_angles);
         std::vector<Matrix3d> frames = face_frames(topology, from);
         Points points = laplacian.positions(frames, layout.halfedges);
-        for (int step = 0; step < wedge_steps; ++step) {
-            frames = fit_wedges(topology, layout, laplacian.weights(), points, std::move(frames));
+        for (int step = 0; step < face_steps; ++step) {
+            frames = fit_faces(topology, layout, laplacian.weights(), points, std::move(frames));
             points = laplacian.positions(frames, layout.halfedges);
         }
         return points;

@@ -42,7 +42,7 @@ public:
     Continuation& operator=(Continuation&&) noexcept;
 
     /// To another target: the faces give the frames, which the target's lengths and angles refine
-    /// (wedge_fit.h); then as adjust().
+    /// (face_fit.h); then as adjust().
     /// @param from  #V by 3 [length], without degenerate faces.
     /// Cost: a sparse Cholesky factorisation of size #V, and adjust().
     [[nodiscard]] ContinuedMesh move(const Points& from, const ShapePoint& target,

@@ -109,24 +109,15 @@ private:
     LaneVectors image_;
 };
 
-/// Rows of three as columns of four.
-void to_lanes(const VectorXd& v, double scale, LaneVectors& to)
-{
-    to.resize(4, v.size() / 3);
-    for_columns(to.cols(), [&](Index first, Index count) {
-        for (Index i = first; i < first + count; ++i)
-            to.col(i) << (scale * v.segment<3>(3 * i)).cast<float>(), 0.0F;
-    });
-}
-
 } // namespace
 
 Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& preconditioner,
                 VectorXd start, const DescentOptions& options)
 {
-    if (options.max_linear_steps < 0)
-        throw InvalidInput(
-            join("descent: max_linear_steps is ", options.max_linear_steps, ", must be >= 0"));
+    if (options.max_linear_steps < 0 || options.first_linear_steps < 2)
+        throw InvalidInput(join("descent: max_linear_steps is ", options.max_linear_steps,
+                                ", first_linear_steps ", options.first_linear_steps,
+                                "; must be >= 0 and >= 2"));
     Descent result;
     result.points = std::move(start);
     VectorXd gradient;
@@ -141,11 +132,10 @@ Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& precon
     LaneVectors step;
     VectorXd next(result.points.size());
     VectorXd next_gradient;
-    constexpr int first_steps = 8;
-    int steps = first_steps;
+    int steps = options.first_linear_steps;
     while (!result.converged && result.linear_steps < options.max_linear_steps) {
         matrix.linearise(result.points);
-        to_lanes(gradient, -0.5 * matrix.unit(), pull);
+        to_lanes(gradient.data(), gradient.size() / 3, -0.5 * matrix.unit(), pull);
         const auto [decrease, taken] = conjugate_gradients.solve(
             matrix, preconditioner, pull,
             std::min(steps, options.max_linear_steps - result.linear_steps), step);
@@ -168,17 +158,19 @@ Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& precon
             break;
         }
         const double lowered = result.energy - value;
-        result.converged = lowered <= taken * options.decrease_tolerance * value ||
-                           value <= options.value_tolerance;
+        const double agreement = lowered / (2.0 * decrease); // E is the sum of squares, not half
+        // A step that did not do what it promised says nothing about how much is left.
+        result.converged =
+            (agreement > 0.25 && lowered <= taken * options.decrease_tolerance * value) ||
+            value <= options.value_tolerance;
         result.points.swap(next);
         gradient.swap(next_gradient);
         result.energy = value;
         ++result.newton_steps;
-        const double agreement = lowered / (2.0 * decrease); // E is the sum of squares, not half
         if (agreement > 0.7)
             steps = steps + steps / 2;
         else if (agreement < 0.6)
-            steps = std::max(steps / 2, first_steps / 2);
+            steps = std::max(steps / 2, options.first_linear_steps / 2);
     }
     return result;
 }

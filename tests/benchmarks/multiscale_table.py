@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Prints the tables of docs/multiscale.md.
 
-multiscale_table.py BENCHMARK PAIRS [--peer PROGRAM] [--names a,b,...] [--seeds N]
+multiscale_table.py BENCHMARK PAIRS [--peer PROGRAM] [--names a,b,...] [--seeds N] [--repeat N]
 
 BENCHMARK is the program multiscale_benchmark; PAIRS a folder of NAME_A.obj and NAME_B.obj. PROGRAM is
 another implementation, called as `PROGRAM A B --t 0.5 --repeat N --seed S`, with the benchmark's key
@@ -29,9 +29,9 @@ def call(*command):
     return json.loads(subprocess.run(list(map(str, command)), check=True, capture_output=True).stdout)
 
 
-def peer_runs(program, pair, seeds):
-    for seed in range(1, seeds + 1):
-        report = call(program, *pair, "--t", 0.5, "--repeat", 15, "--seed", seed)
+def peer_runs(program, pair, options):
+    for seed in range(1, options.seeds + 1):
+        report = call(program, *pair, "--t", 0.5, "--repeat", options.repeat, "--seed", seed)
         yield {**report, **report["poses"][0]}
 
 
@@ -51,6 +51,7 @@ def main():
     parser.add_argument("--peer")
     parser.add_argument("--names")
     parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--repeat", type=int, default=15, help="poses a seed")
     options = parser.parse_args()
     names = options.names.split(",") if options.names else sorted(
         path.name[:-6] for path in options.pairs.glob("*_A.obj"))
@@ -58,11 +59,12 @@ def main():
     times, errors = [], []
     for name in names:
         pair = [options.pairs / f"{name}_{side}.obj" for side in "AB"]
-        report = call(options.benchmark, *pair, "--seeds", options.seeds)
-        two = call(options.benchmark, *pair, "--seeds", options.seeds, "--threads", 2)
+        ours = [options.benchmark, *pair, "--seeds", options.seeds, "--repeat", options.repeat]
+        report = call(*ours)
+        two = call(*ours, "--threads", 2)
         sources = {"ours": report["runs"]}
         if options.peer:
-            sources["peer"] = list(peer_runs(options.peer, pair, options.seeds))
+            sources["peer"] = list(peer_runs(options.peer, pair, options))
         for source, runs in sources.items():
             row = [f"{median(runs, key):.2f}" for key in PHASES]
             fastest = min(run["fastest_total_ms"] for run in runs)

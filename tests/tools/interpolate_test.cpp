@@ -1,27 +1,19 @@
 // SPDX-License-Identifier: MIT
 
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
 #include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
-#include "libshape/mesh/edge_lengths.h"
-#include "tests/tools/program.h"
+#include "libshape/io/vertex_scalars.h"
+#include "tests/tools/program_test.h"
 
 namespace shape::test {
 namespace {
 
-using Arguments = std::vector<std::string>;
-using Json = nlohmann::json;
-
 /// A folder with four meshes, a.ply to d.ply, where every run must succeed.
-class Interpolate : public testing::Test
+class Interpolate : public SilentProgramTest
 {
 protected:
     Interpolate()
     {
-        write_bumpy_spheres(folder_);
         NamedMesh d = read_mesh(folder_ / "c.ply");
         d.points.col(0) *= 1.3;
         write_mesh(folder_ / "d.ply", d.points, d.faces, MeshFormat::Ply);
@@ -41,28 +33,16 @@ protected:
     {
         more.emplace_back("--json");
         const Outcome result = outcome(more, {}, meshes);
-        EXPECT_EQ(result.exit_code, 0) << result.err;
         EXPECT_EQ(result.err, "");
-        return result.exit_code == 0 ? Json::parse(result.out) : Json();
+        return json_of(result);
     }
 
-    [[nodiscard]] Points points(const std::string& file) const
-    {
-        return read_mesh(folder_ / file).points;
-    }
-    [[nodiscard]] Eigen::VectorXd lengths(const std::string& file) const
-    {
-        const NamedMesh mesh = read_mesh(folder_ / file);
-        return edge_lengths(Topology(mesh.faces, static_cast<int>(mesh.points.rows())),
-                            mesh.points);
-    }
     /// Largest difference of lengths relative to the mean.
     [[nodiscard]] double difference(const std::string& file, const std::string& wanted) const
     {
         return (lengths(file) - lengths(wanted)).cwiseAbs().maxCoeff() / lengths(wanted).mean();
     }
 
-    const Folder folder_;
     const Arguments four_{"a.ply", "b.ply", "c.ply", "d.ply"};
 };
 
@@ -205,6 +185,43 @@ TEST_F(Interpolate, TaggedPartsGrowByTheirFactor)
         for (const int e : topology.face_edges().row(f))
             EXPECT_NEAR(grown[e], 1.3, 0.1);
     EXPECT_NEAR(grown.minCoeff(), 1.0, 0.1);
+}
+
+TEST_F(Interpolate, APartMayBeALabelOfAPlyFile)
+{
+    const NamedMesh a = read_mesh(folder_ / "a.ply");
+    Eigen::VectorXd part = Eigen::VectorXd::Zero(a.points.rows());
+    part.segment(2, 3).setConstant(7.0);
+    part[9] = -1.0;
+    write_vertex_scalars(folder_ / "parts.ply", a.points, a.faces, {{"part", part}});
+    folder_.write("seven.txt", "2 3 4\n");
+    folder_.write("any.txt", "2 3 4 9\n");
+    const auto half = [&](const std::string& name, const Arguments& more) {
+        Arguments arguments{"--weights", "0.5,0.5", "-o", name, "--scale-factors", "1,1.5"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        (void)run(arguments);
+        return folder_.read(name);
+    };
+    const std::string seven = half("0.ply", {"--scale-vertices", "seven.txt"});
+    const std::string any = half("1.ply", {"--scale-vertices", "any.txt"});
+    EXPECT_NE(seven, any);
+    EXPECT_EQ(half("2.ply", {"--scale-vertices", "parts.ply", "--scale-label", "part=7"}), seven);
+    EXPECT_EQ(half("3.ply", {"--scale-vertices", "parts.ply", "--scale-label", "part"}), any);
+    EXPECT_NE(half("4.ply", {"--scale-vertices", "seven.txt", "--scale-border", "3"}), seven);
+
+    std::string faces = join(
+        "ply\nformat ascii 1.0\nelement vertex ", a.points.rows(),
+        "\nproperty float x\nproperty float y\nproperty float z\n", "element face ", a.faces.rows(),
+        "\nproperty list uchar int vertex_indices\nproperty int part\n", "end_header\n");
+    for (Eigen::Index v = 0; v < a.points.rows(); ++v)
+        faces += "0 0 0\n";
+    for (Eigen::Index f = 0; f < a.faces.rows(); ++f)
+        faces += join("3 ", a.faces(f, 0), " ", a.faces(f, 1), " ", a.faces(f, 2),
+                      f < 4 ? " 2\n" : " 1\n");
+    folder_.write("faces.ply", faces);
+    folder_.write("faces.txt", "0 1 2 3\n");
+    EXPECT_EQ(half("5.ply", {"--scale-faces", "faces.ply", "--scale-label", "part=2"}),
+              half("6.ply", {"--scale-faces", "faces.txt"}));
 }
 
 TEST_F(Interpolate, KeyframesAreThoseOfTheMethodAndTheRestIsFilledIn)
