@@ -101,8 +101,7 @@ public:
                     [&morph](double s) {
                         return morph_frame(morph, morph_parameter(s)).point.edge_lengths;
                     },
-                    morph.dihedral_angles.row(1).transpose(),
-                    {.continuation = {.smoothness = options.smoothness}})
+                    morph.dihedral_angles.row(1).transpose(), {.smoothness = options.smoothness})
     {
     }
 
@@ -199,6 +198,8 @@ Json write_spheres(const Session& session, const Arguments& arguments, const Col
 
 SphereMap map_mesh(const Topology& topology, const Points& points, const std::string& mesh)
 {
+    if (const std::string reason = why_not_spherical(topology); !reason.empty())
+        throw InvalidInput(join(mesh, ": ", reason));
     SphereMap map = map_to_sphere(topology, edge_lengths(topology, points));
     if (map.certificate == ConformalCertificate::Unsolved)
         throw NumericalError(join(mesh, ": no conformal map was found: residual of eq. (13) ",
@@ -272,7 +273,7 @@ Run set_up_conformal(CLI::App& command)
             "one row a mesh")
         ->option_text("FILE");
     // The lengths are the conformal map itself; the angles only choose between meshes.
-    arguments->embedding.options.smoothness = 1e-4;
+    arguments->embedding.options.smoothness = 1e-3;
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

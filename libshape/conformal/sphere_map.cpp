@@ -97,7 +97,8 @@ std::string why_not_spherical(const Topology& topology)
 {
     if (!topology.is_closed())
         return join("the mesh has ", topology.boundary_loop_count(),
-                    " boundary loops, a conformal map to the sphere needs a closed surface; close "
+                    topology.boundary_loop_count() == 1 ? " boundary loop" : " boundary loops",
+                    ", a conformal map to the sphere needs a closed surface; close "
                     "the holes, or flatten the mesh as a disc if it has one");
     if (topology.genus() > 0)
         return join("the mesh has genus ", topology.genus(),

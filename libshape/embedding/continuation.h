@@ -2,6 +2,9 @@
 
 #pragma once
 
+#include <Eigen/Core>
+#include <memory>
+
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
@@ -11,6 +14,7 @@ namespace shape {
 struct ContinuationOptions
 {
     double smoothness = 1e-4;         ///< mu of length_dihedral_energy.h; > 0.
+    double stiffness = 1.0;           ///< As in gauss_newton.h.
     double decrease_tolerance = 1e-2; ///< As in gauss_newton.h.
     int max_iterations = 12;          ///< Gauss-Newton steps; >= 0.
 };
@@ -23,14 +27,35 @@ struct ContinuedMesh
     bool converged = false;
 };
 
-/// Moves a mesh to a target nearby: the next mesh of a sequence. Its faces give the frames, which
-/// the target's lengths and angles refine (face_fit.h); then Gauss-Newton steps. Edge lengths may
-/// range over ten orders of magnitude.
-/// @param from  #V by 3 [length], without degenerate faces.
-/// @throws InvalidInput if a size is wrong, or target or options break a rule.
-/// Cost: a sparse Cholesky factorisation of size 3 #V a step.
-[[nodiscard]] ContinuedMesh continue_to(const Topology& topology, const Points& from,
-                                        const ShapePoint& target,
-                                        const ContinuationOptions& options = {});
+/// Moves meshes of one topology to targets nearby, as in a sequence. Edge lengths may range over
+/// ten orders of magnitude (graded_unknowns.h). The patterns of the two factors are analysed once.
+///
+/// Sizes, targets and options that break a rule throw InvalidInput.
+class Continuation
+{
+public:
+    /// @param lengths  #E [length], > 0: about those of the targets. Where these are finer in places,
+    ///     lengths should be.
+    Continuation(const Topology& topology, const Eigen::VectorXd& lengths);
+    ~Continuation();
+    Continuation(Continuation&&) noexcept;
+    Continuation& operator=(Continuation&&) noexcept;
+
+    /// To another target: the faces give the frames, which the target's lengths and angles refine
+    /// (face_fit.h); then as adjust().
+    /// @param from  #V by 3 [length], without degenerate faces.
+    /// Cost: a sparse Cholesky factorisation of size #V, and adjust().
+    [[nodiscard]] ContinuedMesh move(const Points& from, const ShapePoint& target,
+                                     const ContinuationOptions& options = {});
+
+    /// From a mesh that all but fits: Gauss-Newton steps.
+    /// Cost: a sparse Cholesky factorisation of size 3 #V a step.
+    [[nodiscard]] ContinuedMesh adjust(const Points& from, const ShapePoint& target,
+                                       const ContinuationOptions& options = {});
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 } // namespace shape

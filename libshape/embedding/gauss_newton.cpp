@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "libshape/base/error.h"
-#include "libshape/embedding/graded_unknowns.h"
 #include "libshape/mesh/dihedral_angles.h"
 
 namespace shape {
@@ -49,10 +47,9 @@ GaussNewton::GaussNewton(const Topology& topology, std::vector<int> vertices)
     find_pattern(rows);
 }
 
-GaussNewton::GaussNewton(const Topology& topology, const VectorXd& lengths) : topology_(topology)
+GaussNewton::GaussNewton(const Topology& topology, const GradedUnknowns& unknowns)
+    : topology_(topology), vertices_(unknowns.vertices)
 {
-    GradedUnknowns unknowns = graded_unknowns(topology, lengths);
-    vertices_ = std::move(unknowns.vertices);
     find_pattern(unknowns.rows);
 }
 
@@ -126,7 +123,7 @@ void GaussNewton::find_pattern(const std::vector<std::vector<int>>& rows)
 }
 
 double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd& points,
-                             Linearisation* linearisation) const
+                             double stiffness, Linearisation* linearisation) const
 {
     const ShapePoint& target = energy.target();
     const double mu = energy.smoothness();
@@ -170,8 +167,8 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         const Vector3d axis = point(wedge[1]) - a;
         const double length = axis.norm();
         const double strain = length / target.edge_lengths[e] - 1.0;
-        const auto [value, weight] = stretch_term(strain);
-        sum += value;
+        const auto [value, weight] = stretch_term(stiffness * strain);
+        sum += value / (stiffness * stiffness);
         const Vector3d along = length > 0.0 ? Vector3d(axis / length) : Vector3d(Vector3d::Zero());
         if (linearisation != nullptr) {
             const Vector3d pull = along / target.edge_lengths[e];
@@ -201,16 +198,18 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
 }
 
 GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, VectorXd points,
-                                        const GaussNewtonOptions& options) const
+                                        const GaussNewtonOptions& options,
+                                        std::optional<SparseCholesky>* kept) const
 {
     GaussNewtonResult result{std::move(points), 0.0, 0, false};
     Linearisation linear;
-    result.value = evaluate(energy, result.points, &linear);
+    result.value = evaluate(energy, result.points, options.stiffness, &linear);
     if (!std::isfinite(result.value))
         throw NumericalError("Gauss-Newton: the energy is not finite at the start");
     constexpr double most_damping = 1e6;
     double damping = options.damping;
-    std::optional<SparseCholesky> factor;
+    std::optional<SparseCholesky> own;
+    std::optional<SparseCholesky>& factor = kept != nullptr ? *kept : own;
     while (!result.converged && result.iterations < options.max_iterations) {
         ++result.iterations;
         SparseMatrix damped = linear.matrix;
@@ -238,14 +237,16 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
                 for (int k = carried_begin_[i]; k < carried_begin_[i + 1]; ++k)
                     next.segment<3>(3 * carried_[static_cast<std::size_t>(k)]) -=
                         scale * step.segment<3>(3 * static_cast<Eigen::Index>(i));
-            value = evaluate(energy, next, nullptr);
+            value = evaluate(energy, next, options.stiffness, nullptr);
             if (value < result.value)
                 break;
         }
         if (value < result.value) {
             result.converged = result.value - value <= options.decrease_tolerance * value;
             result.points = std::move(next);
-            result.value = evaluate(energy, result.points, &linear);
+            result.value = value;
+            if (!result.converged)
+                result.value = evaluate(energy, result.points, options.stiffness, &linear);
             damping = std::max(0.2 * damping, options.least_damping);
         } else {
             damping *= 10.0;

@@ -4,8 +4,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
+#include "libshape/embedding/graded_unknowns.h"
 #include "libshape/embedding/length_dihedral_energy.h"
 #include "libshape/linalg/sparse_cholesky.h"
 
@@ -20,6 +22,8 @@ struct GaussNewtonOptions
     double least_damping = 1e-9; ///< Of any step.
     int halvings =
         0; ///< Times that a step is halved if E does not fall, before it is damped; >= 0.
+    /// phi(c s) / c^2 takes the place of phi(s) in E: edges grow stiffer from 0.04 / c on; > 0.
+    double stiffness = 1.0;
 };
 
 struct GaussNewtonResult
@@ -39,20 +43,19 @@ public:
     ///     motion is held by the damping, which never vanishes.
     GaussNewton(const Topology& topology, std::vector<int> vertices);
 
-    /// Moves all vertices of a mesh whose lengths may range over many orders of magnitude, as those
-    /// of conformal maps do. Where edges are 300 times shorter than around them, the translation of
-    /// the whole region becomes an unknown of its own: among the stiff terms of its edges the soft
-    /// ones that hold it to the rest would be lost to rounding. The vertex with the longest edges
-    /// is held.
-    /// @param lengths  #E [length], about those of the mesh, > 0.
-    GaussNewton(const Topology& topology, const Eigen::VectorXd& lengths);
+    /// Moves all vertices but the one that is held, by unknowns for lengths that range over many
+    /// orders of magnitude.
+    GaussNewton(const Topology& topology, const GradedUnknowns& unknowns);
 
     /// @param points  Row by row [length].
+    /// @param kept  A factor of an earlier call, or none: its analysis is used and it is left for
+    ///     the next call. Null for a factor of this call alone.
     /// @throws NumericalError if E is not finite at the start.
     /// Cost: a sparse Cholesky factorisation of size 3 #vertices an iteration.
     [[nodiscard]] GaussNewtonResult minimize(const LengthDihedralEnergy& energy,
                                              Eigen::VectorXd points,
-                                             const GaussNewtonOptions& options = {}) const;
+                                             const GaussNewtonOptions& options = {},
+                                             std::optional<SparseCholesky>* kept = nullptr) const;
 
     [[nodiscard]] const std::vector<int>& vertices() const { return vertices_; }
 
@@ -69,7 +72,7 @@ private:
     struct Linearisation;
     void find_pattern(const std::vector<std::vector<int>>& rows);
     double evaluate(const LengthDihedralEnergy& energy, const Eigen::VectorXd& points,
-                    Linearisation* linearisation) const;
+                    double stiffness, Linearisation* linearisation) const;
 
     Topology topology_;
     std::vector<int> vertices_;

@@ -32,6 +32,7 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
       lengths_(std::move(lengths)),
       end_angles_(std::move(end_angles)),
       options_(options),
+      continuation_(topology, lengths_(0.0).cwiseMin(lengths_(1.0))), // as fine as both ends
       start_{start, dihedral_angles(topology, start)}
 {
     if (end_angles_.size() != topology.edge_count())
@@ -39,35 +40,38 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
                                 topology.edge_count(), " edges"));
     if (options.steps < 1)
         throw InvalidInput(join("steps is ", options.steps, ", must be >= 1"));
-    if (options.rounds < 1)
-        throw InvalidInput(join("rounds is ", options.rounds, ", must be >= 1"));
+    if (!(options.haste > 0.0))
+        throw InvalidInput(join("haste is ", options.haste, ", must be > 0"));
+    if (options.rounds < 0)
+        throw InvalidInput(join("rounds is ", options.rounds, ", must be >= 0"));
     here_ = start_;
     next_ = next_stop();
 }
 
-/// The mesh at the target; where lengths are not met, wanted again with the angles it got.
-ContinuedMesh PathFollower::reach(const Points& from, ShapePoint target) const
+/// Adjusts a mesh until its lengths are met, bending it as little as that takes.
+ContinuedMesh PathFollower::settle(ContinuedMesh mesh, const VectorXd& lengths)
 {
-    ContinuedMesh mesh{from, 0.0, 0, false};
-    for (int round = 0; round < options_.rounds; ++round) {
-        const int iterations = mesh.iterations;
-        mesh = continue_to(topology_, mesh.points, target, options_.continuation);
-        mesh.iterations += iterations;
-        const VectorXd lengths = edge_lengths(topology_, mesh.points);
-        const double worst = (lengths.array() / target.edge_lengths.array() - 1.0).abs().maxCoeff();
-        if (worst <= options_.edge_tolerance)
+    double smoothness = options_.smoothness;
+    for (int round = 0; round < options_.rounds; ++round, smoothness *= 0.3) {
+        const VectorXd ratios = edge_lengths(topology_, mesh.points).cwiseQuotient(lengths);
+        if ((ratios.array() - 1.0).abs().maxCoeff() <= options_.edge_tolerance)
             break;
-        target.dihedral_angles = dihedral_angles(topology_, mesh.points);
+        const int iterations = mesh.iterations;
+        mesh = continuation_.adjust(mesh.points, {lengths, dihedral_angles(topology_, mesh.points)},
+                                    {.smoothness = smoothness, .stiffness = options_.stiffness});
+        mesh.iterations += iterations;
     }
     return mesh;
 }
 
-PathFollower::Stop PathFollower::next_stop() const
+PathFollower::Stop PathFollower::next_stop()
 {
-    const double left = options_.steps - step_;
+    const double share = std::min(1.0, options_.haste / (options_.steps - step_));
     const ShapePoint target{lengths_((step_ + 1.0) / options_.steps),
-                            blend_angles(here_.angles, end_angles_, 1.0 / left)};
-    const ContinuedMesh mesh = reach(here_.points, target);
+                            blend_angles(here_.angles, end_angles_, share)};
+    const ContinuedMesh mesh =
+        settle(continuation_.move(here_.points, target, {.smoothness = options_.guidance}),
+               target.edge_lengths);
     return {mesh.points, dihedral_angles(topology_, mesh.points)};
 }
 
@@ -90,7 +94,10 @@ PathMesh PathFollower::at(double s)
     }
     const double share = s * options_.steps - step_;
     ShapePoint target{lengths_(s), blend_angles(here_.angles, next_.angles, share)};
-    ContinuedMesh mesh = reach(share < 0.5 ? here_.points : next_.points, target);
+    ContinuedMesh mesh = settle(
+        continuation_.move(share < 0.5 ? here_.points : next_.points, target,
+                           {.smoothness = options_.smoothness, .stiffness = options_.stiffness}),
+        target.edge_lengths);
     return {std::move(target), std::move(mesh)};
 }
 

@@ -15,10 +15,15 @@ namespace shape {
 struct PathFollowerOptions
 {
     int steps = 16; ///< From s = 0 to 1; >= 1.
-    int rounds = 4; ///< Times at most that a mesh is moved on to its lengths; >= 1. It is over
-                    ///< once no edge is off by more than
-    double edge_tolerance = 2e-3; ///< relative to its length.
-    ContinuationOptions continuation;
+    /// Angles wanted at a step are moved towards those of the end by this times the step's share of
+    /// what is left, at most all the way; > 0.
+    double haste = 6.0;
+    double guidance = 1e-2;   ///< mu of length_dihedral_energy.h with those angles; > 0.
+    double smoothness = 1e-3; ///< mu with the angles that resulted, and between steps; > 0.
+    double stiffness = 8.0;   ///< Of gauss_newton.h with that mu; > 0.
+    int rounds = 4; ///< Times at most that a mesh is adjusted to the angles it has, with 0.3 times
+                    ///< the mu each time; >= 0. Over once
+    double edge_tolerance = 4e-3; ///< |l - l*| <= edge_tolerance * l* on every edge.
 };
 
 /// A mesh on a path, and the point it was made for: the path's lengths, the follower's angles.
@@ -32,13 +37,16 @@ struct PathMesh
 /// are far from any mesh with the lengths between (a cylinder that narrows to a cone keeps most of
 /// its bending, where the blend has lost half of it), and closed meshes are rigid: there the
 /// embedding jumps between meshes that fit as badly. So the path is walked in equal steps from the
-/// mesh at s = 0. The angles wanted at the next step are those of the last mesh, moved towards the
-/// end's by the step's share of what is left; these are so near that they may weigh little, and
+/// mesh at s = 0. Each step moves the last mesh to the next lengths, guided by its angles moved
+/// towards the end's; then the angles wanted are those that resulted, which may weigh little, and
 /// the lengths are met.
 ///
+/// Equal lengths do not make equal meshes: without guidance, dents that the end does not have
+/// stay to the end. With it, they turn over one by one while they are shallow, and the path ends at
+/// the mesh that has both the lengths and the angles of the end.
+///
 /// A mesh between two steps is wanted with the angles blended from both, so it depends on s alone,
-/// not on which others are asked for. It changes continuously as long as the meshes do that have
-/// the lengths; where they end, it jumps.
+/// not on which others are asked for.
 class PathFollower
 {
 public:
@@ -52,8 +60,8 @@ public:
 
     /// The mesh at s, in the pose of start; start itself at 0. Cheap for ascending s: walks on from where it
     /// was; back to the start for a smaller one.
-    /// @throws InvalidInput if s is outside [0, 1], and as continue_to().
-    /// Cost: continue_to() once, and once a step walked.
+    /// @throws InvalidInput if s is outside [0, 1].
+    /// Cost: of a mesh, for itself and for each step walked: Continuation::move() and adjust().
     [[nodiscard]] PathMesh at(double s);
 
 private:
@@ -62,13 +70,14 @@ private:
         Points points;
         Eigen::VectorXd angles; ///< Measured.
     };
-    [[nodiscard]] ContinuedMesh reach(const Points& from, ShapePoint target) const;
-    [[nodiscard]] Stop next_stop() const;
+    [[nodiscard]] ContinuedMesh settle(ContinuedMesh mesh, const Eigen::VectorXd& lengths);
+    [[nodiscard]] Stop next_stop();
 
     Topology topology_;
     std::function<Eigen::VectorXd(double s)> lengths_;
     Eigen::VectorXd end_angles_;
     PathFollowerOptions options_;
+    Continuation continuation_;
     Stop start_;
     int step_ = 0; // s lies between stops step_ and step_ + 1
     Stop here_;

@@ -10,6 +10,7 @@
 
 extern "C" void openblas_set_num_threads(
     int); // cblas.h of OpenBLAS declares it, that of others not
+extern "C" void omp_set_max_active_levels(int); // omp.h
 
 namespace shape {
 namespace {
@@ -100,6 +101,9 @@ struct SparseCholesky::Factor
 
     void factorise(const SparseMatrix& matrix)
     {
+        // CHOLMOD starts four threads for loops of every supernode, whatever the machine has: 3
+        // times slower on two cores. The setting is that of the calling thread.
+        omp_set_max_active_levels(0);
         cholmod_sparse a = view(matrix);
         cholmod_factorize(&a, factor, &common);
         if (common.status == CHOLMOD_NOT_POSDEF || factor->minor < factor->n)

@@ -70,10 +70,10 @@ void find_duplicate_faces(const Faces& faces, DefectList& list)
     std::sort(keys.begin(), keys.end());
     for (std::size_t i = 1; i < keys.size(); ++i)
         if (std::equal(keys[i].begin(), keys[i].begin() + 3, keys[i - 1].begin()))
-            list.add(DefectKind::DuplicateFace, keys[i][3], keys[i][0],
-                     join("face ", keys[i][3], " repeats face ", keys[i - 1][3], " (vertices ",
-                          keys[i][0], ", ", keys[i][1], ", ", keys[i][2],
-                          "); remove one of the two"));
+            list.add(
+                DefectKind::DuplicateFace, keys[i][3], keys[i][0],
+                join("face ", keys[i][3], " repeats face ", keys[i - 1][3], " (vertices ",
+                     keys[i][0], ", ", keys[i][1], ", ", keys[i][2], "); remove one of the two"));
 }
 
 void find_edge_defects(const std::vector<Side>& sides, DefectList& list)
@@ -88,7 +88,7 @@ void find_edge_defects(const std::vector<Side>& sides, DefectList& list)
             list.add(DefectKind::NonManifoldEdge, sides[i + 2].face, s.low,
                      join("edge ", s.low, "-", s.high, " has ", end - i, " faces (", s.face, ", ",
                           sides[i + 1].face, ", ", sides[i + 2].face,
-                          ", ...); an edge may have at most 2"));
+                          ", ...); an edge may have at most 2, take the others away"));
         else if (end - i == 2 && s.forward == sides[i + 1].forward)
             list.add(DefectKind::FlippedFace, sides[i + 1].face, s.low,
                      join("faces ", s.face, " and ", sides[i + 1].face, " both run ",

@@ -65,36 +65,39 @@ TEST(GradedUnknowns, MoveFineRegionsAsAWhole)
     EXPECT_GT(free, 0);
 }
 
-TEST(ContinueTo, FindsTheMeshThatHasTheTargetExactly)
+TEST(Continuation, FindsTheMeshThatHasTheTargetExactly)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
     const Points bent = test::bumpy_sphere(3, 0.35, 1).points;
-    const ContinuedMesh found =
-        continue_to(mesh.topology, mesh.points, point_of(mesh.topology, bent),
-                    {.decrease_tolerance = 1e-6, .max_iterations = 30});
+    const ContinuedMesh found = Continuation(mesh.topology, edge_lengths(mesh.topology, bent))
+                                    .move(mesh.points, point_of(mesh.topology, bent),
+                                          {.decrease_tolerance = 1e-6, .max_iterations = 30});
     EXPECT_LE(worst_edge(mesh.topology, found.points, edge_lengths(mesh.topology, bent)), 1e-6);
 }
 
-TEST(ContinueTo, MeetsLengthsOverEightOrdersOfMagnitude)
+TEST(Continuation, MeetsLengthsOverEightOrdersOfMagnitude)
 {
     const test::TestMesh mesh = test::icosphere(4);
     const Points from = horn(mesh.points, 9.0);
     const ShapePoint target = point_of(mesh.topology, horn(mesh.points, 8.7));
     ASSERT_LE(target.edge_lengths.minCoeff(), 1e-7 * target.edge_lengths.maxCoeff());
-    const ContinuedMesh found = continue_to(mesh.topology, from, target,
-                                            {.decrease_tolerance = 1e-6, .max_iterations = 30});
+    const ContinuedMesh found =
+        Continuation(mesh.topology, target.edge_lengths)
+            .move(from, target, {.decrease_tolerance = 1e-6, .max_iterations = 30});
     EXPECT_LE(worst_edge(mesh.topology, found.points, target.edge_lengths), 1e-5);
 }
 
-TEST(ContinueTo, RefusesWhatDoesNotFit)
+TEST(Continuation, RefusesWhatDoesNotFit)
 {
     const test::TestMesh mesh = test::icosphere(1);
     const ShapePoint target = point_of(mesh.topology, mesh.points);
-    EXPECT_THROW((void)continue_to(mesh.topology, Points(3, 3), target), InvalidInput);
-    EXPECT_THROW((void)continue_to(mesh.topology, mesh.points, {VectorXd(2), VectorXd(2)}),
-                 InvalidInput);
-    EXPECT_THROW((void)continue_to(mesh.topology, mesh.points, target, {.smoothness = 0.0}),
-                 InvalidInput);
+    EXPECT_THROW(Continuation(mesh.topology, VectorXd::Ones(2)), InvalidInput);
+    EXPECT_THROW(Continuation(mesh.topology, 0.0 * target.edge_lengths), InvalidInput);
+    Continuation continuation(mesh.topology, target.edge_lengths);
+    EXPECT_THROW((void)continuation.move(Points(3, 3), target), InvalidInput);
+    EXPECT_THROW((void)continuation.adjust(Points(3, 3), target), InvalidInput);
+    EXPECT_THROW((void)continuation.move(mesh.points, {VectorXd(2), VectorXd(2)}), InvalidInput);
+    EXPECT_THROW((void)continuation.adjust(mesh.points, target, {.smoothness = 0.0}), InvalidInput);
 }
 
 /// Two knobs on a bar.
@@ -131,10 +134,10 @@ protected:
         const Points difference = best_rigid_motion(end, sphere)(end) - sphere;
         return difference.rowwise().norm().maxCoeff() / map.radius;
     }
-    [[nodiscard]] PathFollower follower() const
+    [[nodiscard]] PathFollower follower(const PathFollowerOptions& options = {}) const
     {
         return {topology, mesh.points, [this](double s) { return lengths(s); },
-                morph.dihedral_angles.row(1).transpose()};
+                morph.dihedral_angles.row(1).transpose(), options};
     }
 };
 
@@ -143,7 +146,7 @@ TEST_F(FollowedMorph, MeetsTheLengthsEverywhere)
     PathFollower follower = this->follower();
     for (int i = 0; i <= 10; ++i) {
         const double s = morph_pace(i / 10.0);
-        EXPECT_LE(worst_edge(topology, follower.at(s).mesh.points, lengths(s)), 2e-3) << s;
+        EXPECT_LE(worst_edge(topology, follower.at(s).mesh.points, lengths(s)), 4e-3) << s;
     }
     EXPECT_LE(gap(follower.at(1.0).mesh.points), 1e-3);
 }
@@ -172,14 +175,22 @@ protected:
     FollowedBumps() : FollowedMorph(test::bumpy_sphere(3, 0.4, 2)) {}
 };
 
-TEST_F(FollowedBumps, EndAtASphereThatKeepsDents)
+TEST_F(FollowedBumps, LoseTheirDentsOnTheWayToTheSphere)
 {
     PathFollower follower = this->follower();
     for (const double k : {0.25, 0.5, 0.75, 1.0}) {
         const double s = morph_pace(k);
-        EXPECT_LE(worst_edge(topology, follower.at(s).mesh.points, lengths(s)), 5e-3) << k;
+        EXPECT_LE(worst_edge(topology, follower.at(s).mesh.points, lengths(s)), 4e-3) << k;
     }
-    EXPECT_GE(gap(follower.at(1.0).mesh.points), 0.1);
+    EXPECT_LE(gap(follower.at(1.0).mesh.points), 1e-3);
+}
+
+TEST_F(FollowedBumps, KeepTheirDentsWithoutGuidance)
+{
+    PathFollowerOptions options;
+    options.haste = 1.0;
+    options.guidance = 1e-4;
+    EXPECT_GE(gap(follower(options).at(1.0).mesh.points), 0.1);
 }
 
 TEST_F(FollowedMorph, DependsOnWhereAloneNotOnTheWayThere)
@@ -195,16 +206,18 @@ TEST_F(FollowedMorph, DependsOnWhereAloneNotOnTheWayThere)
 TEST_F(FollowedMorph, RefusesWhatDoesNotFit)
 {
     const auto path = [this](double s) { return lengths(s); };
-    const auto options = [](int steps, int rounds) {
+    const auto options = [](int steps, double haste, int rounds) {
         PathFollowerOptions chosen;
         chosen.steps = steps;
+        chosen.haste = haste;
         chosen.rounds = rounds;
         return chosen;
     };
     const VectorXd end = morph.dihedral_angles.row(1).transpose();
     EXPECT_THROW(PathFollower(topology, mesh.points, path, VectorXd(3)), InvalidInput);
-    EXPECT_THROW(PathFollower(topology, mesh.points, path, end, options(0, 1)), InvalidInput);
-    EXPECT_THROW(PathFollower(topology, mesh.points, path, end, options(1, 0)), InvalidInput);
+    EXPECT_THROW(PathFollower(topology, mesh.points, path, end, options(0, 1, 1)), InvalidInput);
+    EXPECT_THROW(PathFollower(topology, mesh.points, path, end, options(1, 0, 1)), InvalidInput);
+    EXPECT_THROW(PathFollower(topology, mesh.points, path, end, options(1, 1, -1)), InvalidInput);
     PathFollower good = follower();
     EXPECT_THROW((void)good.at(-0.1), InvalidInput);
     EXPECT_THROW((void)good.at(1.1), InvalidInput);
