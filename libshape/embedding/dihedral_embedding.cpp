@@ -7,14 +7,15 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/descent.h"
 #include "libshape/embedding/edge_laplacian.h"
 #include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/fold_repair.h"
 #include "libshape/embedding/length_dihedral_energy.h"
 #include "libshape/embedding/patch_frames.h"
 #include "libshape/embedding/wedge_fit.h"
-#include "libshape/linalg/minimize.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/renumbering.h"
 
 namespace shape {
 namespace {
@@ -48,30 +49,39 @@ VectorXd mean_lengths(const Topology& topology, const std::vector<Points>& meshe
 
 struct DihedralEmbedder::State
 {
-    Topology topology;
+    Renumbering renumbering; // all else is in its order
     std::vector<Points> references;
     PatchFrames patches;
     EdgeLaplacian laplacian; // of the references' mean lengths
     SinglePrecisionSolve preconditioner;
 
-    State(const Topology& t, std::vector<Points> meshes)
-        : topology(t),
-          references(std::move(meshes)),
-          patches(t),
-          laplacian(t, mean_lengths(t, references)),
+    State(const Topology& topology, const std::vector<Points>& meshes)
+        : renumbering(renumber_for_locality(topology)),
+          references(in_order(renumbering, meshes)),
+          patches(renumbering.topology),
+          laplacian(renumbering.topology, mean_lengths(renumbering.topology, references)),
           preconditioner(laplacian.single_precision())
     {
     }
+
+    static std::vector<Points> in_order(const Renumbering& renumbering,
+                                        const std::vector<Points>& meshes)
+    {
+        std::vector<Points> ordered;
+        for (const Points& mesh : meshes)
+            ordered.push_back(renumbered(renumbering, mesh));
+        return ordered;
+    }
 };
 
-DihedralEmbedder::DihedralEmbedder(const Topology& topology, std::vector<Points> references)
+DihedralEmbedder::DihedralEmbedder(const Topology& topology, const std::vector<Points>& references)
 {
     if (references.empty())
         throw InvalidInput("the embedding needs at least one reference mesh");
     for (const Points& reference : references)
         if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
             throw InvalidInput("a reference mesh has an edge of length 0");
-    state_ = std::make_unique<State>(topology, std::move(references));
+    state_ = std::make_unique<State>(topology, references);
 }
 
 DihedralEmbedder::~DihedralEmbedder() = default;
@@ -82,17 +92,23 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
     const State& s = *state_;
-    const ShapePoint target{positive_lengths(point.edge_lengths), point.dihedral_angles};
-    const LengthDihedralEnergy energy(s.topology, target, options.smoothness);
-    const FaceLayout layout =
-        lay_out_faces(s.topology, target.edge_lengths, target.dihedral_angles);
+    const Topology& topology = s.renumbering.topology;
+    if (point.edge_lengths.size() != topology.edge_count() ||
+        point.dihedral_angles.size() != topology.edge_count())
+        throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
+                                point.dihedral_angles.size(), " dihedral angles, the topology ",
+                                topology.edge_count(), " edges"));
+    const ShapePoint target{positive_lengths(point.edge_lengths(s.renumbering.edges)),
+                            point.dihedral_angles(s.renumbering.edges)};
+    LengthDihedralEnergy energy(topology, target, options.smoothness);
+    const FaceLayout layout = lay_out_faces(topology, target.edge_lengths, target.dihedral_angles);
 
     DihedralEmbedding result;
-    std::vector<Matrix3d> frames = s.patches.face_frames(
-        layout.transitions, transition_weights(s.topology, layout.transitions));
+    std::vector<Matrix3d> frames =
+        s.patches.face_frames(layout.transitions, transition_weights(topology, layout.transitions));
     Points start = s.laplacian.positions(frames, layout.halfedges);
     for (int step = 0; step < options.local_global_steps; ++step) {
-        frames = fit_wedges(s.topology, layout, s.laplacian.weights(), start, std::move(frames));
+        frames = fit_wedges(topology, layout, s.laplacian.weights(), start, std::move(frames));
         start = s.laplacian.positions(frames, layout.halfedges);
     }
     result.back_substitutions = 1 + options.local_global_steps;
@@ -100,27 +116,19 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     FoldRepair repair =
         repair_folds(energy, s.references, start.reshaped<Eigen::RowMajor>(), options.folds);
     result.repaired_folds = repair.replaced;
-    const Objective objective = [&](const VectorXd& x, VectorXd& gradient) {
-        return energy.evaluate(x, gradient);
-    };
-    // The Laplacian bounds the stiffness of an edge in every direction; it has it in one only.
-    constexpr double laplacian_scale = 10.0 / 3.0;
-    const Preconditioner precondition = [&](const VectorXd& g) -> VectorXd {
-        return laplacian_scale * s.preconditioner.solve(g);
-    };
     // Rounding: strains of 1e-12 an edge are none.
-    const double nothing = 1e-24 * s.topology.edge_count();
+    const double nothing = 1e-24 * topology.edge_count();
     constexpr int rounds = 3;
     for (int round = 0; round < rounds; ++round) {
-        const Minimum minimum =
-            minimize(objective, precondition, std::move(repair.points),
-                     {.max_iterations = options.max_iterations - result.iterations,
-                      .decrease_tolerance = options.decrease_tolerance,
-                      .value_tolerance = nothing});
-        result.iterations += minimum.iterations;
-        result.energy = minimum.value;
-        result.converged = minimum.converged;
-        repair = {minimum.point, 0, 0};
+        const Descent descent =
+            descend(energy, s.preconditioner, std::move(repair.points),
+                    {.max_linear_steps = options.max_iterations - result.iterations,
+                     .decrease_tolerance = options.decrease_tolerance,
+                     .value_tolerance = nothing});
+        result.iterations += descent.linear_steps;
+        result.energy = descent.energy;
+        result.converged = descent.converged;
+        repair = {descent.points, 0, 0};
         if (round + 1 == rounds || result.iterations >= options.max_iterations)
             break;
         repair = repair_folds(energy, s.references, std::move(repair.points), options.folds);
@@ -129,8 +137,8 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
             break;
     }
     result.back_substitutions += result.iterations;
-    const Eigen::Map<const Points> points(repair.points.data(), s.topology.vertex_count(), 3);
-    result.points = points.rowwise() - points.colwise().mean();
+    const Eigen::Map<const Points> points(repair.points.data(), topology.vertex_count(), 3);
+    result.points = restored(s.renumbering, points.rowwise() - points.colwise().mean());
     return result;
 }
 

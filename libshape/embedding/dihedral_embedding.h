@@ -17,10 +17,9 @@ struct DihedralEmbeddingOptions
 {
     double smoothness = 5e-3;   ///< mu of length_dihedral_energy.h; > 0.
     int local_global_steps = 3; ///< Wedge steps after the linear start; >= 0.
-    int max_iterations = 120;   ///< Quasi-Newton steps in all; 0 stops after the wedge steps.
+    int max_iterations = 120;   ///< Linear steps of descent.h; 0 stops after the wedge steps.
     FoldRepairOptions folds;
-    /// Converged once 5 steps together lower E by <= decrease_tolerance * E.
-    double decrease_tolerance = 3e-3;
+    double decrease_tolerance = 2e-4; ///< Of descent.h.
 };
 
 /// What --quality preview does: at most 12 back-substitutions.
@@ -33,7 +32,7 @@ struct DihedralEmbedding
 {
     Points points;       ///< #V by 3 [length], centroid at 0.
     double energy = 0.0; ///< E of length_dihedral_energy.h.
-    int iterations = 0;  ///< Quasi-Newton steps.
+    int iterations = 0;  ///< Linear steps of descent.h.
     int back_substitutions =
         0;                  ///< With the factor of the vertex Laplacian, three right-hand sides.
     int repaired_folds = 0; ///< Regions that were turned back (fold_repair.h).
@@ -47,7 +46,7 @@ struct DihedralEmbedding
 /// 2. Positions: one Laplace solve; then wedge steps, each rotating every two-triangle wedge to its
 ///    best fit and solving again.
 /// 3. Folds that this start left are turned back (fold_repair.h).
-/// 4. Quasi-Newton steps on the energy, preconditioned by the same factor (minimize.h); folds once
+/// 4. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); folds once
 ///    more where any are left.
 ///
 /// What depends on topology and references alone is kept: patches and the factor of the Laplacian
@@ -58,7 +57,7 @@ public:
     /// @param references  At least one mesh of the topology; its lengths weight the Laplacian, all
     ///     of them serve the repair of folds.
     /// @throws InvalidInput if there is none, or one has another size or edges of length 0.
-    DihedralEmbedder(const Topology& topology, std::vector<Points> references);
+    DihedralEmbedder(const Topology& topology, const std::vector<Points>& references);
     ~DihedralEmbedder();
     DihedralEmbedder(DihedralEmbedder&&) noexcept;
     DihedralEmbedder& operator=(DihedralEmbedder&&) noexcept;

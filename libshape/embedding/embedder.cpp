@@ -75,7 +75,7 @@ Embedder::Embedder(const Topology& topology, std::vector<Points> references,
             MultiscaleOptions{.seed = options.seed,
                               .registration = {.start = options.registration_start}});
     if (options.method == EmbeddingMethod::Dihedral)
-        state_->dihedral.emplace(topology, std::move(references));
+        state_->dihedral.emplace(topology, references);
     state_->setup_seconds = seconds_since(start);
 }
 

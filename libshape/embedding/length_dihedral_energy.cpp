@@ -181,7 +181,7 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
         }
 }
 
-double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient) const
+double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient)
 {
     const Topology& t = topology_;
     const int* const faces = t.faces().data();
@@ -195,21 +195,19 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
         }
     };
 
-    Points normals(t.face_count(), 3);
-    VectorXd inverse_squares(t.face_count());
+    normals_.resize(t.face_count(), 3);
+    inverse_squares_.resize(t.face_count());
     for_blocks(t.face_count(), [&](int first, int count) {
         Corners at;
         gather_corners(first, count, at);
         Vectors normal{};
-        normals_of(count, at.a, at.b, at.c, normal, inverse_squares.data() + first);
+        normals_of(count, at.a, at.b, at.c, normal, inverse_squares_.data() + first);
         for (int i = 0; i < count; ++i)
-            normal.get(i, normals.data() + 3 * (first + i));
+            normal.get(i, normals_.data() + 3 * (first + i));
     });
 
-    VectorXd lengths(t.edge_count());
-    VectorXd energies(t.edge_count());
-    VectorXd half_pulls(t.edge_count()); // dE/dl / 2 l; twice that on the boundary
-    VectorXd moments(t.edge_count());    // dE/dtheta
+    for (VectorXd* const of_edges : {&lengths_, &energies_, &half_pulls_, &moments_})
+        of_edges->resize(t.edge_count());
     for_blocks(t.edge_count(), [&](int first, int count) {
         Vectors p{}, q{}, left{}, right{};
         for (int i = 0; i < count; ++i) {
@@ -218,37 +216,37 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
             const int other = halfedges[halfedges[1] < 0 ? 0 : 1]; // the boundary is flat
             p.set(i, points.data() + 3 * ends[0]);
             q.set(i, points.data() + 3 * ends[1]);
-            left.set(i, normals.data() + 3 * (halfedges[0] / 3));
-            right.set(i, normals.data() + 3 * (other / 3));
+            left.set(i, normals_.data() + 3 * (halfedges[0] / 3));
+            right.set(i, normals_.data() + 3 * (other / 3));
         }
         Row sines, cosines;
         bends(count, p, q, left, right, sines_.data() + first, cosines_.data() + first,
-              lengths.data() + first, sines, cosines);
-        double* const angles = moments.data() + first;
+              lengths_.data() + first, sines, cosines);
+        double* const angles = moments_.data() + first;
         vector_angles(sines, cosines, static_cast<std::size_t>(count), angles);
-        edge_terms(count, smoothness_, lengths.data() + first, inverse_lengths_.data() + first,
-                   energies.data() + first, half_pulls.data() + first, angles);
+        edge_terms(count, smoothness_, lengths_.data() + first, inverse_lengths_.data() + first,
+                   energies_.data() + first, half_pulls_.data() + first, angles);
         for (int e = first; e < first + count; ++e)
             if (t.is_boundary_edge(e))
-                half_pulls[e] *= 2.0; // it has one face
+                half_pulls_[e] *= 2.0; // it has one face
     });
 
-    Points at_corners(t.halfedge_count(), 3);
+    at_corners_.resize(t.halfedge_count(), 3);
     for_blocks(t.face_count(), [&](int first, int count) {
         Corners at, sum;
         Vectors normal{}, length{}, moment{}, pull{};
         gather_corners(first, count, at);
         for (int i = 0; i < count; ++i) {
             const int* const e = face_edges + 3 * (first + i);
-            normal.set(i, normals.data() + 3 * (first + i));
-            length.set(i, lengths[e[0]], lengths[e[1]], lengths[e[2]]);
-            moment.set(i, moments[e[0]], moments[e[1]], moments[e[2]]);
-            pull.set(i, half_pulls[e[0]], half_pulls[e[1]], half_pulls[e[2]]);
+            normal.set(i, normals_.data() + 3 * (first + i));
+            length.set(i, lengths_[e[0]], lengths_[e[1]], lengths_[e[2]]);
+            moment.set(i, moments_[e[0]], moments_[e[1]], moments_[e[2]]);
+            pull.set(i, half_pulls_[e[0]], half_pulls_[e[1]], half_pulls_[e[2]]);
         }
-        corner_gradients(count, at, normal, inverse_squares.data() + first, length, moment, pull,
+        corner_gradients(count, at, normal, inverse_squares_.data() + first, length, moment, pull,
                          sum);
         for (int i = 0; i < count; ++i) {
-            double* const corners = at_corners.data() + 9 * (first + i);
+            double* const corners = at_corners_.data() + 9 * (first + i);
             sum.a.get(i, corners);
             sum.b.get(i, corners + 3);
             sum.c.get(i, corners + 6);
@@ -261,13 +259,13 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
                      for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
                          Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
                          for (const int h : t.outgoing(v))
-                             sum += at_corners.row(h);
+                             sum += at_corners_.row(h);
                          gradient.segment<3>(3 * v) = sum.transpose();
                      }
                  });
     return parallel_sum(static_cast<std::size_t>(t.edge_count()), 16 * block,
                         [&](std::size_t begin, std::size_t end) {
-                            return std::accumulate(energies.data() + begin, energies.data() + end,
+                            return std::accumulate(energies_.data() + begin, energies_.data() + end,
                                                    0.0);
                         });
 }

@@ -44,8 +44,8 @@ public:
 
     /// Value and gradient [1/length]. A face without area adds nothing to the gradient of angles.
     /// @param points  #V by 3, row by row in one vector [length].
-    /// Cost: O(#E). Safe to call concurrently.
-    [[nodiscard]] double evaluate(const Eigen::VectorXd& points, Eigen::VectorXd& gradient) const;
+    /// Cost: O(#E). Works in memory that is kept: not safe to call concurrently.
+    [[nodiscard]] double evaluate(const Eigen::VectorXd& points, Eigen::VectorXd& gradient);
 
     [[nodiscard]] const Topology& topology() const { return topology_; }
     [[nodiscard]] const ShapePoint& target() const { return target_; }
@@ -58,6 +58,15 @@ private:
     Eigen::VectorXd inverse_lengths_; // of the target
     Eigen::VectorXd sines_;           // of its dihedral angles; 0 on the boundary
     Eigen::VectorXd cosines_;         // 1 on the boundary
+
+    // What evaluate() works in. Pages that are asked for anew at every step cost more than the work.
+    Points normals_;                  // of the faces, as long as twice the area
+    Eigen::VectorXd inverse_squares_; // of the normals
+    Eigen::VectorXd lengths_;
+    Eigen::VectorXd energies_;   // of the edges
+    Eigen::VectorXd half_pulls_; // dE/dl / 2 l; twice that on the boundary
+    Eigen::VectorXd moments_;    // dE/dtheta
+    Points at_corners_;          // what every half-edge adds to the gradient at its source
 };
 
 } // namespace shape

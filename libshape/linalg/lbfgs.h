@@ -5,9 +5,19 @@
 #include <Eigen/Core>
 #include <functional>
 
-#include "libshape/linalg/minimize.h"
-
 namespace shape {
+
+/// A function of n variables: returns its value and overwrites the gradient.
+using Objective = std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd& gradient)>;
+
+struct Minimum
+{
+    Eigen::VectorXd point;
+    double value = 0.0;
+    int iterations = 0;
+    int evaluations = 0; ///< Of value and gradient.
+    bool converged = false;
+};
 
 struct LbfgsOptions
 {
@@ -18,8 +28,8 @@ struct LbfgsOptions
     int max_iterations = 15000;         ///< >= 0.
 };
 
-/// Lowers a smooth function by L-BFGS without a preconditioner and with the line search of More and
-/// Thuente (1994), as libLBFGS implements them. minimize() is for functions with a preconditioner.
+/// Lowers a smooth function by L-BFGS with the line search of More and Thuente (1994), as libLBFGS
+/// implements them.
 /// @param after_step  Called with the number of iterations; may throw Interrupted.
 /// @return The last point, not converged if the iterations ran out or no step lowered f.
 /// @throws InvalidInput if an option breaks a rule above.

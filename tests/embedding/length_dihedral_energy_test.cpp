@@ -53,7 +53,7 @@ TEST(LengthDihedralEnergy, VanishesAtTheMeshItself)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
-        const LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
+        LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
         VectorXd gradient;
         EXPECT_LT(energy.evaluate(flat(test::moved(mesh.points, 3)), gradient), 1e-24);
         EXPECT_LT(gradient.norm(), 1e-11);
@@ -85,7 +85,7 @@ TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferences)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
-        const LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.7);
+        LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.7);
         VectorXd x = flat(shaken(mesh, 0.1, 7));
         VectorXd gradient;
         VectorXd unused;
@@ -109,7 +109,7 @@ TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferences)
 TEST(LengthDihedralEnergy, HasTheSameBitsForAnyThreadCount)
 {
     const test::TestMesh mesh = test::bumpy_sphere(4, 0.3, 1);
-    const LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
+    LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
     const VectorXd x = flat(shaken(mesh, 0.1, 2));
     const int threads = thread_count();
     VectorXd one;
@@ -143,7 +143,7 @@ TEST(GaussNewton, FindsAShakenMeshAgain)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
-        const LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
+        LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
         std::vector<int> all;
         for (int v = 0; v < mesh.topology.vertex_count(); ++v)
             all.push_back(v);
@@ -163,7 +163,7 @@ TEST(GaussNewton, MovesTheNamedVerticesOnlyAndEndsWhereTheirGradientVanishes)
     Random random(3);
     for (double& length : target.edge_lengths)
         length *= random.uniform(0.97, 1.03);
-    const LengthDihedralEnergy energy(mesh.topology, target, 0.1);
+    LengthDihedralEnergy energy(mesh.topology, target, 0.1);
     const std::vector<int> some{3, 17, 40, 41, 200};
     const VectorXd start = flat(mesh.points);
     const GaussNewtonResult result =

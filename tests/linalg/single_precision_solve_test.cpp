@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "tests/support/thread_scope.h"
 
 namespace shape {
 namespace {
@@ -37,9 +38,16 @@ SparseMatrix grid_matrix(int side, std::uint64_t seed)
     return matrix;
 }
 
+LaneVectors columns_of(const Eigen::VectorXd& rows_of_three)
+{
+    LaneVectors columns = LaneVectors::Zero(4, rows_of_three.size() / 3);
+    columns.topRows<3>() = rows_of_three.reshaped(3, columns.cols()).cast<float>();
+    return columns;
+}
+
 TEST(SinglePrecisionSolve, SolvesAsExactlyAsFloatAllows)
 {
-    for (const int side : {1, 2, 5, 17, 60})
+    for (const int side : {1, 2, 5, 17, 60, 150}) // the last one in subtrees
         for (const Ordering ordering : {Ordering::MinimumDegree, Ordering::NestedDissection}) {
             SCOPED_TRACE(side);
             const SparseMatrix matrix = grid_matrix(side, 3);
@@ -52,16 +60,23 @@ TEST(SinglePrecisionSolve, SolvesAsExactlyAsFloatAllows)
                 rhs(Eigen::seqN(k, side * side, 3)) =
                     matrix.selfadjointView<Eigen::Lower>() * column;
             }
-            const Eigen::VectorXd found =
-                SinglePrecisionSolve(SparseCholesky(matrix, ordering)).solve(rhs);
-            EXPECT_LT((found - solution).norm(), 1e-4 * solution.norm());
+            const SinglePrecisionSolve solve{SparseCholesky(matrix, ordering)};
+            LaneVectors found;
+            solve.solve(columns_of(rhs), found);
+            EXPECT_LT((found - columns_of(solution)).norm(), 1e-4 * solution.norm());
+
+            const test::ThreadScope threads(3);
+            LaneVectors again;
+            solve.solve(columns_of(rhs), again);
+            EXPECT_EQ(found, again);
         }
 }
 
 TEST(SinglePrecisionSolve, RefusesAnotherSize)
 {
     const SinglePrecisionSolve solve{SparseCholesky(grid_matrix(3, 1))};
-    EXPECT_THROW((void)solve.solve(Eigen::VectorXd::Ones(26)), InvalidInput);
+    LaneVectors found;
+    EXPECT_THROW(solve.solve(LaneVectors::Ones(4, 8), found), InvalidInput);
 }
 
 } // namespace

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+
+namespace shape {
+
+/// Vectors in single precision, one a column, each in a register of its own: 4 by #V, the last row 0.
+using LaneVectors = Eigen::Matrix<float, 4, Eigen::Dynamic>;
+
+/// One of them.
+using Lanes = float __attribute__((vector_size(16)));
+
+[[nodiscard]] inline Lanes* lanes(LaneVectors& vectors)
+{
+    return reinterpret_cast<Lanes*>(vectors.data());
+}
+[[nodiscard]] inline const Lanes* lanes(const LaneVectors& vectors)
+{
+    return reinterpret_cast<const Lanes*>(vectors.data());
+}
+
+} // namespace shape

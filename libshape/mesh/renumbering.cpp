@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/renumbering.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace shape {
+
+Renumbering renumber_for_locality(const Topology& topology)
+{
+    std::vector<int> order{0}; // of vertices
+    order.reserve(static_cast<std::size_t>(topology.vertex_count()));
+    std::vector<int> number(static_cast<std::size_t>(topology.vertex_count()), -1);
+    number[0] = 0;
+    const auto visit = [&](int v) {
+        int& place = number[static_cast<std::size_t>(v)];
+        if (place < 0) {
+            place = static_cast<int>(order.size());
+            order.push_back(v);
+        }
+    };
+    for (std::size_t i = 0; i < order.size(); ++i)
+        for (const int h : topology.outgoing(order[i])) {
+            visit(topology.target(h));
+            visit(topology.source(Topology::previous(h)));
+        }
+
+    Faces faces(topology.face_count(), 3);
+    for (Eigen::Index k = 0; k < faces.size(); ++k)
+        faces.data()[k] = number[static_cast<std::size_t>(topology.faces().data()[k])];
+    std::vector<int> face_order(static_cast<std::size_t>(faces.rows()));
+    std::iota(face_order.begin(), face_order.end(), 0);
+    std::sort(face_order.begin(), face_order.end(), [&](int a, int b) {
+        return std::pair(faces.row(a).minCoeff(), a) < std::pair(faces.row(b).minCoeff(), b);
+    });
+    const Faces sorted = faces(face_order, Eigen::all);
+
+    Renumbering result{Topology(sorted, topology.vertex_count()), std::move(order), {}};
+    result.edges.reserve(static_cast<std::size_t>(topology.edge_count()));
+    for (int e = 0; e < topology.edge_count(); ++e) {
+        const auto before = [&](int end) {
+            return result.vertices[static_cast<std::size_t>(result.topology.edges()(e, end))];
+        };
+        result.edges.push_back(topology.find_edge(before(0), before(1)));
+    }
+    return result;
+}
+
+Points renumbered(const Renumbering& renumbering, const Points& points)
+{
+    return points(renumbering.vertices, Eigen::all);
+}
+
+Points restored(const Renumbering& renumbering, const Points& points)
+{
+    Points before(points.rows(), 3);
+    before(renumbering.vertices, Eigen::all) = points;
+    return before;
+}
+
+} // namespace shape
