@@ -58,8 +58,9 @@ public:
     /// E of a mesh.
     double at(const VectorXd& points) const
     {
+        LengthDihedralEnergy energy = half_; // works in memory of its own
         VectorXd gradient;
-        return half_.evaluate(points, gradient);
+        return energy.evaluate(points, gradient);
     }
 
     /// E at the end of a descent.
