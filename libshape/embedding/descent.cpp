@@ -124,9 +124,10 @@ void to_lanes(const VectorXd& v, double scale, LaneVectors& to)
 Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& preconditioner,
                 VectorXd start, const DescentOptions& options)
 {
-    if (options.max_linear_steps < 0)
-        throw InvalidInput(
-            join("descent: max_linear_steps is ", options.max_linear_steps, ", must be >= 0"));
+    if (options.max_linear_steps < 0 || options.first_linear_steps < 2)
+        throw InvalidInput(join("descent: max_linear_steps is ", options.max_linear_steps,
+                                ", first_linear_steps ", options.first_linear_steps,
+                                "; must be >= 0 and >= 2"));
     Descent result;
     result.points = std::move(start);
     VectorXd gradient;
@@ -141,8 +142,7 @@ Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& precon
     LaneVectors step;
     VectorXd next(result.points.size());
     VectorXd next_gradient;
-    constexpr int first_steps = 8;
-    int steps = first_steps;
+    int steps = options.first_linear_steps;
     while (!result.converged && result.linear_steps < options.max_linear_steps) {
         matrix.linearise(result.points);
         to_lanes(gradient, -0.5 * matrix.unit(), pull);
@@ -168,17 +168,19 @@ Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& precon
             break;
         }
         const double lowered = result.energy - value;
-        result.converged = lowered <= taken * options.decrease_tolerance * value ||
-                           value <= options.value_tolerance;
+        const double agreement = lowered / (2.0 * decrease); // E is the sum of squares, not half
+        // A step that did not do what it promised says nothing about how much is left.
+        result.converged =
+            (agreement > 0.25 && lowered <= taken * options.decrease_tolerance * value) ||
+            value <= options.value_tolerance;
         result.points.swap(next);
         gradient.swap(next_gradient);
         result.energy = value;
         ++result.newton_steps;
-        const double agreement = lowered / (2.0 * decrease); // E is the sum of squares, not half
         if (agreement > 0.7)
             steps = steps + steps / 2;
         else if (agreement < 0.6)
-            steps = std::max(steps / 2, first_steps / 2);
+            steps = std::max(steps / 2, options.first_linear_steps / 2);
     }
     return result;
 }

@@ -12,6 +12,7 @@ namespace shape {
 struct DescentOptions
 {
     int max_linear_steps = 120; ///< In all; each is one back-substitution; >= 0.
+    int first_linear_steps = 8; ///< In the first Newton step; >= 2.
     /// Converged once a Newton step of k linear steps lowers E by <= k * decrease_tolerance * E.
     double decrease_tolerance = 2e-4;
     double value_tolerance = 0.0; ///< Converged as well once E <= value_tolerance.
@@ -27,12 +28,13 @@ struct Descent
 };
 
 /// Lowers a LengthDihedralEnergy by Gauss-Newton steps. Their linear systems are solved by conjugate
-/// gradients (gauss_newton_operator.h), cut off early: at 8 linear steps first, half as many again
-/// after a Newton step that did what its quadratic model said, half of them after one that did not.
+/// gradients (gauss_newton_operator.h), cut off early: at first_linear_steps first, half as many
+/// again after a Newton step that did what its quadratic model said, half of them after one that did
+/// not.
 /// (Truncated Newton method: Nocedal and Wright 2006, section 7.1.) Newton steps are halved until E
 /// falls, so E never rises.
 /// @param preconditioner  Of the Laplacian weighted by 1 / l^2 (edge_laplacian.h).
-/// @throws InvalidInput if max_linear_steps < 0.
+/// @throws InvalidInput if an option is out of its range.
 /// @throws NumericalError if E is not finite at the start.
 [[nodiscard]] Descent descend(LengthDihedralEnergy& energy,
                               const SinglePrecisionSolve& preconditioner, Eigen::VectorXd start,

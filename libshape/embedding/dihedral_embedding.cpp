@@ -113,32 +113,30 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     }
     result.back_substitutions = 1 + options.local_global_steps;
 
-    FoldRepair repair =
-        repair_folds(energy, s.references, start.reshaped<Eigen::RowMajor>(), options.folds);
-    result.repaired_folds = repair.replaced;
-    // Rounding: strains of 1e-12 an edge are none.
-    const double nothing = 1e-24 * topology.edge_count();
-    constexpr int rounds = 3;
-    for (int round = 0; round < rounds; ++round) {
-        const Descent descent =
-            descend(energy, s.preconditioner, std::move(repair.points),
-                    {.max_linear_steps = options.max_iterations - result.iterations,
-                     .decrease_tolerance = options.decrease_tolerance,
-                     .value_tolerance = nothing});
+    const auto descend_by = [&](Eigen::VectorXd from, int steps) {
+        // Rounding: strains of 1e-12 an edge are none.
+        const double nothing = 1e-24 * topology.edge_count();
+        Descent descent = descend(energy, s.preconditioner, std::move(from),
+                                  {.max_linear_steps = steps,
+                                   .first_linear_steps = options.first_linear_steps,
+                                   .decrease_tolerance = options.decrease_tolerance,
+                                   .value_tolerance = nothing});
         result.iterations += descent.linear_steps;
         result.energy = descent.energy;
         result.converged = descent.converged;
-        repair = {descent.points, 0, 0};
-        if (round + 1 == rounds || result.iterations >= options.max_iterations)
-            break;
-        repair = repair_folds(energy, s.references, std::move(repair.points), options.folds);
-        result.repaired_folds += repair.replaced;
-        if (repair.replaced == 0)
-            break;
+        return descent.points;
+    };
+    // Folds show once what is rough about the start is gone.
+    VectorXd points = descend_by(start.reshaped<Eigen::RowMajor>(),
+                                 std::min(options.steps_before_repair, options.max_iterations));
+    if (const int left = options.max_iterations - result.iterations; left > 0) {
+        FoldRepair repair = repair_folds(energy, s.references, std::move(points), options.folds);
+        result.repaired_folds = repair.replaced;
+        points = descend_by(std::move(repair.points), left);
     }
     result.back_substitutions += result.iterations;
-    const Eigen::Map<const Points> points(repair.points.data(), topology.vertex_count(), 3);
-    result.points = restored(s.renumbering, points.rowwise() - points.colwise().mean());
+    const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
+    result.points = restored(s.renumbering, vertices.rowwise() - vertices.colwise().mean());
     return result;
 }
 

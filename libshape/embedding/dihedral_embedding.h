@@ -15,18 +15,20 @@ namespace shape {
 
 struct DihedralEmbeddingOptions
 {
-    double smoothness = 5e-3;   ///< mu of length_dihedral_energy.h; > 0.
-    int local_global_steps = 3; ///< Wedge steps after the linear start; >= 0.
-    int max_iterations = 120;   ///< Linear steps of descent.h; 0 stops after the wedge steps.
-    FoldRepairOptions folds;
+    double smoothness = 5e-3;     ///< mu of length_dihedral_energy.h; > 0.
+    int local_global_steps = 3;   ///< Wedge steps after the linear start; >= 0.
+    int max_iterations = 150;     ///< Linear steps of descent.h; 0 stops after the wedge steps.
+    int first_linear_steps = 8;   ///< Of descent.h.
+    int steps_before_repair = 24; ///< Linear steps before folds are looked for.
+    FoldRepairOptions folds = {};
     double decrease_tolerance = 2e-4; ///< Of descent.h.
 };
 
-/// What --quality preview does: at most 12 back-substitutions.
-inline constexpr DihedralEmbeddingOptions dihedral_preview{
-    .local_global_steps = 2,
-    .max_iterations = 8,
-    .folds = {.suspect_angle = 1.0, .rings = 2, .max_iterations = 3}};
+/// What --quality preview does: 12 back-substitutions, and folds stay.
+inline constexpr DihedralEmbeddingOptions dihedral_preview{.local_global_steps = 2,
+                                                           .max_iterations = 9,
+                                                           .first_linear_steps = 4,
+                                                           .steps_before_repair = 9};
 
 struct DihedralEmbedding
 {
@@ -45,9 +47,8 @@ struct DihedralEmbedding
 ///    trusted by how well the walks around their ends close (patch_frames.h, face_layout.h).
 /// 2. Positions: one Laplace solve; then wedge steps, each rotating every two-triangle wedge to its
 ///    best fit and solving again.
-/// 3. Folds that this start left are turned back (fold_repair.h).
-/// 4. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); folds once
-///    more where any are left.
+/// 3. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); after the
+///    first of them folds are turned back (fold_repair.h).
 ///
 /// What depends on topology and references alone is kept: patches and the factor of the Laplacian
 /// weighted by 1 / l^2.

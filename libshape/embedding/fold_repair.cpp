@@ -6,9 +6,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
+#include "libshape/base/random.h"
 #include "libshape/base/threads.h"
 #include "libshape/embedding/gauss_newton.h"
 #include "libshape/mesh/alignment.h"
@@ -21,15 +23,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-struct Region
-{
-    std::vector<int> vertices;
-    bool folded = false;
-};
-
-/// Vertices of suspect wedges, grown by rings, as connected regions in ascending order.
-std::vector<Region> suspect_regions(const LengthDihedralEnergy& energy, const VectorXd& points,
-                                    const FoldRepairOptions& options)
+/// Vertices of suspect wedges, grown by rings, as connected regions in ascending order; those with a
+/// fold.
+std::vector<std::vector<int>> folded_regions(const LengthDihedralEnergy& energy,
+                                             const VectorXd& points,
+                                             const FoldRepairOptions& options)
 {
     const Topology& t = energy.topology();
     const VectorXd angles =
@@ -65,7 +63,12 @@ std::vector<Region> suspect_regions(const LengthDihedralEnergy& energy, const Ve
         for (const int v : std::vector<int>(std::exchange(front, {})))
             neighbours(v, mark);
 
-    std::vector<Region> regions;
+    struct Region
+    {
+        std::vector<int> vertices;
+        bool folded = false;
+    };
+    std::vector<std::vector<int>> regions;
     for (int v = 0; v < t.vertex_count(); ++v) {
         if (!marked[static_cast<std::size_t>(v)])
             continue;
@@ -80,7 +83,8 @@ std::vector<Region> suspect_regions(const LengthDihedralEnergy& energy, const Ve
         take(v);
         for (std::size_t i = 0; i < region.vertices.size(); ++i)
             neighbours(region.vertices[i], take);
-        regions.push_back(std::move(region));
+        if (region.folded)
+            regions.push_back(std::move(region.vertices));
     }
     return regions;
 }
@@ -149,7 +153,7 @@ VectorXd rigid_filling(const GaussNewton& region, const LengthDihedralEnergy& en
             points.segment<3>(3 * v) = solution.row(i).transpose();
     };
     solve(true);
-    constexpr int sweeps = 15;
+    constexpr int sweeps = 5;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (const int v : around) {
             // Normals say which side is up: counted on the rim, where the surface is as wanted.
@@ -173,34 +177,75 @@ VectorXd rigid_filling(const GaussNewton& region, const LengthDihedralEnergy& en
     return points;
 }
 
+/// The region's vertices moved at random along their normals, by up to half the edges around them.
+VectorXd shaken(const Topology& t, const std::vector<int>& vertices, std::uint64_t seed,
+                VectorXd points)
+{
+    Random random(seed);
+    const VectorXd before = points;
+    for (const int v : vertices) {
+        Vector3d normal = Vector3d::Zero();
+        double lengths = 0.0;
+        for (const int h : t.outgoing(v)) {
+            const Vector3d centre = before.segment<3>(3 * v);
+            const Vector3d a = before.segment<3>(3 * t.target(h)) - centre;
+            const Vector3d b = before.segment<3>(3 * t.source(Topology::previous(h))) - centre;
+            normal += a.cross(b);
+            lengths += a.norm();
+        }
+        const double reach = 0.5 * lengths / static_cast<double>(t.outgoing(v).size());
+        points.segment<3>(3 * v) += random.uniform(-reach, reach) * normal.stableNormalized();
+    }
+    return points;
+}
+
 } // namespace
 
 FoldRepair repair_folds(const LengthDihedralEnergy& energy, const std::vector<Points>& references,
                         VectorXd points, const FoldRepairOptions& options)
 {
     FoldRepair repair{std::move(points), 0, 0};
-    for (const Region& suspect : suspect_regions(energy, repair.points, options)) {
-        const std::size_t size = suspect.vertices.size();
-        if (size > static_cast<std::size_t>(options.largest_region) ||
-            size == static_cast<std::size_t>(energy.topology().vertex_count()))
+    const Topology& topology = energy.topology();
+    for (const std::vector<int>& vertices : folded_regions(energy, repair.points, options)) {
+        if (vertices.size() > static_cast<std::size_t>(options.largest_region) ||
+            vertices.size() == static_cast<std::size_t>(topology.vertex_count()))
             continue;
         ++repair.regions;
-        const GaussNewton region(energy.topology(), suspect.vertices);
-        std::vector<GaussNewtonResult> candidates(suspect.folded ? 1 + references.size() : 1);
-        parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t) {
-            const VectorXd start =
-                begin == 0 ? repair.points
-                           : rigid_filling(region, energy, references[begin - 1], repair.points);
-            candidates[begin] = region.minimize(
-                energy, start,
-                {.max_iterations = options.max_iterations, .decrease_tolerance = 1e-2});
+        const GaussNewton region(topology, vertices);
+        const auto start = [&](std::size_t k) -> VectorXd {
+            if (k == 0)
+                return repair.points;
+            if (k <= references.size())
+                return rigid_filling(region, energy, references[k - 1], repair.points);
+            return shaken(topology, vertices, k - references.size(), repair.points);
+        };
+        std::vector<GaussNewtonResult> candidates(1 + references.size() +
+                                                  static_cast<std::size_t>(options.shaken_starts));
+        constexpr double tolerance = 1e-2;
+        parallel_for(candidates.size(), 1, [&](std::size_t k, std::size_t) {
+            candidates[k] = region.minimize(
+                energy, start(k),
+                {.max_iterations = options.trial_iterations, .decrease_tolerance = tolerance});
         });
-        const auto best =
-            std::min_element(candidates.begin(), candidates.end(),
-                             [](const auto& a, const auto& b) { return a.value < b.value; });
-        if (best != candidates.begin())
+        std::vector<std::size_t> order(candidates.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        const auto by_value = [&](std::size_t a, std::size_t b) {
+            return std::pair(candidates[a].value, a) < std::pair(candidates[b].value, b);
+        };
+        constexpr std::size_t finalists = 3;
+        std::sort(order.begin(), order.end(), by_value);
+        order.resize(std::min(order.size(), finalists));
+        parallel_for(order.size(), 1, [&](std::size_t k, std::size_t) {
+            GaussNewtonResult& candidate = candidates[order[k]];
+            if (!candidate.converged)
+                candidate = region.minimize(
+                    energy, candidate.points,
+                    {.max_iterations = options.final_iterations, .decrease_tolerance = tolerance});
+        });
+        const std::size_t best = *std::min_element(order.begin(), order.end(), by_value);
+        if (best != 0)
             ++repair.replaced;
-        repair.points = best->points;
+        repair.points = candidates[best].points;
     }
     return repair;
 }

@@ -69,6 +69,7 @@ struct SparseCholesky::Factor
         openblas_set_num_threads(1);
         start_quietly(common);
         common.supernodal = CHOLMOD_SUPERNODAL;
+        common.final_ll = 1; // L L^T, not L D L^T, which exists for indefinite matrices too
     }
     Factor(const Factor&) = delete;
     Factor& operator=(const Factor&) = delete;
@@ -121,6 +122,9 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, Ordering ordering)
     f.entries = matrix.nonZeros();
     f.common.nmethods = 1;
     f.common.method[0].ordering = ordering == Ordering::MinimumDegree ? CHOLMOD_AMD : CHOLMOD_METIS;
+    constexpr Eigen::Index small = 1500; // waking CHOLMOD's threads would cost more than the work
+    if (ordering == Ordering::MinimumDegree && f.size < small)
+        f.common.supernodal = CHOLMOD_SIMPLICIAL;
     cholmod_sparse a = Factor::view(matrix);
     f.factor = cholmod_analyze(&a, &f.common);
     if (f.factor == nullptr)
@@ -173,6 +177,8 @@ Eigen::Index SparseCholesky::size() const
 SupernodalFactor SparseCholesky::factor() const
 {
     const cholmod_factor& f = *factor_->factor;
+    if (!f.is_super)
+        throw InvalidInput("the factor of a small matrix in MinimumDegree has no supernodes");
     const auto view = [](const void* data, std::size_t count) {
         return std::span(static_cast<const int*>(data), count);
     };

@@ -14,7 +14,8 @@ using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 /// Fill-reducing ordering of a sparse factorisation.
 enum class Ordering
 {
-    MinimumDegree,    ///< AMD: quick to find; small systems, or systems factored once.
+    MinimumDegree, ///< AMD: quick to find; small systems (without supernodes below 1500 rows), or
+                   ///< systems factored once.
     NestedDissection, ///< METIS: less fill on large meshes; worth it when factored repeatedly.
 };
 
@@ -62,6 +63,7 @@ public:
     [[nodiscard]] Eigen::Index size() const;
 
     /// A view, valid until the next refactor().
+    /// @throws InvalidInput if the factor has no supernodes.
     [[nodiscard]] SupernodalFactor factor() const;
 
     /// Entries of the factor.

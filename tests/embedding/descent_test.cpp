@@ -107,6 +107,8 @@ TEST(Descent, RefusesBadOptionsAndStarts)
     LengthDihedralEnergy energy(p.mesh.topology, p.target, mu);
     EXPECT_THROW((void)descend(energy, p.preconditioner, p.start, {.max_linear_steps = -1}),
                  InvalidInput);
+    EXPECT_THROW((void)descend(energy, p.preconditioner, p.start, {.first_linear_steps = 1}),
+                 InvalidInput);
     VectorXd broken = p.start;
     broken[0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW((void)descend(energy, p.preconditioner, broken), NumericalError);
