@@ -15,7 +15,7 @@ two threads. --closure adds that method (minutes), --names chooses pairs. Tables
   rate        embeddings a second at about 5,000 vertices
   memory      peak memory of the program on the largest real pair
   minima      the energy reached beside that of other methods
-  density     the same arm with more vertices, at the same mu and at one that grows with them
+  density     the same shapes with more vertices, at the same mu and at one that grows with them
   units       pairs in units a thousand times smaller
   bits        whether one and two threads, and two runs, give the same file
   faces       a model of 600 faces: mean, mean difference and modes
@@ -169,14 +169,22 @@ class Bench:
             row(name, *(f"{energy:.5g}" for energy in energies), f"{energies[0] / min(energies):.4f}")
 
     def density(self):
-        table(["vertices", "mu", "edge RMS", "worst edge", "drift RMS x sqrt(V / 2,500)", "steps"])
-        for grows in (False, True):
-            for size in (2500, 10_000, 40_000, 160_000):
-                mu = 5e-3 * (size / 2500 if grows else 1)
-                found, _ = self.interpolate(self.synthetic("arm", 2, size), "--smoothness", mu)
-                drift = found["dihedral_rms_deg"] * math.sqrt(found["vertices"] / 2500)
-                row(found["vertices"], f"{mu:g}", f"{100 * found['edge_rms']:.4f} %",
-                    f"{100 * found['edge_max']:.3f} %", f"{drift:.3f}°", found["iterations"])
+        """The same mu, and one that grows with the number of vertices, on two shapes; drift is given as
+        the angle per length, in units of the coarsest mesh of the shape."""
+        shapes = {"arm": [self.synthetic("arm", 2, size) for size in (2500, 10_000, 40_000, 160_000)],
+                  "body": [files for name, files in self.real() if name in ("body", "large")]}
+        table(["shape", "vertices", "mu", "edge RMS", "worst edge", "drift RMS per length", "steps"])
+        for name, meshes in shapes.items():
+            for grows in (False, True):
+                coarsest = None
+                for files in meshes:
+                    refined = vertex_count(files[0]) / (coarsest or vertex_count(files[0]))
+                    coarsest = coarsest or vertex_count(files[0])
+                    mu = 5e-3 * (refined if grows else 1)
+                    found, _ = self.interpolate(files, "--smoothness", mu)
+                    row(name, found["vertices"], f"{mu:.4g}", f"{100 * found['edge_rms']:.4f} %",
+                        f"{100 * found['edge_max']:.3f} %",
+                        f"{found['dihedral_rms_deg'] * math.sqrt(refined):.3f}°", found["iterations"])
 
     def units(self):
         table(["pair", "edge RMS", "in small units", "worst edge", "in small units"])
@@ -242,6 +250,11 @@ def exponent(points):
     logs = [(math.log(vertices), math.log(time)) for vertices, time in points]
     x, y = (sum(values) / len(logs) for values in zip(*logs))
     return sum((u - x) * (v - y) for u, v in logs) / sum((u - x) ** 2 for u, _ in logs)
+
+
+def vertex_count(file):
+    with open(file) as lines:
+        return sum(line.startswith("v ") for line in lines)
 
 
 def thousandfold(line):
