@@ -13,7 +13,7 @@
 #include "libshape/embedding/gauss_newton.h"
 #include "libshape/embedding/graded_unknowns.h"
 #include "libshape/embedding/length_dihedral_energy.h"
-#include "libshape/embedding/wedge_fit.h"
+#include "libshape/embedding/face_fit.h"
 #include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/alignment.h"
 
@@ -119,7 +119,7 @@ Points linear_start(const Topology& topology, const Points& from, const ShapePoi
     std::vector<Matrix3d> frames = face_frames(topology, from);
     Points points = laplacian.positions(frames, layout.halfedges);
     for (int step = 0; step < wedge_steps; ++step) {
-        frames = fit_wedges(topology, layout, laplacian.weights(), points, std::move(frames));
+        frames = fit_faces(topology, layout, laplacian.weights(), points, std::move(frames));
         points = laplacian.positions(frames, layout.halfedges);
     }
     return points;

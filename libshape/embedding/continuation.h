@@ -24,7 +24,7 @@ struct ContinuedMesh
 };
 
 /// Moves a mesh to a target nearby: the next mesh of a sequence. Its faces give the frames, which
-/// the target's lengths and angles refine (wedge_fit.h); then Gauss-Newton steps. Edge lengths may
+/// the target's lengths and angles refine (face_fit.h); then Gauss-Newton steps. Edge lengths may
 /// range over ten orders of magnitude.
 /// @param from  #V by 3 [length], without degenerate faces.
 /// @throws InvalidInput if a size is wrong, or target or options break a rule.

@@ -13,7 +13,7 @@
 #include "libshape/embedding/fold_repair.h"
 #include "libshape/embedding/length_dihedral_energy.h"
 #include "libshape/embedding/patch_frames.h"
-#include "libshape/embedding/wedge_fit.h"
+#include "libshape/embedding/face_fit.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/renumbering.h"
 
@@ -108,7 +108,7 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
         s.patches.face_frames(layout.transitions, transition_weights(topology, layout.transitions));
     Points start = s.laplacian.positions(frames, layout.halfedges);
     for (int step = 0; step < options.local_global_steps; ++step) {
-        frames = fit_wedges(topology, layout, s.laplacian.weights(), start, std::move(frames));
+        frames = fit_faces(topology, layout, s.laplacian.weights(), start, std::move(frames));
         start = s.laplacian.positions(frames, layout.halfedges);
     }
     result.back_substitutions = 1 + options.local_global_steps;

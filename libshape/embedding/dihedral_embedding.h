@@ -16,8 +16,8 @@ namespace shape {
 struct DihedralEmbeddingOptions
 {
     double smoothness = 5e-3;     ///< mu of length_dihedral_energy.h; > 0.
-    int local_global_steps = 3;   ///< Wedge steps after the linear start; >= 0.
-    int max_iterations = 150;     ///< Linear steps of descent.h; 0 stops after the wedge steps.
+    int local_global_steps = 3;   ///< Face steps after the linear start; >= 0.
+    int max_iterations = 120;     ///< Linear steps of descent.h; 0 stops after the face steps.
     int first_linear_steps = 8;   ///< Of descent.h.
     int steps_before_repair = 24; ///< Linear steps before folds are looked for.
     FoldRepairOptions folds = {};
@@ -45,7 +45,7 @@ struct DihedralEmbedding
 ///
 /// 1. Frames: every face laid out by lengths and angles, oriented patch by patch, transitions
 ///    trusted by how well the walks around their ends close (patch_frames.h, face_layout.h).
-/// 2. Positions: one Laplace solve; then wedge steps, each rotating every two-triangle wedge to its
+/// 2. Positions: one Laplace solve; then face steps, each rotating every face to its
 ///    best fit and solving again.
 /// 3. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); after the
 ///    first of them folds are turned back (fold_repair.h).

@@ -16,7 +16,7 @@ struct FoldRepairOptions
     double suspect_angle = 0.5; ///< and suspect where it exceeds this [rad].
     int rings = 3;              ///< Rings of vertices around suspect wedges that move along; >= 0.
     int shaken_starts = 6;      ///< >= 0.
-    int trial_iterations = 4;   ///< Gauss-Newton steps from every start,
+    int trial_iterations = 2;   ///< Gauss-Newton steps from every start,
     int final_iterations = 5;   ///< and of the three best ones after that.
     int largest_region = 2000;  ///< Larger regions are left alone [vertices].
 };

@@ -122,7 +122,7 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, Ordering ordering)
     f.entries = matrix.nonZeros();
     f.common.nmethods = 1;
     f.common.method[0].ordering = ordering == Ordering::MinimumDegree ? CHOLMOD_AMD : CHOLMOD_METIS;
-    constexpr Eigen::Index small = 1500; // waking CHOLMOD's threads would cost more than the work
+    constexpr Eigen::Index small = 3000; // waking CHOLMOD's threads would cost more than the work
     if (ordering == Ordering::MinimumDegree && f.size < small)
         f.common.supernodal = CHOLMOD_SIMPLICIAL;
     cholmod_sparse a = Factor::view(matrix);

@@ -14,7 +14,7 @@ using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 /// Fill-reducing ordering of a sparse factorisation.
 enum class Ordering
 {
-    MinimumDegree, ///< AMD: quick to find; small systems (without supernodes below 1500 rows), or
+    MinimumDegree, ///< AMD: quick to find; small systems (without supernodes below 3000 rows), or
                    ///< systems factored once.
     NestedDissection, ///< METIS: less fill on large meshes; worth it when factored repeatedly.
 };

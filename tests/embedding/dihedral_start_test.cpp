@@ -12,7 +12,7 @@
 #include "libshape/embedding/edge_laplacian.h"
 #include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/patch_frames.h"
-#include "libshape/embedding/wedge_fit.h"
+#include "libshape/embedding/face_fit.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -174,7 +174,7 @@ TEST(EdgeLaplacian, TakesFramesOfAMeshBackToItsPositions)
     }
 }
 
-TEST(WedgeFit, FindsTheFramesOfAMovedMesh)
+TEST(FaceFit, FindsTheFramesOfAMovedMesh)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
@@ -182,7 +182,7 @@ TEST(WedgeFit, FindsTheFramesOfAMovedMesh)
             edge_lengths(mesh.topology, mesh.points).array().square().inverse();
         const test::TestMesh target{mesh.name, mesh.topology, test::moved(mesh.points, 11)};
         const std::vector<Matrix3d> fitted =
-            fit_wedges(mesh.topology, layout_of(mesh), weights, target.points, frames_of(mesh));
+            fit_faces(mesh.topology, layout_of(mesh), weights, target.points, frames_of(mesh));
         EXPECT_LT(largest_difference(fitted, frames_of(target)), 1e-10);
     }
 }
