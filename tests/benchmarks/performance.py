@@ -102,13 +102,13 @@ class Bench:
         times = {}
         for name, files in pairs_of_files:
             arguments = ["--methods", "fine,preview,multiscale" + (",closure" if self.options.closure else "")]
+            repeats = 9 if vertex_count(files[0]) < 100_000 else 3
             peer = None
             if self.options.peer:
                 mesh = self.work / "peer.obj"
-                peer = call(self.options.peer, *files, "--t", 0.5, "--repeat", 9, "--out", mesh)["poses"][0]
+                peer = call(self.options.peer, *files, "--t", 0.5, "--repeat", repeats, "--out", mesh)["poses"][0]
                 arguments += ["--measure", mesh]
-            large = files[0].stat().st_size > 5e6
-            report = self.benchmark("embedding", *files, "--repeat", 3 if large else 9, *arguments)
+            report = self.benchmark("embedding", *files, "--repeat", repeats, *arguments)
             solve = report["back_substitution_ms"]
             unit = peer["total_ms"] if peer else math.nan
             if peer:
@@ -223,26 +223,35 @@ class Bench:
                     f"{1e3 * found['seconds']:.0f}")
 
     def smoothness(self):
+        """Last column: how far a point of the curve is from the least edge error and the least drift at
+        once, each over its range on the curve. The knee is where that is smallest."""
         import matplotlib
         matplotlib.use("svg")
         import matplotlib.pyplot as plt
+        plt.rcParams["svg.hashsalt"] = "smoothness"
         figure, axes = plt.subplots(1, 3, figsize=(9, 3), constrained_layout=True)
-        table(["pair", "mu", "edge RMS", "worst edge", "drift RMS", "steps"])
+        table(["pair", "mu", "edge RMS", "worst edge", "drift RMS", "steps", "from the corner"])
+        smoothness = [5e-3 * 2.0 ** power for power in range(-4, 5)]
         for axis, (name, files) in zip(axes, self.real("arm", "large", "walk")):
-            curve = []
-            for power in range(-4, 5):
-                mu = 5e-3 * 2.0 ** power
-                found, _ = self.interpolate(files, "--smoothness", mu)
-                curve.append((found["dihedral_rms_deg"], 100 * found["edge_rms"]))
-                row(name, f"{mu:g}", f"{curve[-1][1]:.4f} %", f"{100 * found['edge_max']:.2f} %",
-                    f"{curve[-1][0]:.3f}°", found["iterations"])
-                if power % 4 == 0:
-                    axis.annotate(f"{mu:.2g}", curve[-1], textcoords="offset points", xytext=(4, 4), fontsize=7)
-            axis.plot(*zip(*curve), ".-", linewidth=1)
-            axis.plot(*curve[4], "o", color="tab:red")
+            found = [self.interpolate(files, "--smoothness", mu)[0] for mu in smoothness]
+            errors = [100 * report["edge_rms"] for report in found]
+            drifts = [report["dihedral_rms_deg"] for report in found]
+            for mu, report, *corner in zip(smoothness, found, share(errors), share(drifts)):
+                row(name, f"{mu:g}", f"{100 * report['edge_rms']:.4f} %", f"{100 * report['edge_max']:.2f} %",
+                    f"{report['dihedral_rms_deg']:.3f}°", report["iterations"], f"{math.hypot(*corner):.2f}")
+            axis.plot(drifts, errors, ".-", linewidth=1)
+            axis.plot(drifts[4], errors[4], "o", color="tab:red")
+            for i in (0, 2, 4, 6, 8):
+                axis.annotate(f"{smoothness[i]:.2g}", (drifts[i], errors[i]), textcoords="offset points",
+                              xytext=(4, 4), fontsize=7)
             axis.set(title=name, xlabel="drift RMS [deg]", ylabel="edge RMS [%]", xlim=(0, None), ylim=(0, None))
             axis.grid(alpha=0.3)
         figure.savefig(self.work / "smoothness.svg", metadata={"Date": None})
+
+
+def share(values):
+    """Where values lie between their least (0) and their greatest (1)."""
+    return [(value - min(values)) / (max(values) - min(values)) for value in values]
 
 
 def exponent(points):

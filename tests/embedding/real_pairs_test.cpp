@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/embedding/embedder.h"
@@ -44,7 +46,7 @@ protected:
     /// The blend of the meshes in a unit so many times smaller.
     [[nodiscard]] Points half_way(EmbeddingQuality quality, double scale = 1.0) const
     {
-        Collection meshes = meshes_;
+        Collection meshes = *meshes_;
         for (Points& points : meshes.points)
             points *= scale;
         const ShapePoint target =
@@ -56,7 +58,7 @@ protected:
     [[nodiscard]] std::vector<bool> bad_faces(const Points& points) const
     {
         constexpr double fold = 150.0 * std::numbers::pi / 180.0;
-        const Topology& topology = meshes_.topology;
+        const Topology& topology = meshes_->topology;
         const Eigen::VectorXd angles = dihedral_angles(topology, points);
         std::vector<bool> bad;
         for (int f = 0; f < topology.face_count(); ++f) {
@@ -75,7 +77,7 @@ protected:
         return bad;
     }
 
-    Collection meshes_;
+    std::optional<Collection> meshes_;
 };
 
 constexpr EmbeddingQuality qualities[] = {EmbeddingQuality::Fine, EmbeddingQuality::Preview};
@@ -100,13 +102,11 @@ TEST_P(RealPairsSlow, DoNotDependOnTheUnitOfLength)
 
 TEST_P(RealPairsSlow, HaveNoFoldedOrDegenerateFaceThatWasNotSoInAnInput)
 {
-    const std::vector<bool> a = bad_faces(meshes_.points[0]);
-    const std::vector<bool> b = bad_faces(meshes_.points[1]);
-    for (const EmbeddingQuality quality : qualities) {
-        const std::vector<bool> found = bad_faces(half_way(quality));
-        for (std::size_t f = 0; f < found.size(); ++f)
-            EXPECT_LE(found[f], a[f] || b[f]) << "face " << f;
-    }
+    const std::vector<bool> a = bad_faces(meshes_->points[0]);
+    const std::vector<bool> b = bad_faces(meshes_->points[1]);
+    const std::vector<bool> found = bad_faces(half_way(EmbeddingQuality::Fine));
+    for (std::size_t f = 0; f < found.size(); ++f)
+        EXPECT_LE(found[f], a[f] || b[f]) << "face " << f;
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Pair{"Body", "mh_body_poses", "rest", "lunge"},
                     Pair{"Walk", "mh_body_poses", "walk_00", "walk_06"},
                     Pair{"Face", "ict_faces_full", "s000_neutral", "s000_happy"}),
-    [](const testing::TestParamInfo<Pair>& info) { return std::string(info.param.name); });
+    [](const testing::TestParamInfo<Pair>& pair) { return std::string(pair.param.name); });
 
 } // namespace
 } // namespace shape
