@@ -109,16 +109,6 @@ private:
     LaneVectors image_;
 };
 
-/// Rows of three as columns of four.
-void to_lanes(const VectorXd& v, double scale, LaneVectors& to)
-{
-    to.resize(4, v.size() / 3);
-    for_columns(to.cols(), [&](Index first, Index count) {
-        for (Index i = first; i < first + count; ++i)
-            to.col(i) << (scale * v.segment<3>(3 * i)).cast<float>(), 0.0F;
-    });
-}
-
 } // namespace
 
 Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& preconditioner,
@@ -145,7 +135,7 @@ Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& precon
     int steps = options.first_linear_steps;
     while (!result.converged && result.linear_steps < options.max_linear_steps) {
         matrix.linearise(result.points);
-        to_lanes(gradient, -0.5 * matrix.unit(), pull);
+        to_lanes(gradient.data(), gradient.size() / 3, -0.5 * matrix.unit(), pull);
         const auto [decrease, taken] = conjugate_gradients.solve(
             matrix, preconditioner, pull,
             std::min(steps, options.max_linear_steps - result.linear_steps), step);

@@ -9,11 +9,11 @@
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/descent.h"
 #include "libshape/embedding/edge_laplacian.h"
+#include "libshape/embedding/face_fit.h"
 #include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/fold_repair.h"
 #include "libshape/embedding/length_dihedral_energy.h"
 #include "libshape/embedding/patch_frames.h"
-#include "libshape/embedding/face_fit.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/renumbering.h"
 
@@ -107,15 +107,22 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     std::vector<Matrix3d> frames =
         s.patches.face_frames(layout.transitions, transition_weights(topology, layout.transitions));
     Points start = s.laplacian.positions(frames, layout.halfedges);
+    result.back_substitutions = 1;
+    // Where a mesh has lengths and angles as wanted, single precision would lose it.
+    constexpr double found = 1e-10; // mean square of a strain
+    Eigen::VectorXd gradient;
+    const bool exact = energy.evaluate(start.reshaped<Eigen::RowMajor>(), gradient) <=
+                       found * topology.edge_count();
     for (int step = 0; step < options.local_global_steps; ++step) {
         frames = fit_faces(topology, layout, s.laplacian.weights(), start, std::move(frames));
-        start = s.laplacian.positions(frames, layout.halfedges);
+        start = exact ? s.laplacian.positions(frames, layout.halfedges)
+                      : s.laplacian.positions(frames, layout.halfedges, s.preconditioner);
+        ++result.back_substitutions;
     }
-    result.back_substitutions = 1 + options.local_global_steps;
 
+    // Rounding: strains of 1e-12 an edge are none.
+    const double nothing = 1e-24 * topology.edge_count();
     const auto descend_by = [&](Eigen::VectorXd from, int steps) {
-        // Rounding: strains of 1e-12 an edge are none.
-        const double nothing = 1e-24 * topology.edge_count();
         Descent descent = descend(energy, s.preconditioner, std::move(from),
                                   {.max_linear_steps = steps,
                                    .first_linear_steps = options.first_linear_steps,

@@ -2,6 +2,7 @@
 
 #include "libshape/embedding/edge_laplacian.h"
 
+#include <cmath>
 #include <utility>
 
 #include "libshape/base/threads.h"
@@ -59,8 +60,8 @@ Points EdgeLaplacian::solve(const Points& rhs) const
     return factor_.solve(rhs);
 }
 
-Points EdgeLaplacian::positions(const std::vector<Eigen::Matrix3d>& frames,
-                                const Points& halfedges) const
+Points EdgeLaplacian::divergence(const std::vector<Eigen::Matrix3d>& frames,
+                                 const Points& halfedges) const
 {
     Points rhs(topology_.vertex_count(), 3);
     parallel_for(static_cast<std::size_t>(topology_.vertex_count()), 1024,
@@ -76,7 +77,26 @@ Points EdgeLaplacian::positions(const std::vector<Eigen::Matrix3d>& frames,
                          rhs.row(v) = sum;
                      }
                  });
-    return solve(rhs);
+    return rhs;
+}
+
+Points EdgeLaplacian::positions(const std::vector<Eigen::Matrix3d>& frames,
+                                const Points& halfedges) const
+{
+    return solve(divergence(frames, halfedges));
+}
+
+Points EdgeLaplacian::positions(const std::vector<Eigen::Matrix3d>& frames, const Points& halfedges,
+                                const SinglePrecisionSolve& solve) const
+{
+    const Points rhs = divergence(frames, halfedges);
+    // Vectors of about the size of edges: neither large nor small numbers leave float's range.
+    const double unit = 1.0 / std::sqrt(weights_.maxCoeff());
+    LaneVectors scaled;
+    LaneVectors solution;
+    to_lanes(rhs.data(), rhs.rows(), unit, scaled);
+    solve.solve(scaled, solution);
+    return solution.topRows<3>().transpose().cast<double>() / unit;
 }
 
 } // namespace shape

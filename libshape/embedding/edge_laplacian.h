@@ -39,9 +39,18 @@ public:
     [[nodiscard]] Points positions(const std::vector<Eigen::Matrix3d>& frames,
                                    const Points& halfedges) const;
 
+    /// The same about as exactly as float allows, several times faster.
+    /// @param solve  What single_precision() gave.
+    [[nodiscard]] Points positions(const std::vector<Eigen::Matrix3d>& frames,
+                                   const Points& halfedges,
+                                   const SinglePrecisionSolve& solve) const;
+
     [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; } ///< #E, 1 / l^2.
 
 private:
+    [[nodiscard]] Points divergence(const std::vector<Eigen::Matrix3d>& frames,
+                                    const Points& halfedges) const;
+
     Topology topology_;
     Eigen::VectorXd weights_;
     SparseCholesky factor_;

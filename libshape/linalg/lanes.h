@@ -21,4 +21,12 @@ using Lanes = float __attribute__((vector_size(16)));
     return reinterpret_cast<const Lanes*>(vectors.data());
 }
 
+/// to = scale * rows, which are rows of three, one after the other.
+inline void to_lanes(const double* rows, Eigen::Index count, double scale, LaneVectors& to)
+{
+    to.resize(4, count);
+    to.topRows<3>() = (scale * Eigen::Matrix3Xd::Map(rows, 3, count)).cast<float>();
+    to.row(3).setZero();
+}
+
 } // namespace shape
