@@ -29,6 +29,7 @@ struct Arguments
     std::string color_by;
     std::string color_range;
     std::string view;
+    bool sequence = false;
     std::int64_t columns = 0;
     std::int64_t cell = 200;
 };
@@ -148,6 +149,7 @@ void run(const Session& session, const Arguments& arguments)
     PictureOptions options;
     options.columns = static_cast<int>(arguments.columns);
     options.cell_width = static_cast<int>(arguments.cell);
+    options.is_sequence = arguments.sequence;
     if (!arguments.view.empty())
         options.view = read_view(arguments.view);
     const Collection collection = read_meshes(session, arguments.meshes);
@@ -200,6 +202,9 @@ Run set_up_draw(CLI::App& command)
     command.add_option("--view", arguments->view,
                        "Where the viewer stands: azimuth,elevation [deg]; 0,0 looks from +z, 90,0\n"
                        "from +x, 0,90 from +y (default: along the thinnest direction)");
+    command.add_flag("--sequence", arguments->sequence,
+                     "Move each mesh onto the one before it, not onto the first: for frames that\n"
+                     "go far, whose best fit to the first may be turned over");
     command.add_option("--scores", arguments->scores,
                        "Scores written by `shape project`: pc1 and pc2 are plotted below");
     command

@@ -9,8 +9,6 @@
 #include "libshape/base/format.h"
 #include "libshape/edge_space/safe_range.h"
 #include "libshape/edge_space/shape_vectors.h"
-#include "libshape/edge_space/tagged_scaling.h"
-#include "libshape/io/index_file.h"
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/embedding_run.h"
@@ -19,6 +17,7 @@
 #include "tools/common/path_arguments.h"
 #include "tools/common/sequence_run.h"
 #include "tools/common/session.h"
+#include "tools/common/tagged_part.h"
 
 namespace shape::tools {
 namespace {
@@ -28,57 +27,11 @@ struct Arguments
     MeshInput meshes;
     PathArguments path;
     LengthBlend lengths = LengthBlend::Plain;
-    std::string scale_vertices;
-    std::string scale_faces;
-    std::vector<double> scale_factors;
+    TaggedPartArguments part;
     SequenceArguments sequence;
     MeshOutputArguments output;
     EmbeddingArguments embedding;
 };
-
-/// The part whose lengths are scaled; without shares, none.
-struct TaggedPart
-{
-    Eigen::VectorXd shares;  ///< As tagged_shares() gives them.
-    Eigen::VectorXd factors; ///< One a mesh.
-};
-
-TaggedPart read_tagged_part(const Arguments& arguments, const Topology& topology,
-                            std::size_t meshes)
-{
-    const bool tagged = !arguments.scale_vertices.empty() || !arguments.scale_faces.empty();
-    if (tagged == arguments.scale_factors.empty())
-        throw UsageError("--scale-factors and --scale-vertices or --scale-faces go together");
-    if (!tagged)
-        return {};
-    const std::vector<double>& factors = arguments.scale_factors;
-    if (factors.size() != meshes)
-        throw InvalidInput(
-            join("--scale-factors: ", factors.size(), " factors for ", meshes, " meshes"));
-    for (const double factor : factors)
-        if (factor <= 0.0)
-            throw InvalidInput(join("--scale-factors: ", factor, " is not > 0"));
-    std::vector<int> vertices;
-    if (!arguments.scale_vertices.empty())
-        vertices = read_indices(arguments.scale_vertices, topology.vertex_count(), "vertex");
-    if (!arguments.scale_faces.empty()) {
-        const std::vector<int> corners = corners_of_faces(
-            topology, read_indices(arguments.scale_faces, topology.face_count(), "face"));
-        vertices.insert(vertices.end(), corners.begin(), corners.end());
-    }
-    return {tagged_shares(topology, vertices),
-            Eigen::Map<const Eigen::VectorXd>(factors.data(),
-                                              static_cast<Eigen::Index>(factors.size()))};
-}
-
-ShapePoint scaled_blend(const ShapeVectors& vectors, const Eigen::VectorXd& weights,
-                        LengthBlend lengths, const TaggedPart& part)
-{
-    ShapePoint point = blend(vectors, weights, lengths);
-    if (part.shares.size() == 0)
-        return point;
-    return scale_tagged(std::move(point), part.shares, part.factors.dot(weights));
-}
 
 /// A number for JSON, which has no infinity.
 Json finite_or_null(double value)
@@ -163,7 +116,7 @@ std::vector<std::filesystem::path> all_inputs(const Arguments& arguments)
 {
     std::vector<std::filesystem::path> files = input_files(arguments.meshes);
     for (const std::string& file :
-         {arguments.path.file, arguments.scale_vertices, arguments.scale_faces})
+         {arguments.path.file, arguments.part.vertices, arguments.part.faces})
         if (!file.empty())
             files.emplace_back(file);
     return files;
@@ -177,15 +130,15 @@ void run(const Session& session, const Arguments& arguments)
         throw InvalidInput(join("one mesh cannot be blended; give two or more (",
                                 collection.names.front(), " is the only one)"));
     const Blends blends = blends_of(arguments.path, static_cast<int>(collection.size()));
-    const TaggedPart part = read_tagged_part(arguments, topology, collection.size());
+    const TaggedPart part = read_tagged_part(arguments.part, topology, collection.size());
     const ShapeVectors vectors = encode(collection, Scale::None);
 
     Sequence sequence{topology, collection.points, {}, blends.is_sequence};
     for (const Eigen::VectorXd& weights : blends.weights)
         sequence.targets.push_back({numbered_name("frame", sequence.targets.size()),
                                     [&vectors, &arguments, &part, weights] {
-                                        return scaled_blend(vectors, weights, arguments.lengths,
-                                                            part);
+                                        return part.scale(
+                                            blend(vectors, weights, arguments.lengths), weights);
                                     }});
     MeshOutput output(session, arguments.output, names(sequence.targets), all_inputs(arguments));
     Json figures = check_safe_range(session, arguments, blends, topology, vectors);
@@ -221,26 +174,7 @@ Run set_up_interpolate(CLI::App& command)
         command, "--lengths", arguments->lengths,
         "What is combined: plain lengths (default) or squared lengths (Rojas 2014, section 6)",
         {{"plain", LengthBlend::Plain}, {"squared", LengthBlend::Squared}});
-    command
-        .add_option(
-            "--scale-vertices", arguments->scale_vertices,
-            "A file with the indices (from 0) of the vertices of a part that is to grow or\n"
-            "shrink along the way: lengths of its edges are multiplied, those of edges with\n"
-            "one end in it half as much (Winkler 2010, Fig. 12)")
-        ->option_text("FILE");
-    command
-        .add_option("--scale-faces", arguments->scale_faces,
-                    "The same with indices of faces, whose corners make the part")
-        ->option_text("FILE");
-    command
-        .add_option_function<std::string>(
-            "--scale-factors",
-            [arguments](const std::string& text) {
-                arguments->scale_factors = read_numbers(text, "--scale-factors");
-            },
-            "Factors of that part, one a mesh, > 0, blended as the meshes are; of two meshes one\n"
-            "at either end of the path")
-        ->option_text("f1,f2,...");
+    add_tagged_part_options(command, arguments->part);
     add_sequence_options(command, arguments->sequence);
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };

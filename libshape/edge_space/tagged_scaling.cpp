@@ -2,7 +2,9 @@
 
 #include "libshape/edge_space/tagged_scaling.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -20,13 +22,24 @@ void check_indices(std::span<const int> indices, int count, const char* what)
 
 } // namespace
 
-Eigen::VectorXd tagged_shares(const Topology& topology, std::span<const int> vertices)
+Eigen::VectorXd tagged_shares(const Topology& topology, std::span<const int> vertices, int rings)
 {
     check_indices(vertices, topology.vertex_count(), "vertex");
+    if (rings < 1)
+        throw InvalidInput(join("rings is ", rings, ", must be >= 1"));
     Eigen::VectorXd tags = Eigen::VectorXd::Zero(topology.vertex_count());
     for (const int v : vertices)
         tags[v] = 1.0;
-    return 0.5 * (tags(topology.edges().col(0)) + tags(topology.edges().col(1)));
+    const auto low = topology.edges().col(0);
+    const auto high = topology.edges().col(1);
+    // Every pass reaches one ring farther; the last ring counts 0.
+    for (int d = 1; d < rings; ++d) {
+        const Eigen::VectorXd before = tags;
+        for (Eigen::Index e = 0; e < low.size(); ++e)
+            for (const auto& [from, to] : {std::pair(low[e], high[e]), std::pair(high[e], low[e])})
+                tags[to] = std::max(tags[to], before[from] - 1.0 / rings);
+    }
+    return 0.5 * (tags(low) + tags(high));
 }
 
 std::vector<int> corners_of_faces(const Topology& topology, std::span<const int> faces)

@@ -112,13 +112,13 @@ private:
 /// The mesh with the target's lengths and bending as far as one Laplace solve a step can have them.
 Points linear_start(const Topology& topology, const Points& from, const ShapePoint& target)
 {
-    constexpr int wedge_steps = 3;
+    constexpr int face_steps = 3;
     const VectorXd& lengths = target.edge_lengths;
     const GradedLaplacian laplacian(topology, lengths);
     const FaceLayout layout = lay_out_faces(topology, lengths, target.dihedral_angles);
     std::vector<Matrix3d> frames = face_frames(topology, from);
     Points points = laplacian.positions(frames, layout.halfedges);
-    for (int step = 0; step < wedge_steps; ++step) {
+    for (int step = 0; step < face_steps; ++step) {
         frames = fit_faces(topology, layout, laplacian.weights(), points, std::move(frames));
         points = laplacian.positions(frames, layout.halfedges);
     }

@@ -94,8 +94,9 @@ private:
     Random random_;
 
     std::vector<int> seeds_;
-    std::vector<int> core_;  ///< Region of each face.
-    std::vector<int> queue_; ///< Faces in the order of growth.
+    std::vector<int> core_;         ///< Region of each face.
+    std::vector<int> queue_;        ///< Faces in the order of growth.
+    std::vector<double> distances_; ///< Of each face from the middle of its region, squared.
     std::vector<ChildSet> in_faces_, in_vertices_, in_edges_;
     /// Rows in the children, at row * m + child.
     std::vector<int> face_rows_, vertex_rows_, edge_rows_;
@@ -162,27 +163,29 @@ void Splitter::centre_seeds(int parent)
 {
     const int* faces = tree_.hierarchy.faces.data() + node(parent).faces.begin;
     const int count = node(parent).faces.count;
-    std::array<Eigen::Vector4d, max_patches> sums;
+    std::array<Eigen::Vector4d, max_patches> sums; // then the middles
     sums.fill(Eigen::Vector4d::Zero());
     for (int f = 0; f < count; ++f)
         sums[at(core_[at(f)])] += Eigen::Vector4d(centroids_(faces[f], 0), centroids_(faces[f], 1),
                                                   centroids_(faces[f], 2), 1.0);
-    const auto distance = [&](int f) {
-        const Eigen::Vector4d& sum = sums[at(core_[at(f)])];
-        return (centroids_.row(faces[f]).transpose() - sum.head<3>() / sum[3]).squaredNorm();
-    };
+    for (Eigen::Vector4d& sum : sums)
+        sum.head<3>() /= sum[3];
     std::array<double, max_patches> nearest, farthest;
     nearest.fill(std::numeric_limits<double>::infinity());
     farthest.fill(0.0);
+    distances_.resize(at(count));
     for (int f = 0; f < count; ++f) {
         const std::size_t k = at(core_[at(f)]);
-        nearest[k] = std::min(nearest[k], distance(f));
-        farthest[k] = std::max(farthest[k], distance(f));
+        const double distance =
+            (centroids_.row(faces[f]).transpose() - sums[k].head<3>()).squaredNorm();
+        distances_[at(f)] = distance;
+        nearest[k] = std::min(nearest[k], distance);
+        farthest[k] = std::max(farthest[k], distance);
     }
     // Of faces as near as rounding can tell, the last: a rigid motion must not change the choice.
     for (int f = 0; f < count; ++f) {
         const std::size_t k = at(core_[at(f)]);
-        if (distance(f) <= nearest[k] + 1e-9 * farthest[k])
+        if (distances_[at(f)] <= nearest[k] + 1e-9 * farthest[k])
             seeds_[k] = f;
     }
 }

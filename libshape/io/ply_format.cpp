@@ -342,11 +342,18 @@ void check_counts(const Header& header, const Body& body)
     }
 }
 
-/// A property of the vertices to be read beside the mesh.
+/// A property of the vertices or faces to be read beside the mesh.
 struct WantedScalar
 {
+    std::string_view element;
     std::string_view name;
-    std::vector<double> values;
+    std::vector<double> values{}; ///< One a vertex or triangle: those of a polygon share its value.
+
+    [[nodiscard]] bool is(const Element& in, const Property& property) const
+    {
+        return in.name == element && property.name == name && !property.count_type &&
+               property.coordinate < 0;
+    }
 };
 
 /// @param scalar  None if null.
@@ -362,6 +369,7 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScala
     for (const Element& element : header.elements)
         for (std::int64_t i = 0; i < element.count; ++i) {
             body.begin(element, i);
+            std::optional<double> value;
             for (const Property& property : element.properties) {
                 const std::int64_t count =
                     property.count_type ? body.integer(*property.count_type) : 1;
@@ -370,12 +378,11 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScala
                 if (property.coordinate >= 0) {
                     point[static_cast<std::size_t>(property.coordinate)] =
                         body.number(property.type);
-                } else if (scalar != nullptr && element.is_vertex() && !property.count_type &&
-                           property.name == scalar->name) {
-                    scalar->values.push_back(body.number(property.type));
-                    if (!std::isfinite(scalar->values.back()))
-                        body.fail(join("property ", in_quotes(property.name), " of vertex ", i,
-                                       " is not finite"));
+                } else if (scalar != nullptr && scalar->is(element, property)) {
+                    value = body.number(property.type);
+                    if (!std::isfinite(*value))
+                        body.fail(join("property ", in_quotes(property.name), " of ", element.name,
+                                       " ", i, " is not finite"));
                 } else if (property.is_corners) {
                     if (count > MeshBuilder::corner_limit)
                         body.fail(join("a face has ", count, " corners; the limit is ",
@@ -391,6 +398,11 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScala
                 mesh.add_vertex(point[0], point[1], point[2]);
             else if (element.is_face())
                 mesh.add_polygon(corners);
+            if (value)
+                scalar->values.resize(
+                    static_cast<std::size_t>(element.is_vertex() ? mesh.vertex_count()
+                                                                 : mesh.face_count()),
+                    *value);
             body.end();
         }
     body.finish();
@@ -439,6 +451,19 @@ std::string print(const Points& points, const Faces& faces,
         append_bytes(faces.data() + 3 * f, 3 * sizeof(int));
     }
     return text;
+}
+
+Eigen::VectorXd read_scalar(const std::filesystem::path& path, WantedScalar scalar)
+{
+    if (mesh_format(path) != MeshFormat::Ply)
+        throw InvalidInput(join(path.string(), ": only PLY files have values at their ",
+                                scalar.element, " elements"));
+    (void)parse(read_file(path, MeshBuilder::file_limit), path, {.triangulate = true}, &scalar);
+    if (scalar.values.empty())
+        throw InvalidInput(join(path.string(), ": its ", scalar.element,
+                                " elements have no property ", in_quotes(scalar.name)));
+    return Eigen::Map<const Eigen::VectorXd>(scalar.values.data(),
+                                             static_cast<Eigen::Index>(scalar.values.size()));
 }
 
 bool is_property_name(std::string_view name)
@@ -492,15 +517,12 @@ void write_vertex_scalars(const std::filesystem::path& path, const Points& point
 
 Eigen::VectorXd read_vertex_scalar(const std::filesystem::path& path, std::string_view name)
 {
-    if (mesh_format(path) != MeshFormat::Ply)
-        throw InvalidInput(join(path.string(), ": only PLY files have values at their vertices"));
-    WantedScalar scalar{name, {}};
-    const NamedMesh mesh =
-        parse(read_file(path, MeshBuilder::file_limit), path, {.triangulate = true}, &scalar);
-    if (scalar.values.empty())
-        throw InvalidInput(
-            join(path.string(), ": the vertices have no property ", in_quotes(name)));
-    return Eigen::Map<const Eigen::VectorXd>(scalar.values.data(), mesh.points.rows());
+    return read_scalar(path, {.element = "vertex", .name = name});
+}
+
+Eigen::VectorXd read_face_scalar(const std::filesystem::path& path, std::string_view name)
+{
+    return read_scalar(path, {.element = "face", .name = name});
 }
 
 } // namespace shape

@@ -32,4 +32,8 @@ void write_vertex_scalars(const std::filesystem::path& path, const Points& point
 [[nodiscard]] Eigen::VectorXd read_vertex_scalar(const std::filesystem::path& path,
                                                  std::string_view name);
 
+/// The same of the faces, #F values: the triangles of a polygon share its value.
+[[nodiscard]] Eigen::VectorXd read_face_scalar(const std::filesystem::path& path,
+                                               std::string_view name);
+
 } // namespace shape

@@ -100,8 +100,12 @@ Picture draw_collection(const Collection& collection, const PictureOptions& opti
     std::vector<Points> seen;
     Eigen::RowVector3d low = Eigen::RowVector3d::Constant(std::numeric_limits<double>::infinity());
     Eigen::RowVector3d high = -low;
+    Points onto = first;
     for (const Points& points : collection.points) {
-        seen.push_back(best_rigid_motion(points, first)(points) * rotation.transpose());
+        const Points moved = best_rigid_motion(points, onto)(points);
+        if (options.is_sequence)
+            onto = moved;
+        seen.push_back(moved * rotation.transpose());
         low = low.cwiseMin(seen.back().colwise().minCoeff());
         high = high.cwiseMax(seen.back().colwise().maxCoeff());
     }

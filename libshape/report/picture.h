@@ -16,10 +16,11 @@ namespace shape {
 
 struct PictureOptions
 {
-    int columns = 0;                     ///< Cells in a row; 0: about as wide as a page.
-    int cell_width = 200;                ///< [px], in [16, 4096].
-    int scale = 2;                       ///< Pixels of the raster a px; in [1, 4].
-    std::optional<ViewDirection> view;   ///< None: automatic_view of the first mesh.
+    int columns = 0;                   ///< Cells in a row; 0: about as wide as a page.
+    int cell_width = 200;              ///< [px], in [16, 4096].
+    int scale = 2;                     ///< Pixels of the raster a px; in [1, 4].
+    std::optional<ViewDirection> view; ///< None: automatic_view of the first mesh.
+    bool is_sequence = false;          ///< Each mesh is moved onto the one before; else the first.
     std::vector<Eigen::VectorXd> values; ///< Empty, or per mesh #V values to colour it by.
     ColourMap colour_map = ColourMap::Sequential;
     double value_low = 0.0;  ///< Value of the first colour.
@@ -53,7 +54,7 @@ struct Picture
 };
 
 /// Draws the meshes of a collection, all from one side and at one scale, each moved rigidly onto the
-/// first.
+/// first or, in a sequence, the one before.
 /// @throws InvalidInput if an option is out of its range or values do not fit the meshes;
 ///     LimitExceeded if the sheet would have more than 2^28 pixels.
 [[nodiscard]] Picture draw_collection(const Collection& collection,

@@ -19,7 +19,7 @@ METHODS = ["dihedral", "multiscale"]
 
 class Study:
     def __init__(self, shape, data, out):
-        self.program, self.data, self.out = shape, Path(data), Path(out)
+        self.program, self.data, self.out = (Path(path).resolve() for path in (shape, data, out))
         self.out.mkdir(exist_ok=True)
 
     def shape(self, *arguments):
@@ -46,7 +46,7 @@ class Study:
         return json.loads(report.read_text()), sorted((self.out / name).glob("*.ply"))
 
     def draw(self, picture, meshes, *arguments):
-        self.shape("draw", *meshes, "-o", picture, "--force", "--quiet", *arguments)
+        self.shape("draw", *meshes, "-o", picture, "--sequence", "--force", "--quiet", *arguments)
 
 
 def read_ply(path):
@@ -118,17 +118,17 @@ def ends(study):
     arm = study.arms()
     hand = [study.data / "mh_hand" / f"{pose}.ply" for pose in ("point", "victory", "fist_5")]
     cases = {
-        "line": (arm[:2], ["--frames", 3], {0: 0, 2: 1}),
-        "line, squared": (arm[:2], ["--frames", 3, "--lengths", "squared"], {0: 0, 2: 1}),
+        "line": (arm[:2], ["--frames", 2], {0: 0, 1: 1}),
+        "line, squared": (arm[:2], ["--frames", 2, "--lengths", "squared"], {0: 0, 1: 1}),
         "line through 4": (arm, ["--frames", 4], {0: 0, 1: 1, 2: 2, 3: 3}),
         "bilinear": (arm, ["--path", "bilinear", "--grid", "2,2"], {0: 0, 1: 1, 2: 2, 3: 3}),
         "polygon": (arm, ["--path", "polygon", "--frames", 5], {0: 0, 1: 1, 2: 2, 3: 3, 4: 0}),
         "Catmull-Rom, hand": (hand, ["--path", "spline", "--frames", 3], {0: 0, 1: 1, 2: 2}),
-        "B-spline, hand": (hand, ["--path", "spline", "--spline", "b-spline", "--frames", 3],
-                           {0: 0, 2: 2}),
+        "B-spline, hand": (hand, ["--path", "spline", "--spline", "b-spline", "--frames", 2],
+                           {0: 0, 1: 2}),
     }
     for name, (meshes, arguments, meets) in cases.items():
-        for method in METHODS:
+        for method in METHODS + ["closure"]:
             folder = f"ends_{name.translate({32: '_', 44: None})}_{method}"
             _, frames = study.interpolate(folder, meshes, "--method", method, *arguments)
             largest = max(distance(frames[i], meshes[k]) for i, k in meets.items())
@@ -202,12 +202,14 @@ def growing_hand(study):
     arm = study.arms()[::3]
     points, _ = read_ply(arm[0])
     (study.out / "hand.txt").write_text("\n".join(map(str, np.flatnonzero(points[:, 0] > 48))))
-    tags = ["--scale-vertices", "hand.txt", "--scale-factors", "1,2"]
-    print("| part | method | edge RMS | worst edge | drift 99 % [deg] |\n|---|---|---|---|---|")
-    for method in METHODS:
-        figures, frames = study.interpolate(f"growing_{method}", arm, "--frames", 5, "--method", method, *tags)
-        print_errors("hand grows to twice its size", method, figures)
-        study.draw(f"growing_{method}.png", frames, "--columns", 5, "--cell", 160)
+    tags = ["--scale-vertices", "hand.txt", "--scale-factors", "1,2", "--scale-border"]
+    print("| border | method | edge RMS | worst edge | drift 99 % [deg] |\n|---|---|---|---|---|")
+    for border in (1, 4):
+        for method in METHODS:
+            figures, frames = study.interpolate(f"growing{border}_{method}", arm, "--frames", 5,
+                                                "--method", method, *tags, border)
+            print_errors(border, method, figures)
+            study.draw(f"growing{border}_{method}.png", frames, "--columns", 5, "--cell", 160)
 
 
 def beyond(study):
@@ -217,14 +219,14 @@ def beyond(study):
         common = ["--extrapolate", "--lengths", lengths]
         figures, _ = study.interpolate(f"range_{lengths}", arm, "--frames", 2, *common)
         print(f"safe range of the arm, {lengths}: {figures['safe_range']}")
-    figures, frames = study.interpolate("beyond", arm, "--frames", 5, "--range", "0:1.2", "--extrapolate")
-    print_errors("arm, t = 0 to 1.2", "dihedral", figures)
+    figures, frames = study.interpolate("beyond", arm, "--frames", 5, "--range", "-0.5:1.2", "--extrapolate")
+    print_errors("arm, t = -0.5 to 1.2", "dihedral", figures)
     study.draw("beyond.png", frames, "--columns", 5, "--cell", 200)
 
 
 def keyframes(study):
     """All frames embedded, or every tenth and the rest filled in."""
-    meshes = study.arms()[::3]
+    meshes = [study.data / "mh_arm" / f"elbow_{bend}.ply" for bend in ("000", "1000")]
     print("| in between | seconds | edge RMS | worst edge | largest step across a keyframe / elsewhere |")
     print("|---|---|---|---|---|")
     for between in (None, "multiscale", "dihedral", "linear", "spline"):

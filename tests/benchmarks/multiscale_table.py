@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Prints the tables of docs/multiscale.md.
 
-multiscale_table.py BENCHMARK PAIRS [--peer PROGRAM] [--names a,b,...] [--seeds N]
+multiscale_table.py BENCHMARK PAIRS [--peer PROGRAM] [--names a,b,...] [--seeds N] [--repeat N]
 
 BENCHMARK is the program multiscale_benchmark; PAIRS a folder of NAME_A.obj and NAME_B.obj. PROGRAM is
 another implementation, called as `PROGRAM A B --t 0.5 --repeat N --seed S`, with the benchmark's key
@@ -22,9 +22,9 @@ PHASES = ["splitting_ms", "factorizing_ms", "interpolation_ms", "registration_ms
           "total_ms"]
 
 
-def peer_runs(program, pair, seeds):
-    for seed in range(1, seeds + 1):
-        report = call(program, *pair, "--t", 0.5, "--repeat", 15, "--seed", seed)
+def peer_runs(program, pair, options):
+    for seed in range(1, options.seeds + 1):
+        report = call(program, *pair, "--t", 0.5, "--repeat", options.repeat, "--seed", seed)
         yield {**report, **report["poses"][0]}
 
 
@@ -40,15 +40,17 @@ def main():
     arguments = parser(__doc__, "benchmark")
     arguments.add_argument("--peer")
     arguments.add_argument("--seeds", type=int, default=5)
+    arguments.add_argument("--repeat", type=int, default=15, help="poses a seed")
     options = arguments.parse_args()
 
     times, errors = [], []
     for name, pair in pairs(options.pairs, options.names).items():
-        report = call(options.benchmark, *pair, "--seeds", options.seeds)
-        two = call(options.benchmark, *pair, "--seeds", options.seeds, "--threads", 2)
+        ours = [options.benchmark, *pair, "--seeds", options.seeds, "--repeat", options.repeat]
+        report = call(*ours)
+        two = call(*ours, "--threads", 2)
         sources = {"ours": report["runs"]}
         if options.peer:
-            sources["peer"] = list(peer_runs(options.peer, pair, options.seeds))
+            sources["peer"] = list(peer_runs(options.peer, pair, options))
         for source, runs in sources.items():
             own = source == "ours"
             fastest = min(run["fastest_total_ms"] for run in runs)

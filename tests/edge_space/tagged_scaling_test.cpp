@@ -38,12 +38,34 @@ TEST(TaggedScaling, BreaksNoEquilateralTriangle)
     const Topology topology = test::icosphere(2).topology;
     const std::vector<int> faces{0, 5, 17, 40};
     const VectorXd shares = tagged_shares(topology, corners_of_faces(topology, faces));
+    const VectorXd faded = tagged_shares(topology, corners_of_faces(topology, faces), 2);
     const VectorXd ones = VectorXd::Ones(topology.edge_count());
     for (const double factor : {0.01, 0.5, 2.0, 100.0})
-        EXPECT_TRUE(
-            check_admissibility(topology, scale_tagged({ones, ones}, shares, factor).edge_lengths)
-                .triangles.empty())
-            << factor;
+        for (const VectorXd& part : {shares, faded})
+            EXPECT_TRUE(
+                check_admissibility(topology, scale_tagged({ones, ones}, part, factor).edge_lengths)
+                    .triangles.empty())
+                << factor;
+}
+
+TEST(TaggedScaling, FadesOverTheRingsOfTheBorder)
+{
+    // On a path of edges along the patch the shares of vertices fall by a third an edge.
+    const Topology topology = test::open_patch(9, 1).topology;
+    const std::vector<int> tagged{0};
+    Eigen::VectorXi distance = Eigen::VectorXi::Constant(topology.vertex_count(), 99);
+    distance[0] = 0;
+    for (int pass = 0; pass < topology.vertex_count(); ++pass)
+        for (const auto& edge : topology.edges().rowwise())
+            for (int end = 0; end < 2; ++end)
+                distance[edge[end]] = std::min(distance[edge[end]], distance[edge[1 - end]] + 1);
+    const VectorXd shares = tagged_shares(topology, tagged, 3);
+    for (int e = 0; e < topology.edge_count(); ++e) {
+        const auto share = [&](int v) { return std::max(0.0, 1.0 - distance[v] / 3.0); };
+        EXPECT_NEAR(shares[e],
+                    0.5 * (share(topology.edges()(e, 0)) + share(topology.edges()(e, 1))), 1e-15);
+    }
+    EXPECT_EQ(tagged_shares(topology, tagged, 1), tagged_shares(topology, tagged));
 }
 
 TEST(TaggedScaling, OfAllVerticesScalesTheMesh)
@@ -62,6 +84,7 @@ TEST(TaggedScaling, RefusesWhatIsOutOfRange)
     const VectorXd ones = VectorXd::Ones(6);
     EXPECT_THROW((void)tagged_shares(topology, std::vector{4}), InvalidInput);
     EXPECT_THROW((void)tagged_shares(topology, std::vector{-1}), InvalidInput);
+    EXPECT_THROW((void)tagged_shares(topology, std::vector{0}, 0), InvalidInput);
     EXPECT_THROW((void)corners_of_faces(topology, std::vector{4}), InvalidInput);
     EXPECT_THROW((void)scale_tagged({ones, ones}, VectorXd::Ones(5), 2.0), InvalidInput);
     for (const double factor : {0.0, -1.0, static_cast<double>(NAN), 1.0 / 0.0})

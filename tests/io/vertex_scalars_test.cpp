@@ -72,6 +72,24 @@ TEST_F(VertexScalars, OfOtherProgramsAreReadWhateverTheirTypeAndPlace)
     EXPECT_EQ(read_vertex_scalar(directory_ / "t.ply", "heat"), Eigen::Vector3d(7, 8, 9));
 }
 
+TEST_F(VertexScalars, OfFacesAreSharedByTheTrianglesOfAPolygon)
+{
+    test::write_bytes(directory_ / "t.ply", triangle);
+    EXPECT_EQ(read_face_scalar(directory_ / "t.ply", "heat"), Eigen::VectorXd::Constant(1, 4.0));
+    test::write_bytes(directory_ / "q.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                      "property float y\nproperty float z\nelement face 2\nproperty short part\n"
+                      "property list uchar int vertex_indices\nend_header\n"
+                      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n-7 4 0 1 2 3\n5 3 0 2 1\n");
+    EXPECT_EQ(read_face_scalar(directory_ / "q.ply", "part"), Eigen::Vector3d(-7, -7, 5));
+    for (const char* name : {"x", "vertex_indices", "heat"})
+        EXPECT_NE(test::message_of<InvalidInput>([&] {
+                      (void)read_face_scalar(directory_ / "q.ply", name);
+                  }).find("face elements have no property"),
+                  std::string::npos)
+            << name;
+}
+
 TEST_F(VertexScalars, RefuseWhatNoFileCanHold)
 {
     const Eigen::VectorXd good = Eigen::VectorXd::Zero(mesh_.points.rows());

@@ -76,6 +76,29 @@ TEST(DrawCollection, DoesNotCareWhereAMeshLies)
     EXPECT_LT(different, 20); // rounding moves a few samples over an edge
 }
 
+TEST(DrawCollection, MovesEachMeshOfASequenceOntoTheOneBefore)
+{
+    // Bent to one side, straight, bent to the other: turned over, the last looks like the first.
+    Collection set = three_poses();
+    set.points[1] = set.points[0];
+    set.points[0] = set.points[2];
+    set.points[0].col(1) *= -1.0;
+    PictureOptions options = small_cells();
+    options.cell_width = 100;
+    options.view = ViewDirection{.azimuth = 0.0, .elevation = 0.0};
+    const auto difference_of_first_and_last = [&] {
+        const Image sheet = draw_collection(set, options).sheet;
+        int different = 0;
+        for (int y = 0; y < sheet.height; ++y)
+            for (int x = 0; x < 100; ++x)
+                different += (sheet.at(x, y).green < 255) != (sheet.at(200 + x, y).green < 255);
+        return different;
+    };
+    EXPECT_LT(difference_of_first_and_last(), 50);
+    options.is_sequence = true;
+    EXPECT_GT(difference_of_first_and_last(), 500);
+}
+
 TEST(DrawCollection, ColoursByValue)
 {
     const Collection set = make_synthetic("icosahedron");

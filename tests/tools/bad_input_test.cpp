@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
 #include "tests/support/meshes.h"
 #include "tests/tools/program.h"
@@ -471,6 +472,17 @@ std::vector<BadInput> bad_paths()
             "tags.txt", std::move(tags),
             blending({"--frames", "3", option, "tags.txt", "--scale-factors", "1,1,2"}));
     };
+    const auto with_labels = [=](int faces, const std::string& label) {
+        std::string file = join("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n",
+                                "property float y\nproperty float z\nelement face ", faces,
+                                "\nproperty list uchar int vertex_indices\nproperty int part\n",
+                                "end_header\n0 0 0\n1 0 0\n0 1 0\n");
+        for (int f = 0; f < faces; ++f)
+            file += "3 0 1 2 5\n";
+        return running_with("tags.ply", file,
+                            blending({"--frames", "3", "--scale-faces", "tags.ply", "--scale-label",
+                                      label, "--scale-factors", "1,1,2"}));
+    };
     return {
         {"PatchOfThreeMeshes", 3, {"4", "3"}, refusing({"--path", "bilinear", "--frames", "3"})},
         {"PlaceOutsideThePatch",
@@ -568,6 +580,29 @@ std::vector<BadInput> bad_paths()
          5,
          {"no.txt"},
          refusing({"--frames", "3", "--scale-faces", "no.txt", "--scale-factors", "1,1,2"})},
+        {"TagsWithAMissingLabel",
+         3,
+         {"a.ply", "vertex", "no property 'part'"},
+         refusing({"--frames", "3", "--scale-vertices", "a.ply", "--scale-label", "part",
+                   "--scale-factors", "1,1,2"})},
+        {"LabelThatTagsNothing",
+         3,
+         {"tags.ply", "no face has a 'part' of 9"},
+         with_labels(80, "part=9")},
+        {"LabelsOfAnotherMesh",
+         3,
+         {"tags.ply", "1 values 'part', one a face; the meshes have 80"},
+         with_labels(1, "part")},
+        {"LabelInNoPlyFile",
+         3,
+         {"tags.txt", "ply"},
+         running_with("tags.txt", "0",
+                      blending({"--frames", "3", "--scale-vertices", "tags.txt", "--scale-label",
+                                "part", "--scale-factors", "1,1,2"}))},
+        {"LabelOfNoPart",
+         2,
+         {"--scale-label", "--scale-vertices"},
+         refusing({"--frames", "3", "--scale-label", "part"})},
         {"FactorsOfAnotherNumber",
          3,
          {"2 factors for 3 meshes"},

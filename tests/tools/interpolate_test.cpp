@@ -6,6 +6,7 @@
 
 #include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
+#include "libshape/io/vertex_scalars.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/tools/program.h"
 
@@ -205,6 +206,43 @@ TEST_F(Interpolate, TaggedPartsGrowByTheirFactor)
         for (const int e : topology.face_edges().row(f))
             EXPECT_NEAR(grown[e], 1.3, 0.1);
     EXPECT_NEAR(grown.minCoeff(), 1.0, 0.1);
+}
+
+TEST_F(Interpolate, APartMayBeALabelOfAPlyFile)
+{
+    const NamedMesh a = read_mesh(folder_ / "a.ply");
+    Eigen::VectorXd part = Eigen::VectorXd::Zero(a.points.rows());
+    part.segment(2, 3).setConstant(7.0);
+    part[9] = -1.0;
+    write_vertex_scalars(folder_ / "parts.ply", a.points, a.faces, {{"part", part}});
+    folder_.write("seven.txt", "2 3 4\n");
+    folder_.write("any.txt", "2 3 4 9\n");
+    const auto half = [&](const std::string& name, const Arguments& more) {
+        Arguments arguments{"--weights", "0.5,0.5", "-o", name, "--scale-factors", "1,1.5"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        (void)run(arguments);
+        return folder_.read(name);
+    };
+    const std::string seven = half("0.ply", {"--scale-vertices", "seven.txt"});
+    const std::string any = half("1.ply", {"--scale-vertices", "any.txt"});
+    EXPECT_NE(seven, any);
+    EXPECT_EQ(half("2.ply", {"--scale-vertices", "parts.ply", "--scale-label", "part=7"}), seven);
+    EXPECT_EQ(half("3.ply", {"--scale-vertices", "parts.ply", "--scale-label", "part"}), any);
+    EXPECT_NE(half("4.ply", {"--scale-vertices", "seven.txt", "--scale-border", "3"}), seven);
+
+    std::string faces = join(
+        "ply\nformat ascii 1.0\nelement vertex ", a.points.rows(),
+        "\nproperty float x\nproperty float y\nproperty float z\n", "element face ", a.faces.rows(),
+        "\nproperty list uchar int vertex_indices\nproperty int part\n", "end_header\n");
+    for (Eigen::Index v = 0; v < a.points.rows(); ++v)
+        faces += "0 0 0\n";
+    for (Eigen::Index f = 0; f < a.faces.rows(); ++f)
+        faces += join("3 ", a.faces(f, 0), " ", a.faces(f, 1), " ", a.faces(f, 2),
+                      f < 4 ? " 2\n" : " 1\n");
+    folder_.write("faces.ply", faces);
+    folder_.write("faces.txt", "0 1 2 3\n");
+    EXPECT_EQ(half("5.ply", {"--scale-faces", "faces.ply", "--scale-label", "part=2"}),
+              half("6.ply", {"--scale-faces", "faces.txt"}));
 }
 
 TEST_F(Interpolate, KeyframesAreThoseOfTheMethodAndTheRestIsFilledIn)
