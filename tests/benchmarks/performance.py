@@ -175,14 +175,13 @@ class Bench:
                   "body": [files for name, files in self.real() if name in ("body", "large")]}
         table(["shape", "vertices", "mu", "edge RMS", "worst edge", "drift RMS per length", "steps"])
         for name, meshes in shapes.items():
+            vertices = [vertex_count(files[0]) for files in meshes]
             for grows in (False, True):
-                coarsest = None
-                for files in meshes:
-                    refined = vertex_count(files[0]) / (coarsest or vertex_count(files[0]))
-                    coarsest = coarsest or vertex_count(files[0])
+                for count, files in list(zip(vertices, meshes))[grows:]:
+                    refined = count / vertices[0]
                     mu = 5e-3 * (refined if grows else 1)
                     found, _ = self.interpolate(files, "--smoothness", mu)
-                    row(name, found["vertices"], f"{mu:.4g}", f"{100 * found['edge_rms']:.4f} %",
+                    row(name, count, f"{mu:.4g}", f"{100 * found['edge_rms']:.4f} %",
                         f"{100 * found['edge_max']:.3f} %",
                         f"{found['dihedral_rms_deg'] * math.sqrt(refined):.3f}°", found["iterations"])
 
