@@ -13,6 +13,7 @@
 #include "tools/common/arguments.h"
 #include "tools/common/interrupt.h"
 #include "tools/common/label_input.h"
+#include "tools/common/memory.h"
 #include "tools/common/mesh_input.h"
 #include "tools/common/model_tables.h"
 #include "tools/common/output_rules.h"
@@ -49,12 +50,11 @@ Json figures_of_modes(const Session& session, const Arguments& arguments,
     Json modes = mode_figures(model);
     if (arguments.replicates == 0)
         return modes;
-    const std::vector<Interval> intervals =
-        variance_intervals(wide_scores(collection, model), model.mode_count(),
-                           {group_by_label_or_each(collection, arguments.within),
-                            one_group(model.scores.rows())},
-                           {.replicates = static_cast<int>(arguments.replicates),
-                            .seed = static_cast<std::uint64_t>(session.seed)});
+    const std::vector<Interval> intervals = variance_intervals(
+        wide_scores(collection, model), model.mode_count(),
+        {group_by_label_or_each(collection, arguments.within), one_group(model.scores.rows())},
+        {.replicates = static_cast<int>(arguments.replicates),
+         .seed = static_cast<std::uint64_t>(session.seed)});
     for (std::size_t k = 0; k < intervals.size(); ++k) {
         modes[k]["variance_low"] = intervals[k].low;
         modes[k]["variance_high"] = intervals[k].high;
@@ -64,23 +64,31 @@ Json figures_of_modes(const Session& session, const Arguments& arguments,
     return modes;
 }
 
+/// The model and what is said of its modes. The collection goes when this returns.
+std::pair<ShapeModel, Json> fit(const Session& session, const Arguments& arguments)
+{
+    const Collection collection = read_meshes(session, arguments.meshes);
+    ShapeModel model = fit_model(collection, {.modes = static_cast<int>(arguments.modes),
+                                              .variance = arguments.variance,
+                                              .space = arguments.space});
+    warn_of_alignment(session, model.space);
+    throw_if_interrupted();
+    Json modes = figures_of_modes(session, arguments, collection, model);
+    return {std::move(model), std::move(modes)};
+}
+
 void run(const Session& session, const Arguments& arguments)
 {
     check_space_options(arguments.space);
     check_ending("-o", arguments.output, ".h5");
     check_output(session, arguments.output, input_files(arguments.meshes));
-    const Collection collection = read_meshes(session, arguments.meshes);
-    const ShapeModel model = fit_model(collection, {.modes = static_cast<int>(arguments.modes),
-                                                    .variance = arguments.variance,
-                                                    .space = arguments.space});
-    warn_of_alignment(session, model.space);
-    throw_if_interrupted();
-    const Json modes = figures_of_modes(session, arguments, collection, model);
+    const auto [model, modes] = fit(session, arguments);
+    return_freed_memory();
     write_model(arguments.output, model);
     session.message(join(arguments.output, ": ", model.mode_count(), " modes of ",
-                         collection.size(), " meshes\n", mode_table(model)));
+                         model.names.size(), " meshes\n", mode_table(model)));
     Json figures{{"outputs", {arguments.output}},
-                 {"meshes", collection.size()},
+                 {"meshes", model.names.size()},
                  {"vertices", model.topology.vertex_count()},
                  {"edges", model.topology.edge_count()}};
     figures.update(space_figures(model.space));

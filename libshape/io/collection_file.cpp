@@ -2,6 +2,7 @@
 
 #include "libshape/io/collection_file.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "libshape/base/error.h"
@@ -29,24 +30,32 @@ void write_collection(const std::filesystem::path& path, const Collection& colle
 {
     const Topology& topology = collection.topology;
     const auto count = static_cast<Eigen::Index>(collection.size());
-    RowMatrix points(count, 3 * topology.vertex_count());
-    RowMatrix lengths(count, topology.edge_count());
-    RowMatrix angles(count, topology.edge_count());
+    const auto mesh = [&](Eigen::Index i) -> const Points& {
+        return collection.points[static_cast<std::size_t>(i)];
+    };
     for_each_mesh(collection.size(), [&](Eigen::Index i) {
-        const Points& mesh = collection.points[static_cast<std::size_t>(i)];
-        lengths.row(i) = edge_lengths(topology, mesh).transpose();
-        angles.row(i) = dihedral_angles(topology, mesh).transpose();
-        points.row(i) = mesh.reshaped<Eigen::RowMajor>().transpose();
-        if (!mesh.allFinite() || !(lengths.row(i).minCoeff() > 0.0))
+        if (!mesh(i).allFinite() || !(edge_lengths(topology, mesh(i)).minCoeff() > 0.0))
             throw InvalidInput(join("mesh ", i,
                                     " of the collection has a coordinate that is not "
                                     "finite or an edge of length 0"));
     });
     Hdf5Content content = begin_content(FileKind::Collection);
     add_topology(content, topology);
-    add_numbers(content, "/points", {count, topology.vertex_count(), 3}, points);
-    add_numbers(content, "/edge_lengths", {count, topology.edge_count()}, lengths);
-    add_numbers(content, "/dihedral_angles", {count, topology.edge_count()}, angles);
+    // One mesh at a time: together they would take as much memory as the file.
+    const auto add = [&](const char* name, Extents extents, const auto& measure) {
+        content.datasets.push_back(
+            {name, std::move(extents),
+             Hdf5Rows([&mesh, measure](Eigen::Index i, std::span<double> numbers) {
+                 const Eigen::VectorXd values = measure(mesh(i));
+                 std::copy(values.begin(), values.end(), numbers.begin());
+             })});
+    };
+    add("/points", {count, topology.vertex_count(), 3},
+        [](const Points& points) { return Eigen::VectorXd(points.reshaped<Eigen::RowMajor>()); });
+    add("/edge_lengths", {count, topology.edge_count()},
+        [&](const Points& points) { return edge_lengths(topology, points); });
+    add("/dihedral_angles", {count, topology.edge_count()},
+        [&](const Points& points) { return dihedral_angles(topology, points); });
     add_names(content, count, collection.names);
     add_labels(content, count, collection.labels);
     write_hdf5(path, content);
@@ -56,19 +65,24 @@ Collection read_collection(const std::filesystem::path& path)
 {
     const Hdf5File file(path);
     check_kind(file, FileKind::Collection);
-    const RowMatrix points = file.numbers("/points", {any_length, any_length, 3});
+    RowMatrix points = file.numbers("/points", {any_length, any_length, 3});
     const Eigen::Index count = points.rows();
     const Eigen::Index vertex_count = points.cols() / 3;
     Collection collection{
         read_topology(file, vertex_count), read_names(file, count), {}, read_labels(file, count)};
     const Topology& topology = collection.topology;
-    const RowMatrix lengths = file.numbers("/edge_lengths", {count, topology.edge_count()});
-    (void)file.numbers("/dihedral_angles", {count, topology.edge_count()});
+    // One dataset at a time in memory beside the meshes.
     collection.points.resize(static_cast<std::size_t>(count));
     for_each_mesh(collection.size(), [&](Eigen::Index i) {
-        Points& mesh = collection.points[static_cast<std::size_t>(i)];
-        mesh = Eigen::Map<const Points>(points.row(i).data(), vertex_count, 3);
-        const Eigen::VectorXd measured = edge_lengths(topology, mesh);
+        collection.points[static_cast<std::size_t>(i)] =
+            Eigen::Map<const Points>(points.row(i).data(), vertex_count, 3);
+    });
+    points.resize(0, 0);
+    (void)file.numbers("/dihedral_angles", {count, topology.edge_count()});
+    const RowMatrix lengths = file.numbers("/edge_lengths", {count, topology.edge_count()});
+    for_each_mesh(collection.size(), [&](Eigen::Index i) {
+        const Eigen::VectorXd measured =
+            edge_lengths(topology, collection.points[static_cast<std::size_t>(i)]);
         for (Eigen::Index e = 0; e < measured.size(); ++e)
             if (!(measured[e] > 0.0) ||
                 !(std::abs(lengths(i, e) - measured[e]) <= 1e-9 * measured[e]))

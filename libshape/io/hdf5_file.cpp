@@ -11,6 +11,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <functional>
+#include <numeric>
 #include <stdexcept>
 
 #include "libshape/base/error.h"
@@ -139,6 +141,7 @@ struct Encoded
     std::size_t value_size; ///< [byte]
     std::size_t count;
     std::string strings; ///< Or strings side by side, padded to equal size.
+    Hdf5Rows rows = {};  ///< Or what makes them.
 
     [[nodiscard]] const void* data() const { return strings.empty() ? values : strings.data(); }
     [[nodiscard]] std::size_t size() const { return count * value_size; }
@@ -194,10 +197,26 @@ Encoded encode(std::span<const std::string> values, const std::string& name)
             values.size(),          std::move(packed)};
 }
 
+Encoded encode(const Hdf5Rows& rows, const std::string& name)
+{
+    Encoded encoded = encode(std::span<const double>(), name);
+    encoded.rows = rows;
+    return encoded;
+}
+
+std::size_t product(std::span<const Eigen::Index> extents)
+{
+    return static_cast<std::size_t>(
+        std::accumulate(extents.begin(), extents.end(), Eigen::Index{1}, std::multiplies()));
+}
+
 Encoded encode(const Hdf5Dataset& dataset)
 {
-    return std::visit([&](const auto& values) { return encode(values, dataset.name); },
-                      dataset.values);
+    Encoded encoded = std::visit([&](const auto& values) { return encode(values, dataset.name); },
+                                 dataset.values);
+    if (encoded.rows)
+        encoded.count = product(dataset.extents);
+    return encoded;
 }
 
 Encoded encode(const std::string& name, const Hdf5Value& value)
@@ -223,6 +242,49 @@ std::vector<hsize_t> chunk_dimensions(const Extents& extents, std::size_t value_
         budget = std::max<hsize_t>(budget / *length, 1);
     }
     return chunk;
+}
+
+/// A part of a dataset: where it is on file and in memory, and its values.
+struct Block
+{
+    hid_t file_space;
+    hid_t memory_space;
+    const void* values;
+    std::size_t size; ///< [byte]
+};
+
+/// Runs action(block) for a dataset's values, whole rows of about 1 MiB together at a time.
+void for_each_block(const Encoded& values, const Extents& extents,
+                    const std::function<void(const Block&)>& action)
+{
+    if (extents.empty())
+        return action({H5S_ALL, H5S_ALL, values.data(), values.size()});
+    const std::size_t row_size = product(std::span(extents).subspan(1));
+    const std::vector<hsize_t> whole = dimensions(extents);
+    const hsize_t step = chunk_dimensions(extents, values.value_size).front();
+    const Id file_space = make_space(extents);
+    std::vector<double> made;
+    std::vector<hsize_t> start(whole.size(), 0);
+    for (; start[0] < whole[0]; start[0] += step) {
+        std::vector<hsize_t> count = whole;
+        count[0] = std::min(step, whole[0] - start[0]);
+        checked(H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start.data(), nullptr, count.data(),
+                                    nullptr));
+        const Id memory_space(
+            H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+        const void* block = nullptr;
+        if (values.rows) {
+            made.resize(count[0] * row_size);
+            for (std::size_t i = 0; i < count[0]; ++i)
+                values.rows(static_cast<Eigen::Index>(start[0] + i),
+                            std::span(made).subspan(i * row_size, row_size));
+            block = made.data();
+        } else {
+            block =
+                static_cast<const char*>(values.data()) + start[0] * row_size * values.value_size;
+        }
+        action({file_space, memory_space, block, count[0] * row_size * values.value_size});
+    }
 }
 
 /// Creates the group of a dataset. Groups remember the order of their members: that of labels.
@@ -258,7 +320,10 @@ void write_dataset(hid_t file, const Hdf5Dataset& dataset)
     Id stored(
         H5Dcreate2(file, dataset.name.c_str(), values.type, space, link, creation, H5P_DEFAULT),
         H5Dclose);
-    checked(H5Dwrite(stored, values.memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+    for_each_block(values, dataset.extents, [&](const Block& block) {
+        checked(H5Dwrite(stored, values.memory_type, block.memory_space, block.file_space,
+                         H5P_DEFAULT, block.values));
+    });
     stored.close();
 }
 
@@ -350,26 +415,30 @@ Id open_file(const std::filesystem::path& path)
 bool holds(const std::filesystem::path& path, const Hdf5Content& content)
 {
     const Id file = open_file(path);
+    bool is_equal = true;
     std::string bytes;
-    const auto is_equal = [&](const Encoded& encoded, const auto& read) {
-        bytes.assign(encoded.size(), '\0');
-        checked(read(encoded.memory_type, bytes.data()));
-        return std::memcmp(bytes.data(), encoded.data(), encoded.size()) == 0;
+    const auto compare = [&](const void* values, std::size_t size, const auto& read) {
+        bytes.assign(size, '\0');
+        checked(read(bytes.data()));
+        is_equal = is_equal && std::memcmp(bytes.data(), values, size) == 0;
     };
     for (const auto& [name, value] : content.attributes) {
         const Id attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
-        if (!is_equal(encode(name, value),
-                      [&](hid_t type, void* out) { return H5Aread(attribute, type, out); }))
-            return false;
+        const Encoded encoded = encode(name, value);
+        compare(encoded.data(), encoded.size(),
+                [&](void* out) { return H5Aread(attribute, encoded.memory_type, out); });
     }
     for (const Hdf5Dataset& dataset : content.datasets) {
         const Id stored(H5Dopen2(file, dataset.name.c_str(), H5P_DEFAULT), H5Dclose);
-        if (!is_equal(encode(dataset), [&](hid_t type, void* out) {
-                return H5Dread(stored, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out);
-            }))
-            return false;
+        const Encoded encoded = encode(dataset);
+        for_each_block(encoded, dataset.extents, [&](const Block& block) {
+            compare(block.values, block.size, [&](void* out) {
+                return H5Dread(stored, encoded.memory_type, block.memory_space, block.file_space,
+                               H5P_DEFAULT, out);
+            });
+        });
     }
-    return true;
+    return is_equal;
 }
 
 /// "(3, 0, 1)": the position of a value in row-major order.

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,12 +26,17 @@ using Extents = std::vector<Eigen::Index>;
 /// In expected extents: any length > 0.
 inline constexpr Eigen::Index any_length = -1;
 
+/// Numbers that are made when they are written, so that they need not be held together: those of
+/// one index of the first extent, in row-major order. Equal calls must give equal numbers.
+using Hdf5Rows = std::function<void(Eigen::Index row, std::span<double> numbers)>;
+
 /// A dataset to write; its values, in row-major order, stay with the caller.
 struct Hdf5Dataset
 {
     std::string name; ///< "/group/name".
     Extents extents;
-    std::variant<std::span<const double>, std::span<const int>, std::span<const std::string>>
+    std::variant<std::span<const double>, std::span<const int>, std::span<const std::string>,
+                 Hdf5Rows>
         values;
 };
 

@@ -18,15 +18,16 @@ ShapeModel fit_model(const Collection& collection, const ModelOptions& options)
     ShapeSpace space = make_space(collection, options.space);
     PrincipalComponents components = principal_components(
         encode(space, collection), {.modes = options.modes, .variance = options.variance});
-    const RowMatrix angles = companions(space, collection);
+    RowMatrix angles = companions(space, collection);
+    Eigen::VectorXd mean_angles = mean_of_rows(angles);
     Eigen::VectorXd mesh_sizes = sizes(space, collection);
     return {.topology = collection.topology,
             .reference_points = collection.points.front(),
             .space = std::move(space),
             .mean = std::move(components.mean),
-            .mean_dihedral_angles = mean_of_rows(angles),
+            .mean_dihedral_angles = std::move(mean_angles),
             .modes = std::move(components.modes),
-            .mode_dihedral_angles = companion_modes(components, angles),
+            .mode_dihedral_angles = companion_modes(components, std::move(angles)),
             .variances = std::move(components.variances),
             .total_variance = components.total_variance,
             .scores = std::move(components.scores),

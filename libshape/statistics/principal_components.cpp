@@ -53,6 +53,15 @@ RowMatrix combine_rows(const RowMatrix& weights, const RowMatrix& x)
     return combined;
 }
 
+/// x = weights^T x in place, in the same strips: the modes may be as large as the data.
+void mix_rows(const RowMatrix& weights, RowMatrix& x)
+{
+    parallel_for(static_cast<std::size_t>(x.cols()), 512, [&](std::size_t begin, std::size_t end) {
+        auto strip = x.middleCols(static_cast<Index>(begin), static_cast<Index>(end - begin));
+        strip = (weights.transpose() * strip).eval();
+    });
+}
+
 /// x modes^T, in fixed strips of rows.
 RowMatrix coordinates(const RowMatrix& x, const RowMatrix& modes)
 {
@@ -96,7 +105,7 @@ void orthonormalise(RowMatrix& modes, RowMatrix& weights)
         throw NumericalError("principal components: the modes are not linearly independent");
     const RowMatrix change =
         factor.matrixL().solve(Eigen::MatrixXd::Identity(modes.rows(), modes.rows()));
-    modes = combine_rows(change.transpose(), modes);
+    mix_rows(change.transpose(), modes);
     weights = weights * change.transpose();
 }
 
@@ -170,18 +179,19 @@ PrincipalComponents principal_components(RowMatrix data, const PrincipalComponen
     const double squares = data.squaredNorm();
     data.rowwise() -= result.mean.transpose();
     const RowMatrix& centred = data;
-    const Eigen::MatrixXd gram = inner_products(centred);
-    if (gram.trace() <= 1e-24 * squares)
-        throw InvalidInput(join("principal components: all ", data.rows(),
-                                " observations are equal, they have no modes"));
-    result.total_variance = gram.trace() / static_cast<double>(data.rows() - 1);
-
-    const Eigenpairs pairs = leading_eigenpairs(gram, options);
-    result.weights = pairs.vectors * pairs.values.cwiseSqrt().cwiseInverse().asDiagonal();
+    { // what is N by N goes before the modes come
+        const Eigen::MatrixXd gram = inner_products(centred);
+        if (gram.trace() <= 1e-24 * squares)
+            throw InvalidInput(join("principal components: all ", data.rows(),
+                                    " observations are equal, they have no modes"));
+        result.total_variance = gram.trace() / static_cast<double>(data.rows() - 1);
+        const Eigenpairs pairs = leading_eigenpairs(gram, options);
+        result.weights = pairs.vectors * pairs.values.cwiseSqrt().cwiseInverse().asDiagonal();
+    }
     result.modes = combine_rows(result.weights, centred);
     orthonormalise(result.modes, result.weights);
     const RowMatrix rotation = decorrelating_rotation(coordinates(centred, result.modes));
-    result.modes = combine_rows(rotation, result.modes);
+    mix_rows(rotation, result.modes);
     result.weights = result.weights * rotation;
     fix_signs(result.modes, result.weights);
     result.scores = coordinates(centred, result.modes);
@@ -189,14 +199,14 @@ PrincipalComponents principal_components(RowMatrix data, const PrincipalComponen
     return result;
 }
 
-RowMatrix companion_modes(const PrincipalComponents& components, const RowMatrix& companion)
+RowMatrix companion_modes(const PrincipalComponents& components, RowMatrix companion)
 {
     if (companion.rows() != components.weights.rows())
         throw InvalidInput(join("companion has ", companion.rows(), " rows, the components have ",
                                 components.weights.rows(), " observations"));
     // The weights of a mode sum to 0 up to rounding: centring keeps that rounding small.
-    return combine_rows(components.weights,
-                        companion.rowwise() - mean_of_rows(companion).transpose());
+    companion.rowwise() -= mean_of_rows(companion).transpose();
+    return combine_rows(components.weights, companion);
 }
 
 } // namespace shape

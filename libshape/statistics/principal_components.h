@@ -45,7 +45,6 @@ struct PrincipalComponentsOptions
 /// What each mode does, per unit of score, to another quantity of the same observations: the
 /// combination weights^T companion, K by columns of `companion`.
 /// @throws InvalidInput if companion does not have N rows.
-[[nodiscard]] RowMatrix companion_modes(const PrincipalComponents& components,
-                                        const RowMatrix& companion);
+[[nodiscard]] RowMatrix companion_modes(const PrincipalComponents& components, RowMatrix companion);
 
 } // namespace shape

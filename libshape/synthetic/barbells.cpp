@@ -23,8 +23,10 @@ enum class Ends
 
 // The grid is a tube that holds an end, the bar and an end.
 constexpr double end_length = 2.4;
-constexpr double bar_length = 4.0;
 constexpr double bar_radius = 0.3;
+// Triangles of a tube of radius 1: on a bar of length sqrt(12), the mean of 1 and 12, they are as
+// long as they are wide. With fewer rings plain length differences would count the bar for more.
+const double bar_length = std::sqrt(12.0) / bar_radius;
 
 /// A point of an end that points along +x and joins the bar at x = 0.
 /// @param along  From the pole of the cap at -1 to end_length at the bar.

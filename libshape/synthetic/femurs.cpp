@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <ranges>
+#include <vector>
 
 #include "libshape/base/random.h"
 #include "libshape/synthetic/generators.h"
@@ -67,25 +69,41 @@ Collection make_femurs(const SyntheticOptions& options)
     const Tube grid = tube({.length = knee_end + grid_shaft + hip_end,
                             .radius = head_radius,
                             .vertices = options.vertices});
-    Members members(grid.faces, {"kind", "shaft_mm"});
-    const auto add = [&](const std::string& name, const std::string& kind, const Bone& bone) {
+    Members members(grid.faces, {"kind", "ends", "shaft_mm"});
+    const auto add = [&](const std::string& name, const std::string& kind, const std::string& ends,
+                         const Bone& bone) {
         members.add(name, place(grid, [&](const TubeVertex& v) { return bone_point(v, bone); }),
-                    {kind, std::to_string(std::lround(bone.shaft))});
+                    {kind, ends, std::to_string(std::lround(bone.shaft))});
     };
-    add("femur_short", "sketch", {.shaft = 200.0});
-    add("femur_long", "sketch", {.shaft = 340.0});
+    const auto stout = [](double shaft) {
+        return Bone{
+            .shaft = shaft, .condyles = 1.3, .trochanter = 1.8, .neck_turn = 36.0 * pi / 180.0};
+    };
+    struct Sketch
+    {
+        std::string name;
+        std::string ends;
+        Bone bone;
+    };
+    const std::vector<Sketch> sketches{{"femur_short", "slender", {.shaft = 200.0}},
+                                       {"femur_long", "slender", {.shaft = 340.0}},
+                                       {"femur_stout_short", "stout", stout(200.0)},
+                                       {"femur_stout_long", "stout", stout(340.0)}};
+    const int drawn = std::min(options.count, static_cast<int>(sketches.size()));
+    for (const Sketch& sketch : sketches | std::views::take(drawn))
+        add(sketch.name, "sketch", sketch.ends, sketch.bone);
     Random random(options.seed);
     const auto around = [&](double mean, double spread) {
         return mean + spread * std::clamp(random.normal(), -2.5, 2.5);
     };
-    for (int i = 0; i + 2 < options.count; ++i) {
+    for (int i = 0; i + drawn < options.count; ++i) {
         Bone bone;
         bone.shaft = around(270.0, 25.0);
         bone.girth = around(1.0, 0.07);
         bone.condyles = around(1.0, 0.06);
         bone.trochanter = around(1.0, 0.15);
         bone.neck_turn = around(52.0, 4.0) * pi / 180.0;
-        add("femur_" + padded(i, 3), "individual", bone);
+        add("femur_" + padded(i, 3), "individual", "own", bone);
     }
     return members.take();
 }

@@ -43,7 +43,7 @@ const std::vector<Entry>& entries()
          make_faces},
         {{"femurs",
           "thigh bones with a short and a long shaft between equal ends (Rojas 2014, "
-          "Fig. 8), and individuals",
+          "Fig. 8), of two kinds, and individuals",
           "bones",
           {12, 2, 10'000},
           {1500, 300, most}},

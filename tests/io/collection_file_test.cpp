@@ -57,6 +57,20 @@ TEST(CollectionFile, GivesEveryBitBack)
     EXPECT_EQ(directory.names(), std::vector<std::string>{"c.h5"});
 }
 
+TEST(CollectionFile, GivesMeshesBackThatFillSeveralChunks)
+{
+    // 68 meshes of 642 vertices are one MiB.
+    const test::TemporaryDirectory directory;
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
+    Collection collection{mesh.topology, {}, {}, {}};
+    for (int i = 0; i < 150; ++i) {
+        collection.names.push_back(join(i));
+        collection.points.emplace_back((1.0 + 0.01 * i) * mesh.points);
+    }
+    write_collection(directory / "c.h5", collection);
+    expect_equal(read_collection(directory / "c.h5"), collection);
+}
+
 TEST(CollectionFile, HasTheSameBytesForTheSameCollection)
 {
     const test::TemporaryDirectory directory;

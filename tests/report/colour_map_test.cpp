@@ -50,8 +50,9 @@ TEST(ColourMap, DivergingIsEquallyLightOnBothSidesAndBlueAgainstRed)
         const Colour low = map_colour(ColourMap::Diverging, 0.5 - 0.05 * i);
         const Colour high = map_colour(ColourMap::Diverging, 0.5 + 0.05 * i);
         EXPECT_NEAR(lightness(low), lightness(high), 6.0);
-        if (i > 1)
+        if (i > 1) {
             EXPECT_GT(blueness(low), blueness(high) + 8.0 * i);
+        }
     }
     const Colour middle = map_colour(ColourMap::Diverging, 0.5);
     EXPECT_EQ(middle.red, middle.green);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <numbers>
 
 #include "libshape/base/error.h"
 #include "libshape/synthetic/synthetic.h"
@@ -45,10 +46,12 @@ TEST(RenderMesh, FillsTheTriangleAndNothingElse)
             const double right = 0.1 * (x + 0.5) - 2.0;
             const double up = 2.0 - 0.1 * (y + 0.5);
             const double inside = std::min({right + 1.0, up + 1.0, (1.0 - right - up) / 1.4143});
-            if (inside > 0.08)
+            if (inside > 0.08) {
                 EXPECT_NE(image.at(x, y), white) << x << " " << y;
-            if (inside < -0.08)
+            }
+            if (inside < -0.08) {
                 EXPECT_EQ(image.at(x, y), white) << x << " " << y;
+            }
         }
 }
 
@@ -159,11 +162,11 @@ TEST(AutomaticView, LooksAFaceIntoTheEyesHoweverItIsTurned)
     EXPECT_TRUE(automatic_view(faces, set.points[0]).isIdentity(1e-12));
     for (const double degrees : {-120.0, -50.0, 40.0, 90.0, 180.0}) {
         const Eigen::Matrix3d turn =
-            Eigen::AngleAxisd(degrees * EIGEN_PI / 180.0, Eigen::Vector3d::UnitY())
+            Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY())
                 .toRotationMatrix();
         const Points turned = set.points[0] * turn.transpose();
         const Eigen::Vector3d viewer = automatic_view(faces, turned).row(2).transpose();
-        EXPECT_GT(viewer.dot(turn * Eigen::Vector3d::UnitZ()), std::cos(25.0 * EIGEN_PI / 180.0));
+        EXPECT_GT(viewer.dot(turn * Eigen::Vector3d::UnitZ()), std::cos(25.0 * std::numbers::pi / 180.0));
     }
 }
 

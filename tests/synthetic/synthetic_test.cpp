@@ -37,7 +37,7 @@ double smallest_angle_deg(const Collection& collection, std::size_t mesh)
 /// A few members are enough for laws that hold for each.
 int few(const SyntheticDataset& dataset)
 {
-    return std::min(dataset.count.standard, 4);
+    return std::min(dataset.count.standard, 5);
 }
 
 const Points& mesh_named(const Collection& collection, const std::string& name)
@@ -98,8 +98,8 @@ TEST(Synthetic, TheSeedDecidesEverythingRandomAndNothingElse)
 TEST(Synthetic, MoreIndividualsLeaveTheFirstOnesAsTheyAre)
 {
     for (const char* name : {"faces", "femurs", "heads"}) {
-        const Collection few = make_synthetic(name, {.count = 3});
-        const Collection many = make_synthetic(name, {.count = 5});
+        const Collection few = make_synthetic(name, {.count = 5});
+        const Collection many = make_synthetic(name, {.count = 7});
         ASSERT_GT(many.size(), few.size());
         for (std::size_t i = 0; i < few.size(); ++i) {
             EXPECT_EQ(few.names[i], many.names[i]);
@@ -213,6 +213,26 @@ TEST(Femurs, WithEqualEndsDifferInTheShaftAlone)
     }
     EXPECT_GT(knee, 200);
     EXPECT_GT(hip, 100);
+}
+
+TEST(Femurs, ComeWithTwoKindsOfEndsOnTheSameShafts)
+{
+    const Collection set = make_synthetic("femurs", {.count = 4});
+    const auto shaft_of = [&](const std::string& name) {
+        const Points& points = mesh_named(set, name);
+        return points.col(1).maxCoeff() - points.col(1).minCoeff();
+    };
+    EXPECT_NEAR(shaft_of("femur_long") - shaft_of("femur_short"), 140.0, 1e-9);
+    EXPECT_NEAR(shaft_of("femur_stout_long") - shaft_of("femur_stout_short"), 140.0, 1e-9);
+    const auto knee_of = [&](const std::string& name) { // the knee is below the origin's 70 mm
+        const Points& points = mesh_named(set, name);
+        return (points.col(1).array() < 40.0).select(points.col(0), 0.0).cwiseAbs().maxCoeff();
+    };
+    EXPECT_GT(knee_of("femur_stout_short"), 1.15 * knee_of("femur_short"));
+    EXPECT_NEAR(knee_of("femur_stout_short"), knee_of("femur_stout_long"), 1e-9);
+    EXPECT_EQ(set.labels.at(1).values,
+              (std::vector<std::string>{"slender", "slender", "stout", "stout"}));
+    EXPECT_EQ(make_synthetic("femurs", {.count = 5}).names.back(), "femur_000");
 }
 
 TEST(Helix, KeepsTheLengthsOfTheCylinderWithinTheCurvatureOfItsAxis)

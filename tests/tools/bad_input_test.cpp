@@ -13,8 +13,6 @@
 namespace shape::test {
 namespace {
 
-using Arguments = std::vector<std::string>;
-
 /// Something that the program must refuse, and how.
 struct BadInput
 {

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "libshape/base/format.h"
@@ -12,36 +9,14 @@
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
-#include "tests/tools/program.h"
+#include "tests/tools/program_test.h"
 
 namespace shape::test {
 namespace {
 
-using Json = nlohmann::json;
-
-/// A folder with three meshes, where every run must succeed.
-class Commands : public testing::Test
+class Commands : public SilentProgramTest
 {
 protected:
-    Commands() { write_bumpy_spheres(folder_); }
-
-    /// Runs and returns the JSON on stdout; stderr stays empty.
-    [[nodiscard]] Json run(std::vector<std::string> arguments) const
-    {
-        arguments.emplace_back("--json");
-        const Outcome outcome = run_shape(folder_.path(), arguments);
-        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        EXPECT_EQ(outcome.err, "");
-        return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
-    }
-
-    [[nodiscard]] Eigen::VectorXd lengths(const std::string& file) const
-    {
-        const NamedMesh mesh = read_mesh(folder_ / file);
-        return edge_lengths(Topology(mesh.faces, static_cast<int>(mesh.points.rows())),
-                            mesh.points);
-    }
-
     void collect_labelled() const
     {
         (void)run({"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "f.h5"});
@@ -51,15 +26,7 @@ protected:
         collect_labelled();
         (void)run({"stats", "f.h5", "-o", "model.h5"});
     }
-
-    const Folder folder_;
 };
-
-/// Largest difference relative to the mean of b.
-double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b)
-{
-    return (a - b).cwiseAbs().maxCoeff() / b.mean();
-}
 
 TEST_F(Commands, CollectKeepsPositionsNamesAndLabels)
 {

@@ -1,34 +1,21 @@
 // SPDX-License-Identifier: MIT
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/table_file.h"
-#include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
-#include "tests/tools/program.h"
+#include "tests/tools/program_test.h"
 
 namespace shape::test {
 namespace {
 
-using Json = nlohmann::json;
-using Arguments = std::vector<std::string>;
-
-Arguments operator+(Arguments a, const Arguments& b)
-{
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
-
 /// Six subjects, calm and glad (longer along z), in people/ and people.h5. Three are of each sex;
 /// one mesh has no value of `gap`, `word` is no number, and `same` is one for all.
-class Groups : public testing::Test
+class Groups : public ProgramTest
 {
 protected:
     Groups()
@@ -67,14 +54,6 @@ protected:
             throw std::runtime_error(collected.err);
     }
 
-    /// Runs and returns the JSON on stdout.
-    [[nodiscard]] Json run(const Arguments& arguments) const
-    {
-        const Outcome outcome = run_shape(folder_.path(), arguments + Arguments{"--json"});
-        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
-    }
-
     /// Runs what must fail with one line that names these things, and writes nothing.
     void expect_failure(int exit_code, const Arguments& arguments, const Arguments& said) const
     {
@@ -89,32 +68,13 @@ protected:
         EXPECT_TRUE(folder_.content() == before) << line << ": a file was made or changed";
     }
 
-    [[nodiscard]] Points points(const std::string& file) const
-    {
-        return read_mesh(folder_ / file).points;
-    }
-
     /// Edge lengths of a mesh divided by their sum.
     [[nodiscard]] Eigen::VectorXd shape_of(const std::string& file) const
     {
         const Eigen::VectorXd all = lengths(file);
         return all / all.sum();
     }
-    [[nodiscard]] Eigen::VectorXd lengths(const std::string& file) const
-    {
-        const NamedMesh mesh = read_mesh(folder_ / file);
-        return edge_lengths(Topology(mesh.faces, static_cast<int>(mesh.points.rows())),
-                            mesh.points);
-    }
-
-    const Folder folder_;
 };
-
-/// Largest difference relative to the mean of b.
-double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b)
-{
-    return (a - b).cwiseAbs().maxCoeff() / b.mean();
-}
 
 TEST_F(Groups, AreComparedWithinSubjects)
 {

@@ -1,28 +1,19 @@
 // SPDX-License-Identifier: MIT
 
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
 #include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/vertex_scalars.h"
-#include "libshape/mesh/edge_lengths.h"
-#include "tests/tools/program.h"
+#include "tests/tools/program_test.h"
 
 namespace shape::test {
 namespace {
 
-using Arguments = std::vector<std::string>;
-using Json = nlohmann::json;
-
 /// A folder with four meshes, a.ply to d.ply, where every run must succeed.
-class Interpolate : public testing::Test
+class Interpolate : public SilentProgramTest
 {
 protected:
     Interpolate()
     {
-        write_bumpy_spheres(folder_);
         NamedMesh d = read_mesh(folder_ / "c.ply");
         d.points.col(0) *= 1.3;
         write_mesh(folder_ / "d.ply", d.points, d.faces, MeshFormat::Ply);
@@ -42,28 +33,16 @@ protected:
     {
         more.emplace_back("--json");
         const Outcome result = outcome(more, {}, meshes);
-        EXPECT_EQ(result.exit_code, 0) << result.err;
         EXPECT_EQ(result.err, "");
-        return result.exit_code == 0 ? Json::parse(result.out) : Json();
+        return json_of(result);
     }
 
-    [[nodiscard]] Points points(const std::string& file) const
-    {
-        return read_mesh(folder_ / file).points;
-    }
-    [[nodiscard]] Eigen::VectorXd lengths(const std::string& file) const
-    {
-        const NamedMesh mesh = read_mesh(folder_ / file);
-        return edge_lengths(Topology(mesh.faces, static_cast<int>(mesh.points.rows())),
-                            mesh.points);
-    }
     /// Largest difference of lengths relative to the mean.
     [[nodiscard]] double difference(const std::string& file, const std::string& wanted) const
     {
         return (lengths(file) - lengths(wanted)).cwiseAbs().maxCoeff() / lengths(wanted).mean();
     }
 
-    const Folder folder_;
     const Arguments four_{"a.ply", "b.ply", "c.ply", "d.ply"};
 };
 

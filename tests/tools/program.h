@@ -13,6 +13,15 @@
 
 namespace shape::test {
 
+using Arguments = std::vector<std::string>;
+
+/// One list of arguments and then another.
+[[nodiscard]] inline Arguments operator+(Arguments a, const Arguments& b)
+{
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
 /// What a run of the program left behind.
 struct Outcome
 {
@@ -32,8 +41,7 @@ struct Launch
 };
 
 /// Runs the program in a folder; ends it after a minute.
-[[nodiscard]] Outcome run_shape(const std::filesystem::path& folder,
-                                const std::vector<std::string>& arguments,
+[[nodiscard]] Outcome run_shape(const std::filesystem::path& folder, const Arguments& arguments,
                                 const Launch& launch = {});
 
 /// A new empty folder that goes when the object does.

@@ -1,41 +1,21 @@
 // SPDX-License-Identifier: MIT
 
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "tests/support/glb.h"
-#include "tests/tools/program.h"
+#include "tests/tools/program_test.h"
 
 namespace shape::test {
 namespace {
 
-using Arguments = std::vector<std::string>;
-using Json = nlohmann::json;
-
 /// What comes beside and out of many meshes: animations, residuals and jumps.
-class Sequences : public testing::Test
+class Sequences : public SilentProgramTest
 {
 protected:
-    Sequences() { write_bumpy_spheres(folder_); }
-
-    [[nodiscard]] Json run(Arguments arguments) const
-    {
-        arguments.emplace_back("--json");
-        const Outcome outcome = run_shape(folder_.path(), arguments);
-        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        EXPECT_EQ(outcome.err, "");
-        return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
-    }
-
     [[nodiscard]] double largest(const std::string& file, const std::string& scalar) const
     {
         return read_vertex_scalar(folder_ / file, scalar).maxCoeff();
     }
-
-    const Folder folder_;
 };
 
 TEST_F(Sequences, OneAnimationShowsWhatTheSeparateMeshesAre)

@@ -1,49 +1,16 @@
 // SPDX-License-Identifier: MIT
 
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/edge_lengths.h"
-#include "tests/tools/program.h"
+#include "tests/tools/program_test.h"
 
 namespace shape::test {
 namespace {
 
-using Json = nlohmann::json;
-using Arguments = std::vector<std::string>;
-
-Arguments operator+(Arguments a, const Arguments& b)
-{
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
-
-/// A folder with three meshes, where every run must succeed.
-class Spaces : public testing::Test
-{
-protected:
-    Spaces() { write_bumpy_spheres(folder_); }
-
-    /// Runs and returns the JSON on stdout; stderr stays empty.
-    [[nodiscard]] Json run(const Arguments& arguments) const
-    {
-        const Outcome outcome = run_shape(folder_.path(), arguments + Arguments{"--json"});
-        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        EXPECT_EQ(outcome.err, "");
-        return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
-    }
-    [[nodiscard]] Points points(const std::string& file) const
-    {
-        return read_mesh(folder_ / file).points;
-    }
-
-    const Folder folder_;
-};
+using Spaces = SilentProgramTest;
 
 TEST_F(Spaces, AProcrustesModelGivesItsMeshesBackWithoutEmbedding)
 {

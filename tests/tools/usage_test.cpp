@@ -7,18 +7,10 @@
 namespace shape::test {
 namespace {
 
-using Arguments = std::vector<std::string>;
-
 const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
                          "generate",  "distance", "quality",    "groups",      "classify",
                          "regress",   "remove",   "difference", "interpolate", "reconstruct",
                          "conformal", "draw",     "synth"};
-
-Arguments operator+(Arguments a, const Arguments& b)
-{
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 /// A wrong command line and what its error must name.
 struct WrongUsage

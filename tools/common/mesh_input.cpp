@@ -11,6 +11,7 @@
 #include "libshape/io/collection_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/table_file.h"
+#include "libshape/mesh/defects.h"
 #include "tools/common/session.h"
 
 namespace shape::tools {
@@ -88,6 +89,21 @@ std::vector<fs::path> mesh_files_of_directory(const fs::path& directory)
         return natural_less(a.filename().string(), b.filename().string());
     });
     return files;
+}
+
+/// A collection file alone: its meshes share their faces, which then need not be held once a mesh.
+Collection read_single_collection(const fs::path& path)
+{
+    Collection collection = read_collection(path);
+    const Faces& faces = collection.topology.faces();
+    for (std::size_t i = 0; i < collection.size(); ++i) {
+        const std::vector<Defect> defects =
+            find_degenerate_geometry(faces, collection.points[i], 1);
+        if (!defects.empty())
+            throw InvalidInput(
+                join(path.string(), ": mesh ", collection.names[i], ": ", defects.front().message));
+    }
+    return collection;
 }
 
 /// Appends the labels of `count` meshes to those of the `before` meshes that stand already.
@@ -180,6 +196,12 @@ Collection read_meshes(const Session& session, const MeshInput& input)
 {
     const Progress progress = session.progress();
     const std::vector<fs::path> files = mesh_files(input);
+    if (files.size() == 1 && is_collection_file(files.front())) {
+        Collection collection = read_single_collection(files.front());
+        if (!input.labels.empty())
+            collection.labels = read_labels(input.labels, collection.names);
+        return collection;
+    }
     std::vector<NamedMesh> meshes;
     Labels labels;
     for (std::size_t i = 0; i < files.size(); ++i) {
