@@ -152,12 +152,11 @@ class Bench:
                                             for method in ("preview", "fine")))
 
     def memory(self):
-        table(["pair", "vertices", "quality", "peak memory", "set-up", "this mesh"])
+        table(["pair", "vertices", "quality", "peak memory"])
         files = dict(self.real())["large"]
         for quality in ("fine", "preview"):
             report, _ = self.interpolate(files, "--quality", quality)
-            row("large", report["vertices"], quality, f"{report['peak_bytes'] / 1e9:.2f} GB",
-                f"{report['setup_seconds']:.2f} s", f"{report['seconds']:.2f} s")
+            row("large", report["vertices"], quality, f"{report['peak_bytes'] / 1e9:.2f} GB")
 
     def minima(self):
         table(["pair", "fine", "preview", "Gauss-Newton from fine", "from preview", "walk from A",
