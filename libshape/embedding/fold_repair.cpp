@@ -153,7 +153,7 @@ VectorXd rigid_filling(const GaussNewton& region, const LengthDihedralEnergy& en
             points.segment<3>(3 * v) = solution.row(i).transpose();
     };
     solve(true);
-    constexpr int sweeps = 5;
+    constexpr int sweeps = 15;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (const int v : around) {
             // Normals say which side is up: counted on the rim, where the surface is as wanted.

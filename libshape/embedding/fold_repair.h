@@ -15,8 +15,8 @@ struct FoldRepairOptions
     double fold_angle = 1.0;    ///< An edge is folded where |theta - theta*| exceeds this [rad],
     double suspect_angle = 0.5; ///< and suspect where it exceeds this [rad].
     int rings = 3;              ///< Rings of vertices around suspect wedges that move along; >= 0.
-    int shaken_starts = 6;      ///< >= 0.
-    int trial_iterations = 2;   ///< Gauss-Newton steps from every start,
+    int shaken_starts = 4;      ///< >= 0.
+    int trial_iterations = 6;   ///< Gauss-Newton steps from every start,
     int final_iterations = 5;   ///< and of the three best ones after that.
     int largest_region = 2000;  ///< Larger regions are left alone [vertices].
 };
