@@ -104,20 +104,20 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     const FaceLayout layout = lay_out_faces(topology, target.edge_lengths, target.dihedral_angles);
 
     DihedralEmbedding result;
-    std::vector<Matrix3d> frames =
-        s.patches.face_frames(layout.transitions, transition_weights(topology, layout.transitions));
-    Points start = s.laplacian.positions(frames, layout.halfedges);
-    result.back_substitutions = 1;
-    // Where a mesh has lengths and angles as wanted, single precision would lose it.
-    constexpr double found = 1e-10; // mean square of a strain
-    Eigen::VectorXd gradient;
-    const bool exact = energy.evaluate(start.reshaped<Eigen::RowMajor>(), gradient) <=
-                       found * topology.edge_count();
+    const VectorXd trust = transition_weights(topology, layout.transitions);
+    // Where every walk closes there may be a mesh with all lengths and angles as wanted, and single
+    // precision would lose it.
+    const bool closes = trust.minCoeff() > 0.999;
+    const auto positions = [&](const std::vector<Matrix3d>& frames) {
+        ++result.back_substitutions;
+        return closes ? s.laplacian.positions(frames, layout.halfedges)
+                      : s.laplacian.positions(frames, layout.halfedges, s.preconditioner);
+    };
+    std::vector<Matrix3d> frames = s.patches.face_frames(layout.transitions, trust);
+    Points start = positions(frames);
     for (int step = 0; step < options.local_global_steps; ++step) {
         frames = fit_faces(topology, layout, s.laplacian.weights(), start, std::move(frames));
-        start = exact ? s.laplacian.positions(frames, layout.halfedges)
-                      : s.laplacian.positions(frames, layout.halfedges, s.preconditioner);
-        ++result.back_substitutions;
+        start = positions(frames);
     }
 
     // Rounding: strains of 1e-12 an edge are none.
