@@ -4,14 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
-#include "libshape/base/error.h"
-#include "libshape/base/format.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/residual_field.h"
 #include "libshape/mesh/defects.h"
-#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
@@ -34,29 +31,21 @@ double quantile(std::vector<double> values, double share)
 EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                   const ShapePoint& target)
 {
-    if (target.edge_lengths.size() != topology.edge_count() ||
-        target.dihedral_angles.size() != topology.edge_count())
-        throw InvalidInput(join("target has ", target.edge_lengths.size(), " lengths and ",
-                                target.dihedral_angles.size(), " dihedral angles, the topology ",
-                                topology.edge_count(), " edges"));
-    constexpr double degrees = 180.0 / std::numbers::pi;
     constexpr double fold = 150.0;       // [deg]
     constexpr double exact_limit = 1e-6; // [1]
-    const Eigen::VectorXd difference = edge_lengths(topology, points) - target.edge_lengths;
-    const Eigen::VectorXd angles = dihedral_angles(topology, points);
+    const EdgeResiduals residuals = edge_residuals(topology, points, target);
     EmbeddingReport report;
-    report.edge_rms = std::sqrt(difference.squaredNorm() / static_cast<double>(difference.size())) /
-                      target.edge_lengths.mean();
-    const Eigen::VectorXd wanted = positive_lengths(target.edge_lengths);
-    std::vector<double> relative;
+    report.edge_rms =
+        std::sqrt((edge_lengths(topology, points) - target.edge_lengths).array().square().mean()) /
+        target.edge_lengths.mean();
+    std::vector<double> relative(residuals.edge_error.begin(), residuals.edge_error.end());
     std::vector<double> drift;
     std::vector<char> inverted(static_cast<std::size_t>(topology.face_count()), 0);
     double drift_squares = 0.0;
     for (int e = 0; e < topology.edge_count(); ++e) {
-        relative.push_back(std::abs(difference[e]) / wanted[e]);
         if (topology.is_boundary_edge(e))
             continue;
-        drift.push_back(degrees * std::abs(wrapped_angle(angles[e] - target.dihedral_angles[e])));
+        drift.push_back(residuals.dihedral_drift[e]);
         drift_squares += drift.back() * drift.back();
         if (drift.back() > fold)
             for (const int h : {topology.edge_halfedges()(e, 0), topology.edge_halfedges()(e, 1)})

@@ -8,12 +8,13 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/edge_space/admissibility.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
 
-ResidualField residual_field(const Topology& topology, const Points& points,
+EdgeResiduals edge_residuals(const Topology& topology, const Points& points,
                              const ShapePoint& target)
 {
     if (target.edge_lengths.size() != topology.edge_count() ||
@@ -21,22 +22,32 @@ ResidualField residual_field(const Topology& topology, const Points& points,
         throw InvalidInput(join("target has ", target.edge_lengths.size(), " lengths and ",
                                 target.dihedral_angles.size(), " dihedral angles, the topology ",
                                 topology.edge_count(), " edges"));
-    const Eigen::VectorXd lengths = edge_lengths(topology, points);
+    constexpr double degrees = 180.0 / std::numbers::pi;
     const Eigen::VectorXd angles = dihedral_angles(topology, points);
+    EdgeResiduals residuals;
+    residuals.edge_error = (edge_lengths(topology, points) - target.edge_lengths)
+                               .cwiseAbs()
+                               .cwiseQuotient(positive_lengths(target.edge_lengths));
+    residuals.dihedral_drift = Eigen::VectorXd::Zero(topology.edge_count());
+    for (int e = 0; e < topology.edge_count(); ++e)
+        if (!topology.is_boundary_edge(e))
+            residuals.dihedral_drift[e] =
+                degrees * std::abs(wrapped_angle(angles[e] - target.dihedral_angles[e]));
+    return residuals;
+}
+
+ResidualField residual_field(const Topology& topology, const Points& points,
+                             const ShapePoint& target)
+{
+    const EdgeResiduals residuals = edge_residuals(topology, points, target);
     ResidualField field{Eigen::VectorXd::Zero(topology.vertex_count()),
                         Eigen::VectorXd::Zero(topology.vertex_count())};
-    for (int e = 0; e < topology.edge_count(); ++e) {
-        const double error = std::abs(lengths[e] - target.edge_lengths[e]) / target.edge_lengths[e];
-        const double drift =
-            topology.is_boundary_edge(e)
-                ? 0.0
-                : 180.0 / std::numbers::pi *
-                      std::abs(wrapped_angle(angles[e] - target.dihedral_angles[e]));
+    for (int e = 0; e < topology.edge_count(); ++e)
         for (const int v : topology.edges().row(e)) {
-            field.edge_error[v] = std::max(field.edge_error[v], error);
-            field.dihedral_drift[v] = std::max(field.dihedral_drift[v], drift);
+            field.edge_error[v] = std::max(field.edge_error[v], residuals.edge_error[e]);
+            field.dihedral_drift[v] =
+                std::max(field.dihedral_drift[v], residuals.dihedral_drift[e]);
         }
-    }
     return field;
 }
 

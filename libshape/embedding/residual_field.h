@@ -10,13 +10,23 @@
 
 namespace shape {
 
-/// Where a mesh differs from the lengths and dihedral angles that it was made from. The largest
-/// values are the `edge_max` and `dihedral_max_deg` of measure_embedding().
+/// How every edge of a mesh differs from what was wanted of it.
+struct EdgeResiduals
+{
+    Eigen::VectorXd edge_error;     ///< #E; |l - l*| / l* [1], l* as in positive_lengths().
+    Eigen::VectorXd dihedral_drift; ///< #E; |theta - theta*|, wrapped [deg]; 0 on the boundary.
+};
+
+/// @throws InvalidInput if points or target do not fit the topology.
+[[nodiscard]] EdgeResiduals edge_residuals(const Topology& topology, const Points& points,
+                                           const ShapePoint& target);
+
+/// The same at vertices: the largest of their edges, 0 where there is none. The largest values are the
+/// `edge_max` and `dihedral_max_deg` of measure_embedding().
 struct ResidualField
 {
-    Eigen::VectorXd edge_error;     ///< #V; the largest |l - l*| / l* of the edges at a vertex [1].
-    Eigen::VectorXd dihedral_drift; ///< #V; the largest |theta - theta*|, wrapped, of the interior
-                                    ///< edges at a vertex [deg]; 0 if it has none.
+    Eigen::VectorXd edge_error;     ///< #V [1].
+    Eigen::VectorXd dihedral_drift; ///< #V [deg].
 };
 
 /// @throws InvalidInput if points or target do not fit the topology.

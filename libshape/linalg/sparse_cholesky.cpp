@@ -10,7 +10,8 @@
 
 extern "C" void openblas_set_num_threads(
     int); // cblas.h of OpenBLAS declares it, that of others not
-extern "C" void omp_set_max_active_levels(int); // omp.h
+extern "C" int omp_get_max_active_levels(); // omp.h
+extern "C" void omp_set_max_active_levels(int);
 
 namespace shape {
 namespace {
@@ -102,10 +103,12 @@ struct SparseCholesky::Factor
     void factorise(const SparseMatrix& matrix)
     {
         // CHOLMOD starts four threads for loops of every supernode, whatever the machine has: 3
-        // times slower on two cores. The setting is that of the calling thread.
+        // times slower on two cores. The setting is that of the calling thread, and given back.
+        const int levels = omp_get_max_active_levels();
         omp_set_max_active_levels(0);
         cholmod_sparse a = view(matrix);
         cholmod_factorize(&a, factor, &common);
+        omp_set_max_active_levels(levels);
         if (common.status == CHOLMOD_NOT_POSDEF || factor->minor < factor->n)
             throw NumericalError(join("sparse Cholesky factorisation: the matrix of size ", size,
                                       " is not positive definite (pivot ", factor->minor, ")"));
