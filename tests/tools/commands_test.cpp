@@ -280,8 +280,9 @@ TEST_F(Commands, EmbeddingsHaveTheFieldsOfTheContract)
     EXPECT_EQ(fields,
               (std::set<std::string>{"name", "method", "vertices", "status", "edge_rms", "edge_max",
                                      "edge_p999", "edge_p99", "dihedral_rms_deg",
-                                     "dihedral_p99_deg", "dihedral_max_deg", "closure_energy",
-                                     "iterations", "converged", "seconds", "setup_seconds"}));
+                                     "dihedral_p99_deg", "dihedral_max_deg", "inverted_faces",
+                                     "closure_energy", "iterations", "converged", "seconds",
+                                     "setup_seconds"}));
     EXPECT_EQ(embedding["name"], "mean");
     EXPECT_EQ(embedding["method"], "dihedral");
     EXPECT_EQ(embedding["vertices"], 42);

@@ -43,6 +43,7 @@ Json figures_of(const std::string& mesh, const std::string& method, const Embedd
                  {"dihedral_rms_deg", report.dihedral_rms_deg},
                  {"dihedral_p99_deg", report.dihedral_p99_deg},
                  {"dihedral_max_deg", report.dihedral_max_deg},
+                 {"inverted_faces", report.inverted_faces},
                  {"closure_energy", report.closure_energy},
                  {"iterations", report.iterations},
                  {"converged", report.converged},
