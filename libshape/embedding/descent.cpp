@@ -166,7 +166,6 @@ Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& precon
         result.points.swap(next);
         gradient.swap(next_gradient);
         result.energy = value;
-        ++result.newton_steps;
         if (agreement > 0.7)
             steps = steps + steps / 2;
         else if (agreement < 0.6)

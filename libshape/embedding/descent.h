@@ -22,7 +22,6 @@ struct Descent
 {
     Eigen::VectorXd points; ///< #V by 3, row by row in one vector [length].
     double energy = 0.0;
-    int newton_steps = 0;
     int linear_steps = 0; ///< Of conjugate gradients: one product and one back-substitution each.
     bool converged = false;
 };

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from interpolation_figures import aligned, diagonal, read_ply
+from interpolation_figures import aligned, diagonal, read_ply, run_cases
 
 LEARNT = [f"s{i:03d}" for i in range(7)]
 UNSEEN = [f"s{i:03d}" for i in range(7, 12)]
@@ -210,16 +210,5 @@ def quality(study):
 CASES = [tests, transfer, walk, modes, quality]
 
 
-def main():
-    if len(sys.argv) < 4:
-        sys.exit(__doc__)
-    wanted = sys.argv[4:] or [case.__name__ for case in CASES]
-    study = Study(*sys.argv[1:4])
-    for case in CASES:
-        if case.__name__ in wanted:
-            print(f"\n{case.__doc__}\n", flush=True)
-            case(study)
-
-
 if __name__ == "__main__":
-    main()
+    run_cases(CASES, Study, __doc__)

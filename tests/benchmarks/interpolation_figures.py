@@ -243,16 +243,17 @@ def keyframes(study):
 CASES = [ends, helix, noise_and_thin, torus, patch, hand, growing_hand, beyond, keyframes]
 
 
-def main():
+def run_cases(cases, make_study, usage):
+    """The arguments SHAPE DATA OUT [CASE ...] of a script that makes figures by cases."""
     if len(sys.argv) < 4:
-        sys.exit(__doc__)
-    wanted = sys.argv[4:] or [case.__name__ for case in CASES]
-    study = Study(*sys.argv[1:4])
-    for case in CASES:
+        sys.exit(usage)
+    wanted = sys.argv[4:] or [case.__name__ for case in cases]
+    study = make_study(*sys.argv[1:4])
+    for case in cases:
         if case.__name__ in wanted:
             print(f"\n{case.__doc__}\n", flush=True)
             case(study)
 
 
 if __name__ == "__main__":
-    main()
+    run_cases(CASES, Study, __doc__)

@@ -180,6 +180,10 @@ TEST(Embedder, PreviewIsNoBetterThanFineAndBothReportTheirSteps)
     EXPECT_LE(preview.report.iterations, 9);
     EXPECT_GT(fine.report.iterations, 9);
     EXPECT_LT(fine.report.edge_rms, preview.report.edge_rms);
+    EXPECT_EQ(DihedralEmbedder(mesh.topology, {mesh.points})
+                  .embed(half, dihedral_preview)
+                  .back_substitutions,
+              12);
 }
 
 TEST(Embedder, RefusesBadInput)
