@@ -2,201 +2,173 @@
 
 #include "libshape/embedding/fold_repair.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <numeric>
-#include <unordered_map>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
-#include "libshape/embedding/gauss_newton.h"
+#include "libshape/embedding/rigid_filling.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 
 namespace shape {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Vertices of suspect wedges, grown by rings, as connected regions in ascending order; those with a
-/// fold.
-std::vector<std::vector<int>> folded_regions(const LengthDihedralEnergy& energy,
-                                             const VectorXd& points,
-                                             const FoldRepairOptions& options)
+Points points_of(const std::vector<int>& vertices, const VectorXd& points)
 {
-    const Topology& t = energy.topology();
-    const VectorXd angles =
-        dihedral_angles(t, Eigen::Map<const Points>(points.data(), t.vertex_count(), 3));
-    std::vector<char> marked(static_cast<std::size_t>(t.vertex_count()), 0);
-    std::vector<char> folded(marked.size(), 0);
-    std::vector<int> front;
-    const auto mark = [&](int v) {
-        if (!marked[static_cast<std::size_t>(v)]) {
-            marked[static_cast<std::size_t>(v)] = 1;
-            front.push_back(v);
-        }
-    };
-    for (int e = 0; e < t.edge_count(); ++e) {
-        const double drift =
-            std::abs(wrapped_angle(angles[e] - energy.target().dihedral_angles[e]));
-        if (t.is_boundary_edge(e) || drift <= options.suspect_angle)
-            continue;
-        for (const int h : {t.edge_halfedges()(e, 0), t.edge_halfedges()(e, 1)}) {
-            mark(t.source(h));
-            mark(t.source(Topology::previous(h)));
-        }
-        if (drift > options.fold_angle)
-            folded[static_cast<std::size_t>(t.edges()(e, 0))] = 1;
-    }
-    const auto neighbours = [&](int v, const auto& visit) {
-        for (const int h : t.outgoing(v)) {
-            visit(t.target(h));
-            visit(t.source(Topology::previous(h)));
-        }
-    };
-    for (int ring = 0; ring < options.rings; ++ring)
-        for (const int v : std::vector<int>(std::exchange(front, {})))
-            neighbours(v, mark);
-
-    struct Region
-    {
-        std::vector<int> vertices;
-        bool folded = false;
-    };
-    std::vector<std::vector<int>> regions;
-    for (int v = 0; v < t.vertex_count(); ++v) {
-        if (!marked[static_cast<std::size_t>(v)])
-            continue;
-        Region region;
-        const auto take = [&](int w) {
-            if (marked[static_cast<std::size_t>(w)]) {
-                marked[static_cast<std::size_t>(w)] = 0;
-                region.vertices.push_back(w);
-                region.folded = region.folded || folded[static_cast<std::size_t>(w)] != 0;
-            }
-        };
-        take(v);
-        for (std::size_t i = 0; i < region.vertices.size(); ++i)
-            neighbours(region.vertices[i], take);
-        if (region.folded)
-            regions.push_back(std::move(region.vertices));
-    }
-    return regions;
+    return Eigen::Map<const Points>(points.data(), points.size() / 3, 3)(vertices, Eigen::all);
 }
 
-/// The region as the reference bent into its surroundings as rigidly as possible: from the harmonic
-/// filling, alternates rotations per vertex and positions.
-VectorXd rigid_filling(const GaussNewton& region, const LengthDihedralEnergy& energy,
-                       const Points& reference, VectorXd points)
+void set_lane(const Points& from, int lane, EightfoldPoints& to)
 {
-    const Topology& t = energy.topology();
-    const VectorXd& lengths = energy.target().edge_lengths;
-    const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
-    const auto reference_vector = [&](int from, int to) -> Vector3d {
-        return (reference.row(to) - reference.row(from)).transpose();
-    };
+    for (std::size_t v = 0; v < to.size(); ++v) {
+        const auto row = from.row(static_cast<Eigen::Index>(v)).cast<float>();
+        to[v].x.of[lane] = row[0];
+        to[v].y.of[lane] = row[1];
+        to[v].z.of[lane] = row[2];
+    }
+}
 
-    std::unordered_map<int, Eigen::Index> row;
-    for (const int v : region.vertices())
-        row.emplace(v, static_cast<Eigen::Index>(row.size()));
-    const auto size = static_cast<Eigen::Index>(row.size());
-    Eigen::MatrixXd laplacian = Eigen::MatrixXd::Zero(size, size);
-    std::vector<int> around; // region and its rim
-    for (const int e : region.edges()) {
+/// The Laplacian of the moving vertices, weighted by 1 / lengths^2.
+SparseMatrix laplacian(const RegionMesh& region, const std::vector<float>& lengths)
+{
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t e = 0; e < lengths.size(); ++e) {
         const double weight = 1.0 / (lengths[e] * lengths[e]);
-        const auto a = row.find(t.edges()(e, 0));
-        const auto b = row.find(t.edges()(e, 1));
-        for (const auto& end : {a, b})
-            if (end != row.end())
-                laplacian(end->second, end->second) += weight;
-        if (a != row.end() && b != row.end()) {
-            laplacian(a->second, b->second) -= weight;
-            laplacian(b->second, a->second) -= weight;
-        }
-        around.push_back(t.edges()(e, 0));
-        around.push_back(t.edges()(e, 1));
+        const int a = region.ends[2 * e];
+        const int b = region.ends[2 * e + 1];
+        for (const int end : {a, b})
+            if (end < region.moving_vertices)
+                entries.emplace_back(end, end, weight);
+        if (std::max(a, b) < region.moving_vertices)
+            entries.emplace_back(std::max(a, b), std::min(a, b), -weight);
     }
-    std::sort(around.begin(), around.end());
-    around.erase(std::unique(around.begin(), around.end()), around.end());
-    const Eigen::LLT<Eigen::MatrixXd> factor(laplacian);
-
-    std::unordered_map<int, Matrix3d> rotation;
-    const auto solve = [&](bool harmonic) {
-        Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(size, 3);
-        for (const int e : region.edges()) {
-            const double weight = 1.0 / (lengths[e] * lengths[e]);
-            const int a = t.edges()(e, 0);
-            const int b = t.edges()(e, 1);
-            Vector3d wanted = Vector3d::Zero(); // x_b - x_a
-            if (!harmonic) {
-                const Vector3d u = reference_vector(a, b);
-                wanted = 0.5 * lengths[e] / u.norm() * ((rotation[a] + rotation[b]) * u);
-            }
-            const auto pull = [&](int v, int other, const Vector3d& offset) {
-                const auto found = row.find(v);
-                if (found == row.end())
-                    return;
-                rhs.row(found->second) += weight * offset.transpose();
-                if (!row.contains(other))
-                    rhs.row(found->second) += weight * point(other).transpose();
-            };
-            pull(a, b, -wanted);
-            pull(b, a, wanted);
-        }
-        const Eigen::MatrixXd solution = factor.solve(rhs);
-        for (const auto& [v, i] : row)
-            points.segment<3>(3 * v) = solution.row(i).transpose();
-    };
-    solve(true);
-    constexpr int sweeps = 15;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-        for (const int v : around) {
-            // Normals say which side is up: counted on the rim, where the surface is as wanted.
-            Matrix3d covariance = Matrix3d::Zero();
-            const bool rim = !row.contains(v);
-            for (const int h : t.outgoing(v)) {
-                const int a = t.target(h);
-                const int b = t.source(Topology::previous(h));
-                const Vector3d ua = reference_vector(v, a);
-                const Vector3d ub = reference_vector(v, b);
-                const Vector3d xa = point(a) - point(v);
-                const Vector3d xb = point(b) - point(v);
-                covariance += xa * ua.transpose() / ua.squaredNorm();
-                if (rim)
-                    covariance += xa.cross(xb).normalized() * ua.cross(ub).normalized().transpose();
-            }
-            rotation[v] = nearest_rotation(covariance);
-        }
-        solve(false);
-    }
-    return points;
+    SparseMatrix matrix(region.moving_vertices, region.moving_vertices);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
 }
 
-/// The region's vertices moved at random along their normals, by up to half the edges around them.
-VectorXd shaken(const Topology& t, const std::vector<int>& vertices, std::uint64_t seed,
-                VectorXd points)
+/// Vertices moved at random along their normals, by up to half the edges around them.
+Points shaken(const RegionMesh& region, std::uint64_t seed, const Points& before)
 {
     Random random(seed);
-    const VectorXd before = points;
-    for (const int v : vertices) {
+    Points points = before;
+    for (int v = 0; v < region.moving_vertices; ++v) {
         Vector3d normal = Vector3d::Zero();
         double lengths = 0.0;
-        for (const int h : t.outgoing(v)) {
-            const Vector3d centre = before.segment<3>(3 * v);
-            const Vector3d a = before.segment<3>(3 * t.target(h)) - centre;
-            const Vector3d b = before.segment<3>(3 * t.source(Topology::previous(h))) - centre;
-            normal += a.cross(b);
+        const int begin = region.halfedge_begins[static_cast<std::size_t>(v)];
+        const int end = region.halfedge_begins[static_cast<std::size_t>(v) + 1];
+        for (int i = begin; i < end; ++i) {
+            const int h = region.halfedges[static_cast<std::size_t>(i)];
+            const auto from_vertex = [&](int halfedge) -> Vector3d {
+                return before.row(region.corners[static_cast<std::size_t>(halfedge)]) -
+                       before.row(v);
+            };
+            const Vector3d a = from_vertex(Topology::next(h));
+            normal += a.cross(from_vertex(Topology::previous(h)));
             lengths += a.norm();
         }
-        const double reach = 0.5 * lengths / static_cast<double>(t.outgoing(v).size());
-        points.segment<3>(3 * v) += random.uniform(-reach, reach) * normal.stableNormalized();
+        const double reach = 0.5 * lengths / (end - begin);
+        points.row(v) += random.uniform(-reach, reach) * normal.stableNormalized().transpose();
     }
     return points;
+}
+
+/// Terms of E that a region takes part in.
+double energy_of(const LengthDihedralEnergy& energy, const RegionMesh& region,
+                 const VectorXd& points)
+{
+    const Topology& t = energy.topology();
+    const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
+    double sum = 0.0;
+    for (const int e : region.edges) {
+        const int left = t.edge_halfedges()(e, 0);
+        const int right = t.edge_halfedges()(e, 1);
+        const Vector3d a = point(t.source(left));
+        const Vector3d b = point(t.target(left));
+        sum += stretch_term((b - a).norm() / energy.target().edge_lengths[e] - 1.0).value;
+        if (right < 0)
+            continue;
+        const double angle = dihedral_angle(a, b, point(t.source(Topology::previous(left))),
+                                            point(t.source(Topology::previous(right))));
+        const double bend = wrapped_angle(angle - energy.target().dihedral_angles[e]);
+        sum += energy.smoothness() * bend * bend;
+    }
+    return sum;
+}
+
+/// A region and where its moving vertices come to lie.
+struct Mended
+{
+    RegionMesh region;
+    Points points;
+};
+
+/// The lowest of all starts.
+Mended mended(const LengthDihedralEnergy& energy, const std::vector<Points>& references,
+              const VectorXd& points, const std::vector<int>& vertices,
+              const FoldRepairOptions& options)
+{
+    const RegionMesh region(energy.topology(), vertices);
+    EightfoldEnergy eightfold(energy, region);
+    const double unit = eightfold.unit();
+    std::vector<float> lengths;
+    for (const int e : region.edges)
+        lengths.push_back(static_cast<float>(energy.target().edge_lengths[e] / unit));
+    const EightfoldSolve solve(laplacian(region, lengths));
+
+    Points present = points_of(region.vertices, points);
+    const Eigen::RowVector3d centre = present.colwise().mean();
+    present = (present.rowwise() - centre) / unit;
+    const auto turned_reference = [&](std::size_t k) -> Points {
+        const Points reference = references[k](region.vertices, Eigen::all) / unit;
+        const Eigen::Index held = region.vertex_count() - region.moving_vertices;
+        return best_rigid_motion(reference.bottomRows(held), present.bottomRows(held))(reference);
+    };
+
+    Mended best{region, {}};
+    float least = std::numeric_limits<float>::infinity();
+    const std::size_t starts =
+        1 + references.size() + static_cast<std::size_t>(options.shaken_starts);
+    for (std::size_t first = 0; first < starts; first += Eightfold::lanes) {
+        EightfoldPoints eight(region.vertices.size());
+        for (int lane = 0; lane < Eightfold::lanes; ++lane)
+            set_lane(present, lane, eight);
+        if (first <= references.size()) {
+            EightfoldPoints bent(region.vertices.size());
+            for (int lane = 0; lane < Eightfold::lanes; ++lane) {
+                const std::size_t start = first + static_cast<std::size_t>(lane);
+                set_lane(turned_reference(std::clamp<std::size_t>(start, 1, references.size()) - 1),
+                         lane, bent);
+            }
+            fill_rigidly(region, lengths, solve, bent, options.filling_sweeps, eight);
+        }
+        for (int lane = 0; lane < Eightfold::lanes; ++lane) {
+            const std::size_t start = first + static_cast<std::size_t>(lane);
+            if (start == 0)
+                set_lane(present, lane, eight);
+            else if (start > references.size())
+                set_lane(shaken(region, start - references.size(), present), lane, eight);
+        }
+        const Eightfold energies = descend(eightfold, solve, eight, options.descent);
+        for (int lane = 0; lane < Eightfold::lanes; ++lane)
+            if (energies.of[lane] < least) {
+                least = energies.of[lane];
+                best.points.resize(region.moving_vertices, 3);
+                for (int v = 0; v < region.moving_vertices; ++v) {
+                    const EightfoldPoint& p = eight[static_cast<std::size_t>(v)];
+                    best.points.row(v) << p.x.of[lane], p.y.of[lane], p.z.of[lane];
+                }
+            }
+    }
+    best.points = (unit * best.points).rowwise() + centre;
+    return best;
 }
 
 } // namespace
@@ -205,47 +177,28 @@ FoldRepair repair_folds(const LengthDihedralEnergy& energy, const std::vector<Po
                         VectorXd points, const FoldRepairOptions& options)
 {
     FoldRepair repair{std::move(points), 0, 0};
-    const Topology& topology = energy.topology();
-    for (const std::vector<int>& vertices : folded_regions(energy, repair.points, options)) {
-        if (vertices.size() > static_cast<std::size_t>(options.largest_region) ||
-            vertices.size() == static_cast<std::size_t>(topology.vertex_count()))
-            continue;
-        ++repair.regions;
-        const GaussNewton region(topology, vertices);
-        const auto start = [&](std::size_t k) -> VectorXd {
-            if (k == 0)
-                return repair.points;
-            if (k <= references.size())
-                return rigid_filling(region, energy, references[k - 1], repair.points);
-            return shaken(topology, vertices, k - references.size(), repair.points);
-        };
-        std::vector<GaussNewtonResult> candidates(1 + references.size() +
-                                                  static_cast<std::size_t>(options.shaken_starts));
-        constexpr double tolerance = 1e-2;
-        parallel_for(candidates.size(), 1, [&](std::size_t k, std::size_t) {
-            candidates[k] = region.minimize(
-                energy, start(k),
-                {.max_iterations = options.trial_iterations, .decrease_tolerance = tolerance});
-        });
-        std::vector<std::size_t> order(candidates.size());
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        const auto by_value = [&](std::size_t a, std::size_t b) {
-            return std::pair(candidates[a].value, a) < std::pair(candidates[b].value, b);
-        };
-        constexpr std::size_t finalists = 3;
-        std::sort(order.begin(), order.end(), by_value);
-        order.resize(std::min(order.size(), finalists));
-        parallel_for(order.size(), 1, [&](std::size_t k, std::size_t) {
-            GaussNewtonResult& candidate = candidates[order[k]];
-            if (!candidate.converged)
-                candidate = region.minimize(
-                    energy, candidate.points,
-                    {.max_iterations = options.final_iterations, .decrease_tolerance = tolerance});
-        });
-        const std::size_t best = *std::min_element(order.begin(), order.end(), by_value);
-        if (best != 0)
+    std::vector<std::vector<int>> regions = folded_regions(
+        energy.topology(), repair.points, energy.target().dihedral_angles, options.regions);
+    std::erase_if(regions, [&](const std::vector<int>& vertices) {
+        return vertices.size() > static_cast<std::size_t>(options.largest_region) ||
+               vertices.size() == static_cast<std::size_t>(energy.topology().vertex_count());
+    });
+    repair.regions = static_cast<int>(regions.size());
+    std::vector<std::optional<Mended>> results(regions.size());
+    parallel_for(regions.size(), 1, [&](std::size_t k, std::size_t) {
+        results[k] = mended(energy, references, repair.points, regions[k], options);
+    });
+    // Neighbouring regions share wedges, and single precision rounds: what counts is E as it is now.
+    for (const auto& result : results) {
+        const auto& [region, moved] = *result;
+        VectorXd candidate = repair.points;
+        for (Eigen::Index v = 0; v < moved.rows(); ++v)
+            candidate.segment<3>(3 * region.vertices[static_cast<std::size_t>(v)]) =
+                moved.row(v).transpose();
+        if (energy_of(energy, region, candidate) < energy_of(energy, region, repair.points)) {
+            repair.points = std::move(candidate);
             ++repair.replaced;
-        repair.points = candidates[best].points;
+        }
     }
     return repair;
 }

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/eightfold_descent.h"
+
+#include "libshape/base/vectorised.h"
+
+namespace shape {
+namespace {
+
+SHAPE_VECTORISED void inner_product(std::size_t count, const EightfoldPoint* a,
+                                    const EightfoldPoint* b, Eightfold* __restrict product)
+{
+    Eightfold sum{};
+    for (std::size_t i = 0; i < count; ++i)
+        sum = sum + dot(a[i], b[i]);
+    *product = sum;
+}
+
+Eightfold inner_product(const EightfoldPoints& a, const EightfoldPoints& b, std::size_t count)
+{
+    Eightfold product;
+    inner_product(count, a.data(), b.data(), &product);
+    return product;
+}
+
+/// to = a + factor b; to may be a or b.
+SHAPE_VECTORISED void combine(std::size_t count, const EightfoldPoint* a, const Eightfold* factor,
+                              const EightfoldPoint* b, EightfoldPoint* to)
+{
+    const Eightfold scale = *factor;
+    for (std::size_t i = 0; i < count; ++i)
+        to[i] = a[i] + scale * b[i];
+}
+
+/// Conjugate gradients for J^T J s = -J^T r from s = 0.
+class EightfoldConjugateGradients
+{
+public:
+    explicit EightfoldConjugateGradients(const EightfoldPoints& points) : direction_(points.size())
+    {
+    }
+
+    const EightfoldPoints& solve(EightfoldEnergy& matrix, const EightfoldSolve& preconditioner,
+                                 int steps)
+    {
+        const Eightfold minus = Eightfold::all(-1.0F);
+        matrix.gradient(residual_);
+        const std::size_t size = residual_.size();
+        solution_.assign(size, {});
+        combine(size, solution_.data(), &minus, residual_.data(), residual_.data());
+        Eightfold square{};
+        Eightfold least{};
+        for (int step = 0; step < steps; ++step) {
+            preconditioned_ = residual_;
+            preconditioner.solve(preconditioned_);
+            const Eightfold last = square;
+            square = inner_product(residual_, preconditioned_, size);
+            const Eightfold along = step == 0 ? Eightfold{} : ratio(square, last, least);
+            if (step == 0)
+                least = 1e-10F * square; // the residual is 1e-5 of what it was
+            combine(size, preconditioned_.data(), &along, direction_.data(), direction_.data());
+            matrix.apply(direction_, image_);
+            const Eightfold curvature = inner_product(direction_, image_, size);
+            Eightfold length = ratio(square, curvature, Eightfold{});
+            for (int k = 0; k < Eightfold::lanes; ++k)
+                if (!(square.of[k] > least.of[k]))
+                    length.of[k] = 0.0F;
+            combine(size, solution_.data(), &length, direction_.data(), solution_.data());
+            length = minus * length;
+            combine(size, residual_.data(), &length, image_.data(), residual_.data());
+        }
+        return solution_;
+    }
+
+private:
+    /// a / b, 0 where b is not above its bound.
+    static Eightfold ratio(const Eightfold& a, const Eightfold& b, const Eightfold& bound)
+    {
+        Eightfold result{};
+        for (int k = 0; k < Eightfold::lanes; ++k)
+            if (b.of[k] > bound.of[k])
+                result.of[k] = a.of[k] / b.of[k];
+        return result;
+    }
+
+    EightfoldPoints residual_, preconditioned_, image_, solution_;
+    EightfoldPoints direction_; // of all vertices of the region
+};
+
+} // namespace
+
+Eightfold descend(EightfoldEnergy& energy, const EightfoldSolve& preconditioner,
+                  EightfoldPoints& points, const EightfoldDescentOptions& options)
+{
+    EightfoldConjugateGradients conjugate_gradients(points);
+    EightfoldPoints next = points;
+    Eightfold value = energy.linearise(points);
+    for (int newton = 0; newton < options.newton_steps; ++newton) {
+        const EightfoldPoints& step =
+            conjugate_gradients.solve(energy, preconditioner, options.linear_steps);
+        Eightfold scale = Eightfold::all(1.0F);
+        for (int halving = 0;; ++halving) {
+            combine(step.size(), points.data(), &scale, step.data(), next.data());
+            const Eightfold trial = energy.linearise(next);
+            bool fell = true;
+            for (int k = 0; k < Eightfold::lanes; ++k)
+                if (scale.of[k] > 0.0F && !(trial.of[k] < value.of[k])) {
+                    scale.of[k] = halving < options.halvings ? 0.5F * scale.of[k] : 0.0F;
+                    fell = false;
+                }
+            if (!fell)
+                continue;
+            for (int k = 0; k < Eightfold::lanes; ++k)
+                if (scale.of[k] > 0.0F)
+                    value.of[k] = trial.of[k];
+            break;
+        }
+        points.swap(next);
+    }
+    return value;
+}
+
+} // namespace shape
