@@ -35,6 +35,16 @@ void set_lane(const Points& from, int lane, EightfoldPoints& to)
     }
 }
 
+Points lane_of(const EightfoldPoints& from, int lane, int count)
+{
+    Points points(count, 3);
+    for (int v = 0; v < count; ++v) {
+        const EightfoldPoint& p = from[static_cast<std::size_t>(v)];
+        points.row(v) << p.x.of[lane], p.y.of[lane], p.z.of[lane];
+    }
+    return points;
+}
+
 /// The Laplacian of the moving vertices, weighted by 1 / lengths^2.
 SparseMatrix laplacian(const RegionMesh& region, const std::vector<float>& lengths)
 {
@@ -126,27 +136,27 @@ Mended mended(const LengthDihedralEnergy& energy, const std::vector<Points>& ref
     Points present = points_of(region.vertices, points);
     const Eigen::RowVector3d centre = present.colwise().mean();
     present = (present.rowwise() - centre) / unit;
-    const auto turned_reference = [&](std::size_t k) -> Points {
-        const Points reference = references[k](region.vertices, Eigen::all) / unit;
+    const auto turned_reference = [&](const Points& mesh) -> Points {
+        const Points reference = mesh(region.vertices, Eigen::all) / unit;
         const Eigen::Index held = region.vertex_count() - region.moving_vertices;
         return best_rigid_motion(reference.bottomRows(held), present.bottomRows(held))(reference);
     };
 
-    Mended best{region, {}};
-    float least = std::numeric_limits<float>::infinity();
+    // Start 0 is the region as it is, then come references, then shakings.
     const std::size_t starts =
         1 + references.size() + static_cast<std::size_t>(options.shaken_starts);
+    Mended best{region, {}};
+    float least = std::numeric_limits<float>::infinity();
     for (std::size_t first = 0; first < starts; first += Eightfold::lanes) {
         EightfoldPoints eight(region.vertices.size());
         for (int lane = 0; lane < Eightfold::lanes; ++lane)
             set_lane(present, lane, eight);
         if (first <= references.size()) {
-            EightfoldPoints bent(region.vertices.size());
-            for (int lane = 0; lane < Eightfold::lanes; ++lane) {
-                const std::size_t start = first + static_cast<std::size_t>(lane);
-                set_lane(turned_reference(std::clamp<std::size_t>(start, 1, references.size()) - 1),
-                         lane, bent);
-            }
+            EightfoldPoints bent = eight;
+            for (int lane = 0; lane < Eightfold::lanes; ++lane)
+                if (const std::size_t start = first + static_cast<std::size_t>(lane);
+                    start >= 1 && start <= references.size())
+                    set_lane(turned_reference(references[start - 1]), lane, bent);
             fill_rigidly(region, lengths, solve, bent, options.filling_sweeps, eight);
         }
         for (int lane = 0; lane < Eightfold::lanes; ++lane) {
@@ -160,11 +170,7 @@ Mended mended(const LengthDihedralEnergy& energy, const std::vector<Points>& ref
         for (int lane = 0; lane < Eightfold::lanes; ++lane)
             if (energies.of[lane] < least) {
                 least = energies.of[lane];
-                best.points.resize(region.moving_vertices, 3);
-                for (int v = 0; v < region.moving_vertices; ++v) {
-                    const EightfoldPoint& p = eight[static_cast<std::size_t>(v)];
-                    best.points.row(v) << p.x.of[lane], p.y.of[lane], p.z.of[lane];
-                }
+                best.points = lane_of(eight, lane, region.moving_vertices);
             }
     }
     best.points = (unit * best.points).rowwise() + centre;
@@ -191,14 +197,16 @@ FoldRepair repair_folds(const LengthDihedralEnergy& energy, const std::vector<Po
     // Neighbouring regions share wedges, and single precision rounds: what counts is E as it is now.
     for (const auto& result : results) {
         const auto& [region, moved] = *result;
-        VectorXd candidate = repair.points;
-        for (Eigen::Index v = 0; v < moved.rows(); ++v)
-            candidate.segment<3>(3 * region.vertices[static_cast<std::size_t>(v)]) =
-                moved.row(v).transpose();
-        if (energy_of(energy, region, candidate) < energy_of(energy, region, repair.points)) {
-            repair.points = std::move(candidate);
+        const std::vector<int> vertices(region.vertices.begin(),
+                                        region.vertices.begin() + region.moving_vertices);
+        Eigen::Map<Points> mesh(repair.points.data(), repair.points.size() / 3, 3);
+        const Points before = mesh(vertices, Eigen::all);
+        const double energy_before = energy_of(energy, region, repair.points);
+        mesh(vertices, Eigen::all) = moved;
+        if (energy_of(energy, region, repair.points) < energy_before)
             ++repair.replaced;
-        }
+        else
+            mesh(vertices, Eigen::all) = before;
     }
     return repair;
 }

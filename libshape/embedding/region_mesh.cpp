@@ -2,65 +2,47 @@
 
 #include "libshape/embedding/region_mesh.h"
 
-#include <algorithm>
-#include <iterator>
+#include <cstddef>
+#include <tuple>
 #include <utility>
 
 namespace shape {
 namespace {
 
-void sort_and_unite(std::vector<int>& numbers)
-{
-    std::sort(numbers.begin(), numbers.end());
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
-/// Elements of a that are not in b, both ascending.
-std::vector<int> difference(const std::vector<int>& a, const std::vector<int>& b)
-{
-    std::vector<int> rest;
-    std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(rest));
-    return rest;
-}
-
-std::vector<int> faces_around(const Topology& t, const std::vector<int>& vertices)
-{
-    std::vector<int> faces;
-    for (const int v : vertices)
-        for (const int h : t.outgoing(v))
-            faces.push_back(Topology::face(h));
-    sort_and_unite(faces);
-    return faces;
-}
-
-std::vector<int> corners_of(const Topology& t, const std::vector<int>& faces)
-{
-    std::vector<int> vertices;
-    for (const int f : faces)
-        for (int c = 0; c < 3; ++c)
-            vertices.push_back(t.faces()(f, c));
-    sort_and_unite(vertices);
-    return vertices;
-}
-
-/// Places in lists that are ascending one after the other.
+/// Consecutive numbers for names >= 0 in the order in which they come; a table with linear probing.
 class LocalNumbers
 {
 public:
-    void append(const std::vector<int>& ascending)
+    /// The number of a name, the next one if it is new; `names` are all in their order.
+    int operator()(int name, std::vector<int>& names)
     {
-        for (const int number : ascending)
-            places_.emplace_back(number, static_cast<int>(places_.size()));
-        sorted_ = places_;
-        std::sort(sorted_.begin(), sorted_.end());
-    }
-    int operator()(int number) const
-    {
-        return std::lower_bound(sorted_.begin(), sorted_.end(), std::pair(number, 0))->second;
+        std::size_t slot = find(name, names);
+        if (slots_[slot] < 0) {
+            if (2 * names.size() >= slots_.size()) {
+                slots_.assign(2 * slots_.size(), -1);
+                for (std::size_t i = 0; i < names.size(); ++i)
+                    slots_[find(names[i], names)] = static_cast<int>(i);
+                slot = find(name, names);
+            }
+            slots_[slot] = static_cast<int>(names.size());
+            names.push_back(name);
+        }
+        return slots_[slot];
     }
 
 private:
-    std::vector<std::pair<int, int>> places_, sorted_;
+    /// Where a name is or would be.
+    [[nodiscard]] std::size_t find(int name, const std::vector<int>& names) const
+    {
+        constexpr std::size_t golden = 0x9E3779B9; // 2^32 / 1.618: spreads neighbours
+        for (std::size_t i = golden * static_cast<std::size_t>(name) >> 7;; ++i) {
+            const int number = slots_[i & (slots_.size() - 1)];
+            if (number < 0 || names[static_cast<std::size_t>(number)] == name)
+                return i & (slots_.size() - 1);
+        }
+    }
+
+    std::vector<int> slots_ = std::vector<int>(1024, -1); // a power of 2
 };
 
 /// Lists of the items that name a number: begins and items.
@@ -85,57 +67,47 @@ std::pair<std::vector<int>, std::vector<int>> grouped(int count,
 
 } // namespace
 
-RegionMesh::RegionMesh(const Topology& t, std::vector<int> moving)
+RegionMesh::RegionMesh(const Topology& t, const std::vector<int>& moving)
 {
-    sort_and_unite(moving);
-    const std::vector<int> inner_faces = faces_around(t, moving);
-    const std::vector<int> rim = difference(corners_of(t, inner_faces), moving);
-    const std::vector<int> collar = difference(faces_around(t, rim), inner_faces);
-
-    vertices = moving;
-    vertices.insert(vertices.end(), rim.begin(), rim.end());
-    std::vector<int> known = vertices;
-    sort_and_unite(known);
-    const std::vector<int> outer = difference(corners_of(t, collar), known);
-    vertices.insert(vertices.end(), outer.begin(), outer.end());
-    moving_vertices = static_cast<int>(moving.size());
-    rim_vertices = static_cast<int>(rim.size());
-    moving_faces = static_cast<int>(inner_faces.size());
     LocalNumbers local_vertex, local_face, local_edge;
-    local_vertex.append(vertices);
-
-    std::vector<int> faces = inner_faces;
-    faces.insert(faces.end(), collar.begin(), collar.end());
-    local_face.append(faces);
-    std::vector<std::pair<int, int>> leaving;
-    for (const int f : faces)
-        for (int c = 0; c < 3; ++c) {
-            corners.push_back(local_vertex(t.faces()(f, c)));
-            leaving.emplace_back(corners.back(), static_cast<int>(leaving.size()));
-        }
+    std::vector<int> faces;
+    std::vector<std::pair<int, int>> leaving; // vertex, half-edge
+    const auto add_faces_around = [&](int first, int end) {
+        const auto known = static_cast<int>(faces.size());
+        for (int v = first; v < end; ++v)
+            for (const int h : t.outgoing(vertices[static_cast<std::size_t>(v)]))
+                local_face(Topology::face(h), faces);
+        for (auto f = known; f < static_cast<int>(faces.size()); ++f)
+            for (int c = 0; c < 3; ++c) {
+                corners.push_back(
+                    local_vertex(t.faces()(faces[static_cast<std::size_t>(f)], c), vertices));
+                leaving.emplace_back(corners.back(), 3 * f + c);
+            }
+    };
+    for (const int v : moving)
+        local_vertex(v, vertices);
+    moving_vertices = vertex_count();
+    add_faces_around(0, moving_vertices);
+    moving_faces = face_count();
+    rim_vertices = vertex_count() - moving_vertices;
+    add_faces_around(moving_vertices, moving_vertices + rim_vertices);
     std::tie(halfedge_begins, halfedges) = grouped(moving_vertices + rim_vertices, leaving);
 
-    for (const int f : inner_faces)
-        for (int c = 0; c < 3; ++c)
-            edges.push_back(t.face_edges()(f, c));
-    std::vector<int> of_faces = edges;
-    sort_and_unite(edges);
-    local_edge.append(edges);
-    for (const int e : of_faces)
-        face_edges.push_back(local_edge(e));
-    std::vector<std::pair<int, int>> ending;
-    for (const int e : edges) {
-        const int local = static_cast<int>(sides.size()) / 2;
-        const int left = t.edge_halfedges()(e, 0);
-        const int right = t.edge_halfedges()(e, 1);
+    for (int h = 0; h < 3 * moving_faces; ++h)
+        face_edges.push_back(
+            local_edge(t.face_edges()(faces[static_cast<std::size_t>(h / 3)], h % 3), edges));
+    std::vector<std::pair<int, int>> touching; // vertex, edge
+    for (int e = 0; e < edge_count(); ++e) {
+        const int left = t.edge_halfedges()(edges[static_cast<std::size_t>(e)], 0);
+        const int right = t.edge_halfedges()(edges[static_cast<std::size_t>(e)], 1);
         for (const int h : {left, right < 0 ? left : right})
-            sides.push_back(3 * local_face(Topology::face(h)) + h % 3);
-        ends.push_back(local_vertex(t.source(left)));
-        ends.push_back(local_vertex(t.target(left)));
-        ending.emplace_back(ends.end()[-2], ~local);
-        ending.emplace_back(ends.end()[-1], local);
+            sides.push_back(3 * local_face(Topology::face(h), faces) + h % 3);
+        ends.push_back(local_vertex(t.source(left), vertices));
+        ends.push_back(local_vertex(t.target(left), vertices));
+        touching.emplace_back(ends.end()[-2], ~e);
+        touching.emplace_back(ends.end()[-1], e);
     }
-    std::tie(edge_begins, incident_edges) = grouped(moving_vertices, ending);
+    std::tie(edge_begins, incident_edges) = grouped(moving_vertices, touching);
 }
 
 } // namespace shape

@@ -17,9 +17,9 @@ struct RegionMesh
     int rim_vertices = 0;
     int moving_faces = 0;      ///< These come first; they have a vertex that moves.
     std::vector<int> vertices; ///< Of the mesh, for every local one.
-    std::vector<int> corners;  ///< Three local vertices a face, in the order of the mesh.
+    std::vector<int> corners; ///< Three local vertices a face, from the same one on as in the mesh.
 
-    std::vector<int> edges; ///< Of the mesh: all edges of moving faces, ascending.
+    std::vector<int> edges; ///< Of the mesh: all edges of moving faces.
     std::vector<int> ends;  ///< Two local vertices an edge.
     /// Two half-edges 3 f + c an edge, the first along the edge; on the boundary the first twice.
     std::vector<int> sides;
@@ -32,7 +32,7 @@ struct RegionMesh
     std::vector<int> edge_begins, incident_edges;
 
     /// @param moving  Distinct vertices, not empty.
-    RegionMesh(const Topology& topology, std::vector<int> moving);
+    RegionMesh(const Topology& topology, const std::vector<int>& moving);
 
     [[nodiscard]] int vertex_count() const { return static_cast<int>(vertices.size()); }
     [[nodiscard]] int face_count() const { return static_cast<int>(corners.size()) / 3; }
