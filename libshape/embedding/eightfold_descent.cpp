@@ -16,13 +16,6 @@ SHAPE_VECTORISED void inner_product(std::size_t count, const EightfoldPoint* a,
     *product = sum;
 }
 
-Eightfold inner_product(const EightfoldPoints& a, const EightfoldPoints& b, std::size_t count)
-{
-    Eightfold product;
-    inner_product(count, a.data(), b.data(), &product);
-    return product;
-}
-
 /// to = a + factor b; to may be a or b.
 SHAPE_VECTORISED void combine(std::size_t count, const EightfoldPoint* a, const Eightfold* factor,
                               const EightfoldPoint* b, EightfoldPoint* to)
@@ -54,15 +47,16 @@ public:
             preconditioned_ = residual_;
             preconditioner.solve(preconditioned_);
             const Eightfold last = square;
-            square = inner_product(residual_, preconditioned_, size);
+            inner_product(size, residual_.data(), preconditioned_.data(), &square);
             const Eightfold along = step == 0 ? Eightfold{} : ratio(square, last, least);
             if (step == 0)
                 least = 1e-10F * square; // the residual is 1e-5 of what it was
             combine(size, preconditioned_.data(), &along, direction_.data(), direction_.data());
             matrix.apply(direction_, image_);
-            const Eightfold curvature = inner_product(direction_, image_, size);
+            Eightfold curvature;
+            inner_product(size, direction_.data(), image_.data(), &curvature);
             Eightfold length = ratio(square, curvature, Eightfold{});
-            for (int k = 0; k < Eightfold::lanes; ++k)
+            for (std::size_t k = 0; k < Eightfold::lanes; ++k)
                 if (!(square.of[k] > least.of[k]))
                     length.of[k] = 0.0F;
             combine(size, solution_.data(), &length, direction_.data(), solution_.data());
@@ -77,7 +71,7 @@ private:
     static Eightfold ratio(const Eightfold& a, const Eightfold& b, const Eightfold& bound)
     {
         Eightfold result{};
-        for (int k = 0; k < Eightfold::lanes; ++k)
+        for (std::size_t k = 0; k < Eightfold::lanes; ++k)
             if (b.of[k] > bound.of[k])
                 result.of[k] = a.of[k] / b.of[k];
         return result;
@@ -89,30 +83,32 @@ private:
 
 } // namespace
 
-Eightfold descend(EightfoldEnergy& energy, const EightfoldSolve& preconditioner,
-                  EightfoldPoints& points, const EightfoldDescentOptions& options)
+std::array<float, Eightfold::lanes> descend(EightfoldEnergy& energy,
+                                            const EightfoldSolve& preconditioner,
+                                            EightfoldPoints& points,
+                                            const EightfoldDescentOptions& options)
 {
     EightfoldConjugateGradients conjugate_gradients(points);
     EightfoldPoints next = points;
-    Eightfold value = energy.linearise(points);
+    auto value = energy.linearise(points);
     for (int newton = 0; newton < options.newton_steps; ++newton) {
         const EightfoldPoints& step =
             conjugate_gradients.solve(energy, preconditioner, options.linear_steps);
         Eightfold scale = Eightfold::all(1.0F);
         for (int halving = 0;; ++halving) {
             combine(step.size(), points.data(), &scale, step.data(), next.data());
-            const Eightfold trial = energy.linearise(next);
+            const auto trial = energy.linearise(next);
             bool fell = true;
-            for (int k = 0; k < Eightfold::lanes; ++k)
-                if (scale.of[k] > 0.0F && !(trial.of[k] < value.of[k])) {
+            for (std::size_t k = 0; k < Eightfold::lanes; ++k)
+                if (scale.of[k] > 0.0F && !(trial[k] < value[k])) {
                     scale.of[k] = halving < options.halvings ? 0.5F * scale.of[k] : 0.0F;
                     fell = false;
                 }
             if (!fell)
                 continue;
-            for (int k = 0; k < Eightfold::lanes; ++k)
+            for (std::size_t k = 0; k < Eightfold::lanes; ++k)
                 if (scale.of[k] > 0.0F)
-                    value.of[k] = trial.of[k];
+                    value[k] = trial[k];
             break;
         }
         points.swap(next);

@@ -2,6 +2,8 @@
 
 #pragma once
 
+#include <array>
+
 #include "libshape/embedding/eightfold_energy.h"
 #include "libshape/linalg/eightfold_solve.h"
 
@@ -20,7 +22,9 @@ struct EightfoldDescentOptions
 /// @param preconditioner  Of the Laplacian of the moving vertices, weighted by 1 / l^2.
 /// @param points  All vertices of the region, in units of energy.unit(); the moving ones are moved.
 /// @return the energies.
-Eightfold descend(EightfoldEnergy& energy, const EightfoldSolve& preconditioner,
-                  EightfoldPoints& points, const EightfoldDescentOptions& options = {});
+std::array<float, Eightfold::lanes> descend(EightfoldEnergy& energy,
+                                            const EightfoldSolve& preconditioner,
+                                            EightfoldPoints& points,
+                                            const EightfoldDescentOptions& options = {});
 
 } // namespace shape

@@ -43,7 +43,7 @@ SHAPE_VECTORISED void face_terms(int count, int moving, const int* corners,
 }
 
 /// Of every edge: the residual of its strain, how it changes, and a vector in the direction
-/// theta - theta*. Adds phi(strain) to the energies.
+/// theta - theta*; and phi(strain).
 SHAPE_VECTORISED void edge_terms(int count, const int* ends, const int* sides,
                                  const EightfoldPoint* points, const EightfoldPoint* normals,
                                  const float* inverse_lengths, const float* sines,
@@ -52,7 +52,6 @@ SHAPE_VECTORISED void edge_terms(int count, const int* ends, const int* sides,
                                  Eightfold* __restrict bend_cosines, Eightfold* __restrict energies)
 {
     constexpr float onset = 0.04F * 0.04F; // of stretch_term()
-    Eightfold sum = Eightfold::all(0.0F);
     for (int e = 0; e < count; ++e) {
         const EightfoldPoint along = points[ends[2 * e + 1]] - points[ends[2 * e]];
         const Eightfold length2 = dot(along, along);
@@ -60,7 +59,7 @@ SHAPE_VECTORISED void edge_terms(int count, const int* ends, const int* sides,
         const Eightfold strain = inverse_lengths[e] * length - Eightfold::all(1.0F);
         const Eightfold square = strain * strain;
         const Eightfold scale = Eightfold::all(onset) + 0.125F * square;
-        sum = sum + square + square * square / scale;
+        energies[e] = square + square * square / scale;
         const Eightfold weight =
             Eightfold::all(1.0F) +
             square * (Eightfold::all(2.0F * onset) + 0.125F * square) / (scale * scale);
@@ -75,20 +74,20 @@ SHAPE_VECTORISED void edge_terms(int count, const int* ends, const int* sides,
         bend_sines[e] = cosines[e] * s - sines[e] * c;
         bend_cosines[e] = cosines[e] * c + sines[e] * s;
     }
-    *energies = sum;
 }
 
-/// Turns bends into residuals. Adds their squares to the energies.
+/// Turns bends into residuals. Adds their squares to the energies of edges, and sums those.
 SHAPE_VECTORISED void bend_terms(int count, float root, Eightfold* __restrict bends,
-                                 Eightfold* __restrict energies)
+                                 Eightfold* __restrict energies, Eightfold* __restrict total)
 {
-    Eightfold sum = *energies;
+    Eightfold sum{};
     for (int e = 0; e < count; ++e) {
         const Eightfold residual = root * bends[e];
-        sum = sum + residual * residual;
         bends[e] = residual;
+        energies[e] = energies[e] + residual * residual;
+        sum = sum + energies[e];
     }
-    *energies = sum;
+    *total = sum;
 }
 
 /// How moving faces bend at their three edges.
@@ -165,6 +164,7 @@ EightfoldEnergy::EightfoldEnergy(const LengthDihedralEnergy& energy, const Regio
       directions_(region.edges.size()),
       strains_(region.edges.size()),
       bends_(region.edges.size()),
+      energies_(region.edges.size()),
       tensions_(region.edges.size()),
       moments_(region.edges.size()),
       halfedge_terms_(region.corners.size())
@@ -179,20 +179,20 @@ EightfoldEnergy::EightfoldEnergy(const LengthDihedralEnergy& energy, const Regio
     }
 }
 
-Eightfold EightfoldEnergy::linearise(const EightfoldPoints& points)
+std::array<float, Eightfold::lanes> EightfoldEnergy::linearise(const EightfoldPoints& points)
 {
     const RegionMesh& r = region_;
     const float root = std::sqrt(smoothness_);
-    Eightfold energies;
+    Eightfold total;
     face_terms(r.face_count(), r.moving_faces, r.corners.data(), points.data(), root,
                normals_.data(), hinges_.data());
     edge_terms(r.edge_count(), r.ends.data(), r.sides.data(), points.data(), normals_.data(),
                inverse_lengths_.data(), sines_.data(), cosines_.data(), directions_.data(),
-               strains_.data(), tensions_.data(), moments_.data(), &energies);
+               strains_.data(), tensions_.data(), moments_.data(), energies_.data());
     vector_angles(tensions_.data()->of, moments_.data()->of, Eightfold::lanes * bends_.size(),
                   bends_.data()->of);
-    bend_terms(r.edge_count(), root, bends_.data(), &energies);
-    return energies;
+    bend_terms(r.edge_count(), root, bends_.data(), energies_.data(), &total);
+    return std::to_array(total.of);
 }
 
 void EightfoldEnergy::transpose(const std::vector<Eightfold>& tensions,

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "libshape/embedding/length_dihedral_energy.h"
@@ -21,7 +22,10 @@ public:
 
     /// Sets eight positions, and gives their energies.
     /// @param points  All vertices of the region.
-    Eightfold linearise(const EightfoldPoints& points);
+    std::array<float, Eightfold::lanes> linearise(const EightfoldPoints& points);
+
+    /// What every edge of the region adds to them.
+    [[nodiscard]] const std::vector<Eightfold>& edge_energies() const { return energies_; }
 
     /// J^T r, half of the gradient; one per moving vertex.
     void gradient(EightfoldPoints& forces);
@@ -44,11 +48,12 @@ private:
     std::vector<float> sines_, cosines_; // of its dihedral angles
     std::vector<float> inner_;           // 1 where an edge has two faces, 0 on the boundary
 
-    EightfoldPoints normals_;        // of faces, unit length
-    std::vector<Eightfold> hinges_;  // six a moving face, see face_terms()
-    EightfoldPoints directions_;     // strain of an edge is directions . (v_b - v_a), weighted
-    std::vector<Eightfold> strains_; // residuals of edges, times the roots of their weights
-    std::vector<Eightfold> bends_;   // theta - theta*, likewise
+    EightfoldPoints normals_;         // of faces, unit length
+    std::vector<Eightfold> hinges_;   // six a moving face, see face_terms()
+    EightfoldPoints directions_;      // strain of an edge is directions . (v_b - v_a), weighted
+    std::vector<Eightfold> strains_;  // residuals of edges, times the roots of their weights
+    std::vector<Eightfold> bends_;    // theta - theta*, likewise
+    std::vector<Eightfold> energies_; // of edges
     std::vector<Eightfold> tensions_, moments_; // J v
     std::vector<Eightfold> halfedge_terms_;     // what apply() works in: bends, then lifts
 };

@@ -166,10 +166,10 @@ Mended mended(const LengthDihedralEnergy& energy, const std::vector<Points>& ref
             else if (start > references.size())
                 set_lane(shaken(region, start - references.size(), present), lane, eight);
         }
-        const Eightfold energies = descend(eightfold, solve, eight, options.descent);
+        const auto energies = descend(eightfold, solve, eight, options.descent);
         for (int lane = 0; lane < Eightfold::lanes; ++lane)
-            if (energies.of[lane] < least) {
-                least = energies.of[lane];
+            if (const float value = energies[static_cast<std::size_t>(lane)]; value < least) {
+                least = value;
                 best.points = lane_of(eight, lane, region.moving_vertices);
             }
     }

@@ -9,7 +9,8 @@ namespace shape {
 
 /// A number of eight problems of the same structure that are solved in lock-step: one vector
 /// register with AVX2, and indices are read once for eight. Arithmetic is lane by lane; functions
-/// that use it are to be SHAPE_VECTORISED (base/vectorised.h), free of branches in a lane.
+/// that use it are to be SHAPE_VECTORISED (base/vectorised.h), free of branches in a lane. Not to be
+/// passed by value: GCC (PR 84877) does not always align such copies.
 struct alignas(32) Eightfold
 {
     static constexpr int lanes = 8;
