@@ -11,7 +11,7 @@
 #include "libshape/embedding/edge_laplacian.h"
 #include "libshape/embedding/face_fit.h"
 #include "libshape/embedding/face_layout.h"
-#include "libshape/embedding/fold_repair.h"
+#include "libshape/embedding/hot_spots.h"
 #include "libshape/embedding/length_dihedral_energy.h"
 #include "libshape/embedding/patch_frames.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -74,6 +74,19 @@ struct DihedralEmbedder::State
     }
 };
 
+DihedralEmbeddingOptions dihedral_preview()
+{
+    DihedralEmbeddingOptions preview;
+    preview.local_global_steps = 2;
+    preview.relax_start = true;
+    preview.max_iterations = 9;
+    preview.first_linear_steps = 4;
+    preview.repairs = {9};
+    preview.folds.fold_angle = 2.0; // what is about to turn over
+    preview.repair.descent.newton_steps = 4;
+    return preview;
+}
+
 DihedralEmbedder::DihedralEmbedder(const Topology& topology, const std::vector<Points>& references)
 {
     if (references.empty())
@@ -122,25 +135,36 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
 
     // Rounding: strains of 1e-12 an edge are none.
     const double nothing = 1e-24 * topology.edge_count();
-    const auto descend_by = [&](Eigen::VectorXd from, int steps) {
-        Descent descent = descend(energy, s.preconditioner, std::move(from),
-                                  {.max_linear_steps = steps,
+    VectorXd points = start.reshaped<Eigen::RowMajor>();
+    const auto descend_to = [&](int iterations) {
+        Descent descent = descend(energy, s.preconditioner, std::move(points),
+                                  {.max_linear_steps = iterations - result.iterations,
                                    .first_linear_steps = options.first_linear_steps,
                                    .decrease_tolerance = options.decrease_tolerance,
                                    .value_tolerance = nothing});
+        points = std::move(descent.points);
         result.iterations += descent.linear_steps;
         result.energy = descent.energy;
         result.converged = descent.converged;
-        return descent.points;
     };
+    const auto repair = [&](std::vector<std::vector<int>> regions) {
+        RegionRepair repaired = repair_regions(energy, s.references, std::move(points),
+                                               std::move(regions), options.repair);
+        points = std::move(repaired.points);
+        result.energy -= repaired.decrease;
+        result.repaired_regions += repaired.replaced;
+        result.converged = result.converged && repaired.replaced == 0;
+    };
+    if (options.relax_start)
+        repair(hot_spots(energy, points));
     // Folds show once what is rough about the start is gone.
-    VectorXd points = descend_by(start.reshaped<Eigen::RowMajor>(),
-                                 std::min(options.steps_before_repair, options.max_iterations));
-    if (const int left = options.max_iterations - result.iterations; left > 0) {
-        FoldRepair repair = repair_folds(energy, s.references, std::move(points), options.folds);
-        result.repaired_folds = repair.replaced;
-        points = descend_by(std::move(repair.points), left);
-    }
+    for (const int iterations : options.repairs)
+        if (iterations <= options.max_iterations && !result.converged) {
+            descend_to(iterations);
+            repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
+        }
+    if (result.iterations < options.max_iterations && !result.converged)
+        descend_to(options.max_iterations);
     result.back_substitutions += result.iterations;
     const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
     result.points = restored(s.renumbering, vertices.rowwise() - vertices.colwise().mean());

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
-#include "libshape/embedding/fold_repair.h"
+#include "libshape/embedding/fold_regions.h"
+#include "libshape/embedding/region_repair.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -15,20 +16,20 @@ namespace shape {
 
 struct DihedralEmbeddingOptions
 {
-    double smoothness = 5e-3;     ///< mu of length_dihedral_energy.h; > 0.
-    int local_global_steps = 3;   ///< Face steps after the linear start; >= 0.
-    int max_iterations = 120;     ///< Linear steps of descent.h; 0 stops after the face steps.
-    int first_linear_steps = 8;   ///< Of descent.h.
-    int steps_before_repair = 24; ///< Linear steps before folds are looked for.
-    FoldRepairOptions folds = {};
+    double smoothness = 5e-3;   ///< mu of length_dihedral_energy.h; > 0.
+    int local_global_steps = 3; ///< Face steps after the linear start; >= 0.
+    bool relax_start = false;   ///< Whether hot spots are solved before the descent.
+    int max_iterations =
+        120; ///< Linear steps of descent.h; >= 0. Without any, what follows stays out.
+    int first_linear_steps = 8;          ///< Of descent.h.
+    std::vector<int> repairs = {24, 48}; ///< Linear steps before folds are repaired; ascending.
+    FoldRegionOptions folds = {};
+    RegionRepairOptions repair = {};
     double decrease_tolerance = 2e-4; ///< Of descent.h.
 };
 
-/// What --quality preview does: 12 back-substitutions, and folds stay.
-inline constexpr DihedralEmbeddingOptions dihedral_preview{.local_global_steps = 2,
-                                                           .max_iterations = 9,
-                                                           .first_linear_steps = 4,
-                                                           .steps_before_repair = 9};
+/// What --quality preview does: 12 back-substitutions, and no fold stays.
+[[nodiscard]] DihedralEmbeddingOptions dihedral_preview();
 
 struct DihedralEmbedding
 {
@@ -36,8 +37,8 @@ struct DihedralEmbedding
     double energy = 0.0; ///< E of length_dihedral_energy.h.
     int iterations = 0;  ///< Linear steps of descent.h.
     int back_substitutions =
-        0;                  ///< With the factor of the vertex Laplacian, three right-hand sides.
-    int repaired_folds = 0; ///< Regions that were turned back (fold_repair.h).
+        0;                    ///< With the factor of the vertex Laplacian, three right-hand sides.
+    int repaired_regions = 0; ///< region_repair.h
     bool converged = false;
 };
 
@@ -47,8 +48,9 @@ struct DihedralEmbedding
 ///    trusted by how well the walks around their ends close (patch_frames.h, face_layout.h).
 /// 2. Positions: one Laplace solve; then face steps, each rotating every face to its
 ///    best fit and solving again.
-/// 3. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); after the
-///    first of them folds are turned back (fold_repair.h).
+/// 3. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); between them
+///    folds are turned back (fold_regions.h, region_repair.h). A preview starts with the hot spots
+///    (hot_spots.h): what is wrong with a start is in a few places, where global steps are small.
 ///
 /// What depends on topology and references alone is kept: patches and the factor of the Laplacian
 /// weighted by 1 / l^2.

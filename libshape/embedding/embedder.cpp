@@ -94,7 +94,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
         case EmbeddingMethod::Dihedral: {
             DihedralEmbeddingOptions options;
             if (s.options.quality == EmbeddingQuality::Preview)
-                options = dihedral_preview;
+                options = dihedral_preview();
             options.smoothness = s.options.smoothness;
             DihedralEmbedding nearest = s.dihedral->embed(target, options);
             points = std::move(nearest.points);

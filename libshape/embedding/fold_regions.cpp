@@ -11,6 +11,7 @@
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/vertex_regions.h"
 
 namespace shape {
 namespace {
@@ -86,15 +87,6 @@ std::vector<Suspect> suspects_among(const Topology& t, const VectorXd& points,
     return suspects;
 }
 
-template <class Visit>
-void for_neighbours(const Topology& t, int vertex, const Visit& visit)
-{
-    for (const int h : t.outgoing(vertex)) {
-        visit(t.target(h));
-        visit(t.source(Topology::previous(h)));
-    }
-}
-
 } // namespace
 
 std::vector<std::vector<int>> folded_regions(const Topology& t, const VectorXd& points,
@@ -109,52 +101,22 @@ std::vector<std::vector<int>> folded_regions(const Topology& t, const VectorXd& 
                                                  static_cast<int>(begin), static_cast<int>(end));
     });
 
-    enum State : char
-    {
-        Free,
-        Marked,
-        Folded
-    };
-    std::vector<char> state(static_cast<std::size_t>(t.vertex_count()), Free);
-    std::vector<int> marked;
-    const auto mark = [&](int v) {
-        if (char& now = state[static_cast<std::size_t>(v)]; now == Free) {
-            now = Marked;
-            marked.push_back(v);
-        }
-    };
+    std::vector<int> seeds;
+    std::vector<char> folded(static_cast<std::size_t>(t.vertex_count()), 0);
     for (const std::vector<Suspect>& part : suspects)
         for (const auto& [edge, drift] : part) {
             for (const int h : {t.edge_halfedges()(edge, 0), t.edge_halfedges()(edge, 1)}) {
-                mark(t.source(h));
-                mark(t.source(Topology::previous(h)));
+                seeds.push_back(t.source(h));
+                seeds.push_back(t.source(Topology::previous(h)));
             }
             if (drift > options.fold_angle)
-                state[static_cast<std::size_t>(t.edges()(edge, 0))] = Folded;
+                folded[static_cast<std::size_t>(t.edges()(edge, 0))] = 1;
         }
-    std::size_t front = 0;
-    for (int ring = 0; ring < options.rings; ++ring)
-        for (const std::size_t end = marked.size(); front < end; ++front)
-            for_neighbours(t, marked[front], mark);
-
-    std::sort(marked.begin(), marked.end());
-    std::vector<std::vector<int>> regions;
-    for (const int first : marked) {
-        std::vector<int> region;
-        bool folded = false;
-        const auto take = [&](int v) {
-            if (char& now = state[static_cast<std::size_t>(v)]; now != Free) {
-                folded = folded || now == Folded;
-                now = Free;
-                region.push_back(v);
-            }
-        };
-        take(first);
-        for (std::size_t i = 0; i < region.size(); ++i)
-            for_neighbours(t, region[i], take);
-        if (folded)
-            regions.push_back(std::move(region));
-    }
+    std::vector<std::vector<int>> regions = regions_around(t, seeds, options.rings);
+    std::erase_if(regions, [&](const std::vector<int>& region) {
+        return std::none_of(region.begin(), region.end(),
+                            [&](int v) { return folded[static_cast<std::size_t>(v)] != 0; });
+    });
     return regions;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-#include "libshape/embedding/fold_repair.h"
+#include "libshape/embedding/region_repair.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -123,7 +123,7 @@ struct Mended
 /// The lowest of all starts.
 Mended mended(const LengthDihedralEnergy& energy, const std::vector<Points>& references,
               const VectorXd& points, const std::vector<int>& vertices,
-              const FoldRepairOptions& options)
+              const RegionRepairOptions& options)
 {
     const RegionMesh region(energy.topology(), vertices);
     EightfoldEnergy eightfold(energy, region);
@@ -179,17 +179,16 @@ Mended mended(const LengthDihedralEnergy& energy, const std::vector<Points>& ref
 
 } // namespace
 
-FoldRepair repair_folds(const LengthDihedralEnergy& energy, const std::vector<Points>& references,
-                        VectorXd points, const FoldRepairOptions& options)
+RegionRepair repair_regions(const LengthDihedralEnergy& energy,
+                            const std::vector<Points>& references, VectorXd points,
+                            std::vector<std::vector<int>> regions,
+                            const RegionRepairOptions& options)
 {
-    FoldRepair repair{std::move(points), 0, 0};
-    std::vector<std::vector<int>> regions = folded_regions(
-        energy.topology(), repair.points, energy.target().dihedral_angles, options.regions);
+    RegionRepair repair{std::move(points), 0, 0.0};
     std::erase_if(regions, [&](const std::vector<int>& vertices) {
         return vertices.size() > static_cast<std::size_t>(options.largest_region) ||
                vertices.size() == static_cast<std::size_t>(energy.topology().vertex_count());
     });
-    repair.regions = static_cast<int>(regions.size());
     std::vector<std::optional<Mended>> results(regions.size());
     parallel_for(regions.size(), 1, [&](std::size_t k, std::size_t) {
         results[k] = mended(energy, references, repair.points, regions[k], options);
@@ -203,10 +202,13 @@ FoldRepair repair_folds(const LengthDihedralEnergy& energy, const std::vector<Po
         const Points before = mesh(vertices, Eigen::all);
         const double energy_before = energy_of(energy, region, repair.points);
         mesh(vertices, Eigen::all) = moved;
-        if (energy_of(energy, region, repair.points) < energy_before)
+        const double decrease = energy_before - energy_of(energy, region, repair.points);
+        if (decrease > 0.0) {
             ++repair.replaced;
-        else
+            repair.decrease += decrease;
+        } else {
             mesh(vertices, Eigen::all) = before;
+        }
     }
     return repair;
 }

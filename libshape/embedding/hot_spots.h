@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "libshape/embedding/length_dihedral_energy.h"
+
+namespace shape {
+
+struct HotSpotOptions
+{
+    double seeds =
+        0.7;       ///< Times the root of #V: what is wrong lies along creases, which are curves.
+    int rings = 3; ///< Rings of vertices around the seeds; >= 0.
+};
+
+/// Where a mesh is strained most: the vertices whose edges carry the largest sums of phi
+/// (length_dihedral_energy.h) and the rings around them, as connected regions (vertex_regions.h).
+/// @param points  #V by 3, row by row in one vector [length].
+/// Cost: O(#E).
+[[nodiscard]] std::vector<std::vector<int>> hot_spots(const LengthDihedralEnergy& energy,
+                                                      const Eigen::VectorXd& points,
+                                                      const HotSpotOptions& options = {});
+
+} // namespace shape
