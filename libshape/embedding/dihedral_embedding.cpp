@@ -6,36 +6,21 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/pool.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/descent.h"
 #include "libshape/embedding/edge_laplacian.h"
-#include "libshape/embedding/face_fit.h"
-#include "libshape/embedding/face_layout.h"
+#include "libshape/embedding/face_patches.h"
 #include "libshape/embedding/fold_repair.h"
 #include "libshape/embedding/length_dihedral_energy.h"
-#include "libshape/embedding/patch_frames.h"
+#include "libshape/embedding/linear_start.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/renumbering.h"
 
 namespace shape {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::VectorXd;
-
-/// Trust in the transition across every edge: 1 / (1 + (r_u^2 + r_v^2) / 0.1^2) with the closure
-/// residuals r [rad] at its ends. A few wild loops (slivers, folds) must not turn all frames.
-VectorXd transition_weights(const Topology& topology, const std::vector<Matrix3d>& transitions)
-{
-    constexpr double scale = 0.1;
-    const Eigen::ArrayXd squares = closure_cosines(topology, transitions).array().acos().square();
-    VectorXd weights(topology.edge_count());
-    for (int e = 0; e < topology.edge_count(); ++e)
-        weights[e] =
-            1.0 / (1.0 + (squares[topology.edges()(e, 0)] + squares[topology.edges()(e, 1)]) /
-                             (scale * scale));
-    return weights;
-}
 
 VectorXd mean_lengths(const Topology& topology, const std::vector<Points>& meshes)
 {
@@ -51,16 +36,19 @@ struct DihedralEmbedder::State
 {
     Renumbering renumbering; // all else is in its order
     std::vector<Points> references;
-    PatchFrames patches;
     EdgeLaplacian laplacian; // of the references' mean lengths
     SinglePrecisionSolve preconditioner;
+    Pool<LinearStart> starts;
 
     State(const Topology& topology, const std::vector<Points>& meshes)
         : renumbering(renumber_for_locality(topology)),
           references(in_order(renumbering, meshes)),
-          patches(renumbering.topology),
           laplacian(renumbering.topology, mean_lengths(renumbering.topology, references)),
-          preconditioner(laplacian.single_precision())
+          preconditioner(laplacian.single_precision()),
+          starts([this, patches = std::make_shared<FacePatches>(renumbering.topology, 64)] {
+              return std::make_unique<LinearStart>(renumbering.topology, patches, laplacian,
+                                                   preconditioner);
+          })
     {
     }
 
@@ -91,7 +79,7 @@ DihedralEmbedder& DihedralEmbedder::operator=(DihedralEmbedder&&) noexcept = def
 DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
-    const State& s = *state_;
+    State& s = *state_;
     const Topology& topology = s.renumbering.topology;
     if (point.edge_lengths.size() != topology.edge_count() ||
         point.dihedral_angles.size() != topology.edge_count())
@@ -101,25 +89,11 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     const ShapePoint target{positive_lengths(point.edge_lengths(s.renumbering.edges)),
                             point.dihedral_angles(s.renumbering.edges)};
     LengthDihedralEnergy energy(topology, target, options.smoothness);
-    const FaceLayout layout = lay_out_faces(topology, target.edge_lengths, target.dihedral_angles);
+    const auto start = s.starts.borrow();
+    const Points& linear = start->points(target, options.local_global_steps);
 
     DihedralEmbedding result;
-    const VectorXd trust = transition_weights(topology, layout.transitions);
-    // Where every walk closes there may be a mesh with all lengths and angles as wanted, and single
-    // precision would lose it.
-    const bool closes = trust.minCoeff() > 0.999;
-    const auto positions = [&](const std::vector<Matrix3d>& frames) {
-        ++result.back_substitutions;
-        return closes ? s.laplacian.positions(frames, layout.halfedges)
-                      : s.laplacian.positions(frames, layout.halfedges, s.preconditioner);
-    };
-    std::vector<Matrix3d> frames = s.patches.face_frames(layout.transitions, trust);
-    Points start = positions(frames);
-    for (int step = 0; step < options.local_global_steps; ++step) {
-        frames = fit_faces(topology, layout, s.laplacian.weights(), start, std::move(frames));
-        start = positions(frames);
-    }
-
+    result.back_substitutions = options.local_global_steps + 1;
     // Rounding: strains of 1e-12 an edge are none.
     const double nothing = 1e-24 * topology.edge_count();
     const auto descend_by = [&](Eigen::VectorXd from, int steps) {
@@ -134,7 +108,7 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
         return descent.points;
     };
     // Folds show once what is rough about the start is gone.
-    VectorXd points = descend_by(start.reshaped<Eigen::RowMajor>(),
+    VectorXd points = descend_by(linear.reshaped<Eigen::RowMajor>(),
                                  std::min(options.steps_before_repair, options.max_iterations));
     if (const int left = options.max_iterations - result.iterations; left > 0) {
         FoldRepair repair = repair_folds(energy, s.references, std::move(points), options.folds);
