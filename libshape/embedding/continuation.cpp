@@ -26,16 +26,18 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 /// Frames of the faces as face_layout.h wants them: x along the first half-edge, z the normal.
-std::vector<Matrix3d> face_frames(const Topology& topology, const Points& points)
+Rotations face_frames(const Topology& topology, const Points& points)
 {
-    std::vector<Matrix3d> frames(static_cast<std::size_t>(topology.face_count()));
+    Rotations frames(static_cast<std::size_t>(topology.face_count()));
     for (int f = 0; f < topology.face_count(); ++f) {
         const auto side = [&](int corner) -> Vector3d {
             return (points.row(topology.faces()(f, corner)) - points.row(topology.faces()(f, 0)))
                 .normalized();
         };
         const Vector3d normal = side(1).cross(side(2)).normalized();
-        frames[static_cast<std::size_t>(f)] << side(1), normal.cross(side(1)), normal;
+        Matrix3d frame;
+        frame << side(1), normal.cross(side(1)), normal;
+        frames[static_cast<std::size_t>(f)] = frame;
     }
     return frames;
 }
@@ -81,22 +83,21 @@ public:
     /// Of set_lengths(): the weight of every edge.
     [[nodiscard]] const VectorXd& weights() const { return weights_; }
 
-    /// @param halfedges  As seen from the frames of their faces.
-    [[nodiscard]] Points positions(const std::vector<Matrix3d>& frames,
-                                   const Points& halfedges) const
+    [[nodiscard]] Points positions(const FaceLayout& layout, const Rotations& frames) const
     {
         Eigen::MatrixXd rhs =
             Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(unknowns_.vertices.size()), 3);
-        for (int f = 0; f < topology_.face_count(); ++f)
+        for (int f = 0; f < topology_.face_count(); ++f) {
+            const Matrix3d frame = frames[static_cast<std::size_t>(f)].toRotationMatrix();
             for (int h = 3 * f; h < 3 * f + 3; ++h) {
                 const int e = topology_.edge(h);
                 const double forward = topology_.source(h) == topology_.edges()(e, 0) ? 1.0 : -1.0;
                 const Vector3d pull =
-                    forward * weights_[e] *
-                    (frames[static_cast<std::size_t>(f)] * halfedges.row(h).transpose());
+                    forward * weights_[e] * (frame.leftCols<2>() * layout.halfedge(h));
                 for (const auto& [row, sign] : parts_[static_cast<std::size_t>(e)])
                     rhs.row(row) += sign * pull.transpose();
             }
+        }
         const Eigen::MatrixXd solution = factor_->solve(rhs);
         Points points = Points::Zero(topology_.vertex_count(), 3);
         for (std::size_t v = 0; v < unknowns_.rows.size(); ++v)
@@ -138,11 +139,11 @@ struct Continuation::State
         laplacian.set_lengths(target.edge_lengths);
         const FaceLayout layout =
             lay_out_faces(topology, target.edge_lengths, target.dihedral_angles);
-        std::vector<Matrix3d> frames = face_frames(topology, from);
-        Points points = laplacian.positions(frames, layout.halfedges);
+        Rotations frames = face_frames(topology, from);
+        Points points = laplacian.positions(layout, frames);
         for (int step = 0; step < face_steps; ++step) {
             frames = fit_faces(topology, layout, laplacian.weights(), points, std::move(frames));
-            points = laplacian.positions(frames, layout.halfedges);
+            points = laplacian.positions(layout, frames);
         }
         return points;
     }

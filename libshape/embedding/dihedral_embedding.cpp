@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/pool.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/descent.h"
 #include "libshape/embedding/edge_laplacian.h"
@@ -13,29 +14,14 @@
 #include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/hot_spots.h"
 #include "libshape/embedding/length_dihedral_energy.h"
-#include "libshape/embedding/patch_frames.h"
+#include "libshape/embedding/linear_start.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/renumbering.h"
 
 namespace shape {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::VectorXd;
-
-/// Trust in the transition across every edge: 1 / (1 + (r_u^2 + r_v^2) / 0.1^2) with the closure
-/// residuals r [rad] at its ends. A few wild loops (slivers, folds) must not turn all frames.
-VectorXd transition_weights(const Topology& topology, const std::vector<Matrix3d>& transitions)
-{
-    constexpr double scale = 0.1;
-    const Eigen::ArrayXd squares = closure_cosines(topology, transitions).array().acos().square();
-    VectorXd weights(topology.edge_count());
-    for (int e = 0; e < topology.edge_count(); ++e)
-        weights[e] =
-            1.0 / (1.0 + (squares[topology.edges()(e, 0)] + squares[topology.edges()(e, 1)]) /
-                             (scale * scale));
-    return weights;
-}
 
 VectorXd mean_lengths(const Topology& topology, const std::vector<Points>& meshes)
 {
@@ -51,16 +37,19 @@ struct DihedralEmbedder::State
 {
     Renumbering renumbering; // all else is in its order
     std::vector<Points> references;
-    PatchFrames patches;
     EdgeLaplacian laplacian; // of the references' mean lengths
     SinglePrecisionSolve preconditioner;
+    Pool<LinearStart> starts;
 
     State(const Topology& topology, const std::vector<Points>& meshes)
         : renumbering(renumber_for_locality(topology)),
           references(in_order(renumbering, meshes)),
-          patches(renumbering.topology),
           laplacian(renumbering.topology, mean_lengths(renumbering.topology, references)),
-          preconditioner(laplacian.single_precision())
+          preconditioner(laplacian.single_precision()),
+          starts([this, patches = std::make_shared<FacePatches>(renumbering.topology, 64)] {
+              return std::make_unique<LinearStart>(renumbering.topology, patches, laplacian,
+                                                   preconditioner);
+          })
     {
     }
 
@@ -104,7 +93,7 @@ DihedralEmbedder& DihedralEmbedder::operator=(DihedralEmbedder&&) noexcept = def
 DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
-    const State& s = *state_;
+    State& s = *state_;
     const Topology& topology = s.renumbering.topology;
     if (point.edge_lengths.size() != topology.edge_count() ||
         point.dihedral_angles.size() != topology.edge_count())
@@ -114,28 +103,14 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     const ShapePoint target{positive_lengths(point.edge_lengths(s.renumbering.edges)),
                             point.dihedral_angles(s.renumbering.edges)};
     LengthDihedralEnergy energy(topology, target, options.smoothness);
-    const FaceLayout layout = lay_out_faces(topology, target.edge_lengths, target.dihedral_angles);
+    const auto start = s.starts.borrow();
+    const Points& linear = start->points(target, options.local_global_steps);
 
     DihedralEmbedding result;
-    const VectorXd trust = transition_weights(topology, layout.transitions);
-    // Where every walk closes there may be a mesh with all lengths and angles as wanted, and single
-    // precision would lose it.
-    const bool closes = trust.minCoeff() > 0.999;
-    const auto positions = [&](const std::vector<Matrix3d>& frames) {
-        ++result.back_substitutions;
-        return closes ? s.laplacian.positions(frames, layout.halfedges)
-                      : s.laplacian.positions(frames, layout.halfedges, s.preconditioner);
-    };
-    std::vector<Matrix3d> frames = s.patches.face_frames(layout.transitions, trust);
-    Points start = positions(frames);
-    for (int step = 0; step < options.local_global_steps; ++step) {
-        frames = fit_faces(topology, layout, s.laplacian.weights(), start, std::move(frames));
-        start = positions(frames);
-    }
-
+    result.back_substitutions = options.local_global_steps + 1;
     // Rounding: strains of 1e-12 an edge are none.
     const double nothing = 1e-24 * topology.edge_count();
-    VectorXd points = start.reshaped<Eigen::RowMajor>();
+    VectorXd points = linear.reshaped<Eigen::RowMajor>();
     const auto descend_to = [&](int iterations) {
         Descent descent = descend(energy, s.preconditioner, std::move(points),
                                   {.max_linear_steps = iterations - result.iterations,
@@ -158,13 +133,24 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     if (options.relax_start)
         repair(hot_spots(energy, points));
     // Folds show once what is rough about the start is gone.
+<<<<<<< HEAD
     for (const int iterations : options.repairs)
         if (iterations <= options.max_iterations && !result.converged) {
             descend_to(iterations);
             repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
         }
-    if (result.iterations < options.max_iterations && !result.converged)
+    if (result.iterations == 0 ||
+        (result.iterations < options.max_iterations && !result.converged))
         descend_to(options.max_iterations);
+=======
+    VectorXd points = descend_by(linear.reshaped<Eigen::RowMajor>(),
+                                 std::min(options.steps_before_repair, options.max_iterations));
+    if (const int left = options.max_iterations - result.iterations; left > 0) {
+        FoldRepair repair = repair_folds(energy, s.references, std::move(points), options.folds);
+        result.repaired_folds = repair.replaced;
+        points = descend_by(std::move(repair.points), left);
+    }
+>>>>>>> start
     result.back_substitutions += result.iterations;
     const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
     result.points = restored(s.renumbering, vertices.rowwise() - vertices.colwise().mean());

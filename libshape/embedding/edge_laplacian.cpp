@@ -2,10 +2,12 @@
 
 #include "libshape/embedding/edge_laplacian.h"
 
+#include <array>
 #include <cmath>
-#include <utility>
 
+#include "libshape/base/blocks.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/vectorised.h"
 
 namespace shape {
 namespace {
@@ -48,6 +50,81 @@ SparseMatrix laplacian(const Topology& topology, const VectorXd& weights)
     return matrix;
 }
 
+/// Sides of faces, u and v in their planes, and what they weigh.
+struct Sides
+{
+    Row first_u, second_u, third_u, second_v; // third_v is -second_v
+    Row first_weight, second_weight, third_weight;
+};
+
+/// The first two axes of frames.
+struct Axes
+{
+    std::array<Row, 3> u, v;
+};
+
+/// What the faces pull their corners by, along one axis: the weighted side that comes in less that
+/// which goes out.
+SHAPE_VECTORISED void pulls_of(int count, const Sides& sides, const Row& u, const Row& v,
+                               Row& __restrict first, Row& __restrict second, Row& __restrict third)
+{
+    for (int i = 0; i < count; ++i) {
+        const double a = sides.first_weight[i] * (sides.first_u[i] * u[i]);
+        const double b =
+            sides.second_weight[i] * (sides.second_u[i] * u[i] + sides.second_v[i] * v[i]);
+        const double c =
+            sides.third_weight[i] * (sides.third_u[i] * u[i] - sides.second_v[i] * v[i]);
+        first[i] = c - a;
+        second[i] = a - b;
+        third[i] = b - c;
+    }
+}
+
+/// Calls take(h, x, y, z) for every half-edge: what its face pulls its source by.
+template <class Take>
+void for_pulls(const Topology& topology, const VectorXd& weights, const FaceLayout& layout,
+               const Rotations& frames, const Take& take)
+{
+    for_blocks(topology.face_count(), [&](int first, int count) {
+        Sides sides;
+        Axes axes;
+        for (int i = 0; i < count; ++i) {
+            const int f = first + i;
+            const auto side = layout.sides.col(f);
+            sides.first_u[i] = side[0];
+            sides.second_u[i] = side[1];
+            sides.third_u[i] = side[2];
+            sides.second_v[i] = side[3];
+            sides.first_weight[i] = weights[topology.face_edges()(f, 0)];
+            sides.second_weight[i] = weights[topology.face_edges()(f, 1)];
+            sides.third_weight[i] = weights[topology.face_edges()(f, 2)];
+            const Eigen::Matrix3d frame = frames[static_cast<std::size_t>(f)].toRotationMatrix();
+            for (int k = 0; k < 3; ++k) {
+                axes.u[static_cast<std::size_t>(k)][i] = frame(k, 0);
+                axes.v[static_cast<std::size_t>(k)][i] = frame(k, 1);
+            }
+        }
+        std::array<std::array<Row, 3>, 3> pulls; // of every corner, along every axis
+        for (std::size_t k = 0; k < 3; ++k)
+            pulls_of(count, sides, axes.u[k], axes.v[k], pulls[0][k], pulls[1][k], pulls[2][k]);
+        for (int i = 0; i < count; ++i)
+            for (int c = 0; c < 3; ++c) {
+                const auto& [x, y, z] = pulls[static_cast<std::size_t>(c)];
+                take(3 * (first + i) + c, x[i], y[i], z[i]);
+            }
+    });
+}
+
+template <class Work>
+void for_vertices(const Topology& topology, const Work& work)
+{
+    parallel_for(static_cast<std::size_t>(topology.vertex_count()), 2048,
+                 [&](std::size_t begin, std::size_t end) {
+                     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v)
+                         work(v);
+                 });
+}
+
 } // namespace
 
 EdgeLaplacian::EdgeLaplacian(const Topology& topology, const VectorXd& lengths)
@@ -60,43 +137,43 @@ Points EdgeLaplacian::solve(const Points& rhs) const
     return factor_.solve(rhs);
 }
 
-Points EdgeLaplacian::divergence(const std::vector<Eigen::Matrix3d>& frames,
-                                 const Points& halfedges) const
+Points EdgeLaplacian::positions(const FaceLayout& layout, const Rotations& frames) const
 {
+    Points pulls(topology_.halfedge_count(), 3);
+    for_pulls(topology_, weights_, layout, frames,
+              [&](int h, double x, double y, double z) { pulls.row(h) << x, y, z; });
     Points rhs(topology_.vertex_count(), 3);
-    parallel_for(static_cast<std::size_t>(topology_.vertex_count()), 1024,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
-                         Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-                         for (const int out : topology_.outgoing(v)) {
-                             const int in = Topology::previous(out);
-                             sum += (weights_[topology_.edge(in)] * halfedges.row(in) -
-                                     weights_[topology_.edge(out)] * halfedges.row(out)) *
-                                    frames[static_cast<std::size_t>(out / 3)].transpose();
-                         }
-                         rhs.row(v) = sum;
-                     }
-                 });
-    return rhs;
+    for_vertices(topology_, [&](int v) {
+        rhs.row(v).setZero();
+        for (const int h : topology_.outgoing(v))
+            rhs.row(v) += pulls.row(h);
+    });
+    return solve(rhs);
 }
 
-Points EdgeLaplacian::positions(const std::vector<Eigen::Matrix3d>& frames,
-                                const Points& halfedges) const
+void EdgeLaplacian::positions(const FaceLayout& layout, const Rotations& frames,
+                              const SinglePrecisionSolve& solve, Memory& memory,
+                              Points& points) const
 {
-    return solve(divergence(frames, halfedges));
-}
-
-Points EdgeLaplacian::positions(const std::vector<Eigen::Matrix3d>& frames, const Points& halfedges,
-                                const SinglePrecisionSolve& solve) const
-{
-    const Points rhs = divergence(frames, halfedges);
     // Vectors of about the size of edges: neither large nor small numbers leave float's range.
     const double unit = 1.0 / std::sqrt(weights_.maxCoeff());
-    LaneVectors scaled;
-    LaneVectors solution;
-    to_lanes(rhs.data(), rhs.rows(), unit, scaled);
-    solve.solve(scaled, solution);
-    return solution.topRows<3>().transpose().cast<double>() / unit;
+    memory.pulls.resize(4, topology_.halfedge_count());
+    for_pulls(topology_, weights_, layout, frames, [&](int h, double x, double y, double z) {
+        lanes(memory.pulls)[h] = Lanes{static_cast<float>(unit * x), static_cast<float>(unit * y),
+                                       static_cast<float>(unit * z), 0.0F};
+    });
+    memory.rhs.resize(4, topology_.vertex_count());
+    for_vertices(topology_, [&](int v) {
+        Lanes sum{};
+        for (const int h : topology_.outgoing(v))
+            sum += lanes(memory.pulls)[h];
+        lanes(memory.rhs)[v] = sum;
+    });
+    solve.solve(memory.rhs, memory.solution);
+    points.resize(topology_.vertex_count(), 3);
+    for_vertices(topology_, [&](int v) {
+        points.row(v) = memory.solution.col(v).head<3>().cast<double>() / unit;
+    });
 }
 
 } // namespace shape

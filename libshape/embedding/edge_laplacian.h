@@ -3,8 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
+#include "libshape/embedding/face_layout.h"
 #include "libshape/linalg/single_precision_solve.h"
 #include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/points.h"
@@ -32,25 +32,26 @@ public:
         return SinglePrecisionSolve(factor_);
     }
 
-    /// Positions whose edges are nearest to what the faces want: face f wants its half-edges h as
-    /// frames[f] * halfedges.row(h).
-    /// @param frames  #F; any matrices.
-    /// @param halfedges  3 #F by 3 [length], of face_layout.h.
-    [[nodiscard]] Points positions(const std::vector<Eigen::Matrix3d>& frames,
-                                   const Points& halfedges) const;
+    /// Positions whose edges are nearest to what the faces want: their sides as laid out, turned by
+    /// their frames.
+    /// @param frames  #F.
+    [[nodiscard]] Points positions(const FaceLayout& layout, const Rotations& frames) const;
+
+    /// What positions() in single precision works in, kept by who calls it again and again.
+    struct Memory
+    {
+        LaneVectors pulls, rhs, solution;
+    };
 
     /// The same about as exactly as float allows, several times faster.
     /// @param solve  What single_precision() gave.
-    [[nodiscard]] Points positions(const std::vector<Eigen::Matrix3d>& frames,
-                                   const Points& halfedges,
-                                   const SinglePrecisionSolve& solve) const;
+    /// @param points  Overwritten.
+    void positions(const FaceLayout& layout, const Rotations& frames,
+                   const SinglePrecisionSolve& solve, Memory& memory, Points& points) const;
 
     [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; } ///< #E, 1 / l^2.
 
 private:
-    [[nodiscard]] Points divergence(const std::vector<Eigen::Matrix3d>& frames,
-                                    const Points& halfedges) const;
-
     Topology topology_;
     Eigen::VectorXd weights_;
     SparseCholesky factor_;

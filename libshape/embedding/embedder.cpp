@@ -30,7 +30,7 @@ double closure_energy(const Topology& topology, const ShapePoint& target)
 {
     const FaceLayout layout =
         lay_out_faces(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
-    return (4.0 * (1.0 - closure_cosines(topology, layout.transitions).array())).sum();
+    return (4.0 * (1.0 - closure_angles(topology, layout.transitions).array().cos())).sum();
 }
 
 } // namespace

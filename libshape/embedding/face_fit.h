@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "libshape/embedding/face_layout.h"
 #include "libshape/mesh/points.h"
@@ -18,10 +17,8 @@ namespace shape {
 /// @param frames  #F rotations near the solution: where the fits start from.
 /// @return #F rotations.
 /// Cost: O(#F).
-[[nodiscard]] std::vector<Eigen::Matrix3d> fit_faces(const Topology& topology,
-                                                     const FaceLayout& layout,
-                                                     const Eigen::VectorXd& weights,
-                                                     const Points& points,
-                                                     std::vector<Eigen::Matrix3d> frames);
+[[nodiscard]] Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
+                                  const Eigen::VectorXd& weights, const Points& points,
+                                  Rotations frames);
 
 } // namespace shape

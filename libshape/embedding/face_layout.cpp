@@ -2,116 +2,156 @@
 
 #include "libshape/embedding/face_layout.h"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/threads.h"
 #include "libshape/base/vector_math.h"
+#include "libshape/base/vectorised.h"
 
 namespace shape {
 namespace {
 
-using Eigen::Matrix3d;
+using Eigen::Quaterniond;
 using Eigen::VectorXd;
 
-/// Cosine and sine of the corner between sides a and b, opposite side c; area4 is four times the area.
-struct Corner
+/// Faces with sides a, b, c: the third corner, from the second (p, y) and from the first (q, y).
+SHAPE_VECTORISED void third_corners(int count, const double* a, const double* b, const double* c,
+                                    double* __restrict p, double* __restrict q,
+                                    double* __restrict y)
+{
+    const auto within = [](double x, double most) {
+        return x < -most ? -most : x > most ? most : x;
+    };
+    for (int i = 0; i < count; ++i) {
+        const double half = 0.5 / a[i];
+        const double aa = a[i] * a[i], bb = b[i] * b[i], cc = c[i] * c[i];
+        const double area4_squared = (a[i] + b[i] + c[i]) * (b[i] + c[i] - a[i]) *
+                                     (c[i] + a[i] - b[i]) * (a[i] + b[i] - c[i]);
+        p[i] = within((cc - aa - bb) * half, b[i]);
+        q[i] = within((aa + cc - bb) * half, c[i]);
+        y[i] = (area4_squared > 0.0 ? std::sqrt(area4_squared) : 0.0) * half;
+    }
+}
+
+/// Cosine and sine of half of an angle within (-pi, pi].
+struct HalfAngle
 {
     double cosine, sine;
 
-    Corner(double a, double b, double c, double area4)
-        : cosine(std::clamp((a * a + b * b - c * c) / (2.0 * a * b), -1.0, 1.0)),
-          sine(area4 / (2.0 * a * b))
+    HalfAngle(double whole_cosine, double whole_sine)
     {
+        const double large = std::sqrt(0.5 + 0.5 * std::abs(whole_cosine));
+        const double small = 0.5 * std::abs(whole_sine) / large;
+        const double absolute = whole_cosine < 0.0 ? large : small;
+        cosine = whole_cosine < 0.0 ? small : large;
+        sine = whole_sine < 0.0 ? -absolute : absolute;
     }
 };
 
-/// Rz(h) Rx(t) Rz(pi - g): turn to the edge, bend about it, turn back from the opposite half-edge.
-Matrix3d transition(double cos_h, double sin_h, double cos_t, double sin_t, double cos_g,
-                    double sin_g)
+/// Half-edges in the planes of two neighbours.
+struct Sides
 {
-    Matrix3d m;
-    m << -cos_h * cos_g - sin_h * cos_t * sin_g, -cos_h * sin_g + sin_h * cos_t * cos_g,
-        sin_h * sin_t, //
-        -sin_h * cos_g + cos_h * cos_t * sin_g, -sin_h * sin_g - cos_h * cos_t * cos_g,
-        -cos_h * sin_t, //
-        sin_t * sin_g, -sin_t * cos_g, cos_t;
-    return m;
+    Row left_x, left_y, right_x, right_y;
+};
+
+struct Quaternions
+{
+    Row w, x, y, z;
+};
+
+/// Rz(h) Rx(t) Rz(pi - g): turn to the edge, bend about it, turn back from the opposite half-edge.
+/// @param sines, cosines  Of t / 2.
+SHAPE_VECTORISED void transitions_of(int count, const Sides& sides, const double* lengths,
+                                     const Row& sines, const Row& cosines,
+                                     Quaternions& __restrict turns)
+{
+    for (int i = 0; i < count; ++i) {
+        const double inverse = 1.0 / lengths[i];
+        const HalfAngle h(inverse * sides.left_x[i], inverse * sides.left_y[i]);
+        const HalfAngle g(inverse * sides.right_x[i], inverse * sides.right_y[i]);
+        turns.w[i] = cosines[i] * (h.cosine * g.sine - h.sine * g.cosine);
+        turns.x[i] = sines[i] * (h.cosine * g.sine + h.sine * g.cosine);
+        turns.y[i] = sines[i] * (h.sine * g.sine - h.cosine * g.cosine);
+        turns.z[i] = cosines[i] * (h.cosine * g.cosine + h.sine * g.sine);
+    }
 }
 
 } // namespace
 
 FaceLayout lay_out_faces(const Topology& topology, const VectorXd& lengths,
-                         const VectorXd& dihedral_angles)
+                         const VectorXd& dihedral_angles, FaceLayout memory)
 {
     if (lengths.size() != topology.edge_count() || dihedral_angles.size() != topology.edge_count())
         throw InvalidInput(join("face layout: ", lengths.size(), " lengths and ",
                                 dihedral_angles.size(), " dihedral angles for ",
                                 topology.edge_count(), " edges"));
-    FaceLayout layout;
-    layout.halfedges.resize(topology.halfedge_count(), 3);
-    parallel_for(
-        static_cast<std::size_t>(topology.face_count()), 4096,
-        [&](std::size_t begin, std::size_t end) {
-            for (int f = static_cast<int>(begin); f < static_cast<int>(end); ++f) {
-                const double a = lengths[topology.face_edges()(f, 0)];
-                const double b = lengths[topology.face_edges()(f, 1)];
-                const double c = lengths[topology.face_edges()(f, 2)];
-                const double area4 =
-                    std::sqrt(std::max(0.0, (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c)));
-                const Corner first(a, c, b, area4);
-                const Corner second(a, b, c, area4);
-                layout.halfedges.row(3 * f) << a, 0.0, 0.0;
-                layout.halfedges.row(3 * f + 1) << -b * second.cosine, b * second.sine, 0.0;
-                layout.halfedges.row(3 * f + 2) << -c * first.cosine, -c * first.sine, 0.0;
-            }
-        });
-    layout.transitions.assign(static_cast<std::size_t>(topology.edge_count()),
-                              Matrix3d::Identity());
-    VectorXd sines(topology.edge_count());
-    VectorXd cosines(topology.edge_count());
-    parallel_for(static_cast<std::size_t>(topology.edge_count()), 2048,
-                 [&](std::size_t begin, std::size_t end) {
-                     sines_cosines(dihedral_angles.data() + begin, end - begin,
-                                   sines.data() + begin, cosines.data() + begin);
-                     for (int e = static_cast<int>(begin); e < static_cast<int>(end); ++e) {
-                         if (topology.is_boundary_edge(e))
-                             continue;
-                         const auto left = layout.halfedges.row(topology.edge_halfedges()(e, 0));
-                         const auto right = layout.halfedges.row(topology.edge_halfedges()(e, 1));
-                         const double inverse = 1.0 / lengths[e];
-                         layout.transitions[static_cast<std::size_t>(e)] =
-                             transition(inverse * left[0], inverse * left[1], cosines[e], sines[e],
-                                        inverse * right[0], inverse * right[1]);
-                     }
-                 });
+    FaceLayout layout = std::move(memory);
+    layout.sides.resize(4, topology.face_count());
+    for_blocks(topology.face_count(), [&](int first, int count) {
+        Row a{}, b{}, c{}, p, q, y;
+        for (int i = 0; i < count; ++i) {
+            const int* const edges = topology.face_edges().data() + 3 * (first + i);
+            a[i] = lengths[edges[0]];
+            b[i] = lengths[edges[1]];
+            c[i] = lengths[edges[2]];
+        }
+        third_corners(count, a, b, c, p, q, y);
+        for (int i = 0; i < count; ++i)
+            layout.sides.col(first + i) << a[i], p[i], -q[i], y[i];
+    });
+    layout.transitions.resize(static_cast<std::size_t>(topology.edge_count()));
+    for_blocks(topology.edge_count(), [&](int first, int count) {
+        Row halves{}, sines, cosines;
+        Sides sides;
+        Quaternions turns;
+        for (int i = 0; i < count; ++i) {
+            const int* const halfedges = topology.edge_halfedges().data() + 2 * (first + i);
+            const Eigen::Vector2d left = layout.halfedge(halfedges[0]);
+            const Eigen::Vector2d right = layout.halfedge(halfedges[halfedges[1] < 0 ? 0 : 1]);
+            sides.left_x[i] = left.x();
+            sides.left_y[i] = left.y();
+            sides.right_x[i] = right.x();
+            sides.right_y[i] = right.y();
+            halves[i] = 0.5 * dihedral_angles[first + i];
+        }
+        sines_cosines(halves, static_cast<std::size_t>(count), sines, cosines);
+        transitions_of(count, sides, lengths.data() + first, sines, cosines, turns);
+        for (int i = 0; i < count; ++i)
+            layout.transitions[static_cast<std::size_t>(first + i)] =
+                topology.is_boundary_edge(first + i)
+                    ? Quaterniond::Identity()
+                    : Quaterniond(turns.w[i], turns.x[i], turns.y[i], turns.z[i]);
+    });
     return layout;
 }
 
-VectorXd closure_cosines(const Topology& topology, const std::vector<Matrix3d>& transitions)
+VectorXd closure_angles(const Topology& topology, const Rotations& transitions)
 {
-    VectorXd cosines = VectorXd::Ones(topology.vertex_count());
-    parallel_for(static_cast<std::size_t>(topology.vertex_count()), 1024,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
-                         if (topology.is_boundary_vertex(v))
-                             continue;
-                         Matrix3d walk = Matrix3d::Identity();
-                         for (const int out : topology.outgoing(v)) {
-                             const int h = Topology::previous(out);
-                             const int e = topology.edge(h);
-                             const Matrix3d& across = transitions[static_cast<std::size_t>(e)];
-                             if (h == topology.edge_halfedges()(e, 0))
-                                 walk *= across;
-                             else
-                                 walk *= across.transpose();
-                         }
-                         cosines[v] = std::clamp(0.5 * (walk.trace() - 1.0), -1.0, 1.0);
-                     }
-                 });
-    return cosines;
+    VectorXd angles(topology.vertex_count());
+    for_blocks(topology.vertex_count(), [&](int first, int count) {
+        Row sines{}, cosines{}; // of half the angles
+        for (int i = 0; i < count; ++i) {
+            Quaterniond walk = Quaterniond::Identity();
+            if (!topology.is_boundary_vertex(first + i))
+                for (const int out : topology.outgoing(first + i)) {
+                    const int h = Topology::previous(out);
+                    const int e = topology.edge(h);
+                    // As the frame behind the half-edge is seen from that left of it.
+                    const double way = h == topology.edge_halfedges()(e, 0) ? 1.0 : -1.0;
+                    const Quaterniond& across = transitions[static_cast<std::size_t>(e)];
+                    walk *= Quaterniond(across.w(), way * across.x(), way * across.y(),
+                                        way * across.z());
+                }
+            sines[i] = walk.vec().norm();
+            cosines[i] = std::abs(walk.w());
+        }
+        vector_angles(sines, cosines, static_cast<std::size_t>(count), angles.data() + first);
+        angles.segment(first, count) *= 2.0;
+    });
+    return angles;
 }
 
 } // namespace shape

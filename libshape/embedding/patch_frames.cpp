@@ -6,193 +6,241 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <deque>
+#include <cstdint>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
-#include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/alignment.h"
 
 namespace shape {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::VectorXd;
+
+std::size_t index(int i)
+{
+    return static_cast<std::size_t>(i);
+}
+
+/// The frame behind an edge, seen from the face on its left or from that on its right.
+Quaterniond across(const Rotations& transitions, int edge, bool from_left)
+{
+    const Quaterniond& t = transitions[index(edge)];
+    return from_left ? t : t.conjugate();
+}
+
+/// Half-edges by the weight of their edges: the heaviest first, those of about the same weight first
+/// in, first out, so that trees stay shallow.
+class Front
+{
+public:
+    explicit Front(int capacity) : next_(index(capacity)) {}
+
+    void push(int halfedge, double weight)
+    {
+        const int level = level_of(weight);
+        Queue& queue = queues_[index(level)];
+        (queue.first < 0 ? queue.first : next_[index(queue.last)]) = halfedge;
+        queue.last = halfedge;
+        next_[index(halfedge)] = -1;
+        highest_ = std::max(highest_, level);
+    }
+
+    /// -1 where none is left.
+    int pop()
+    {
+        while (highest_ >= 0 && queues_[index(highest_)].first < 0)
+            --highest_;
+        if (highest_ < 0)
+            return -1;
+        int& first = queues_[index(highest_)].first;
+        return std::exchange(first, next_[index(first)]);
+    }
+
+private:
+    struct Queue
+    {
+        int first = -1, last = -1;
+    };
+    static constexpr int levels = 81; // eight an octave
+
+    /// Told apart are the exponent and three bits of the mantissa.
+    static int level_of(double weight)
+    {
+        const auto leading_bits = [](double x) {
+            return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 49);
+        };
+        return std::max(0, levels - 1 + leading_bits(weight) - leading_bits(1.0));
+    }
+
+    std::array<Queue, levels> queues_;
+    std::vector<int> next_;
+    int highest_ = -1;
+};
+
+/// The pattern of the connection Laplacian, lower triangle, with the values of the identity. In every
+/// column the diagonal stands first, then three rows for every pair of its patch.
+SparseMatrix pattern(const FacePatches& patches)
+{
+    const int size = 3 * patches.count();
+    SparseMatrix matrix(size, size);
+    const Eigen::Index entries = size + 9 * static_cast<Eigen::Index>(patches.pairs.size());
+    matrix.resizeNonZeros(entries);
+    std::fill_n(matrix.valuePtr(), entries, 0.0);
+    int entry = 0;
+    auto pair = patches.pairs.begin();
+    for (int column = 0; column < size; ++column) {
+        matrix.outerIndexPtr()[column] = entry;
+        matrix.valuePtr()[entry] = 1.0;
+        matrix.innerIndexPtr()[entry++] = column;
+        auto end = pair;
+        for (; end != patches.pairs.end() && end->lower == column / 3; ++end)
+            for (int i = 0; i < 3; ++i)
+                matrix.innerIndexPtr()[entry++] = 3 * end->higher + i;
+        if (column % 3 == 2)
+            pair = end;
+    }
+    matrix.outerIndexPtr()[size] = entry;
+    return matrix;
+}
 
 /// The three smallest eigenvectors, stacked 3 by 3 blocks, by inverse iterations from a fixed start.
-Eigen::MatrixXd smallest_eigenvectors(const SparseMatrix& matrix)
+Eigen::MatrixXd smallest_eigenvectors(const SparseCholesky& factor)
 {
-    const SparseCholesky factor(matrix, Ordering::MinimumDegree);
     Random random(1);
     Eigen::MatrixXd vectors =
-        Eigen::MatrixXd::NullaryExpr(matrix.rows(), 3, [&] { return random.uniform(-1.0, 1.0); });
+        Eigen::MatrixXd::NullaryExpr(factor.size(), 3, [&] { return random.uniform(-1.0, 1.0); });
     // The gap to the fourth eigenvalue is that of smooth fields, so a few iterations suffice.
     constexpr int iterations = 5;
     for (int i = 0; i < iterations; ++i) {
         const Eigen::HouseholderQR<Eigen::MatrixXd> qr(factor.solve(vectors));
-        vectors = qr.householderQ() * Eigen::MatrixXd::Identity(matrix.rows(), 3);
+        vectors = qr.householderQ() * Eigen::MatrixXd::Identity(factor.size(), 3);
     }
     return vectors;
 }
 
 } // namespace
 
-PatchFrames::PatchFrames(const Topology& topology, int faces_per_patch)
-    : topology_(topology), patch_of_face_(static_cast<std::size_t>(topology.face_count()), -1)
+PatchFrames::PatchFrames(std::shared_ptr<const FacePatches> patches)
+    : patches_(std::move(patches)),
+      trust_(static_cast<Eigen::Index>(patches_->faces.size())),
+      connection_(pattern(*patches_)),
+      factor_(connection_, Ordering::MinimumDegree)
 {
-    // Breadth-first discs; the faces left over at the rim of one seed the next.
-    std::deque<int> seeds{0};
-    while (!seeds.empty()) {
-        const int seed = seeds.front();
-        seeds.pop_front();
-        if (patch_of_face_[static_cast<std::size_t>(seed)] >= 0)
-            continue;
-        const int patch = patch_count();
-        std::vector<int> faces{seed};
-        patch_of_face_[static_cast<std::size_t>(seed)] = patch;
-        for (std::size_t i = 0; i < faces.size(); ++i)
-            for (int h = 3 * faces[i]; h < 3 * faces[i] + 3; ++h) {
-                const int opposite = topology.opposite(h);
-                if (opposite < 0)
-                    continue;
-                int& neighbour = patch_of_face_[static_cast<std::size_t>(opposite / 3)];
-                if (neighbour >= 0)
-                    continue;
-                if (static_cast<int>(faces.size()) < faces_per_patch) {
-                    neighbour = patch;
-                    faces.push_back(opposite / 3);
-                } else {
-                    seeds.push_back(opposite / 3);
-                }
-            }
-        patches_.push_back(std::move(faces));
-    }
-    for (int e = 0; e < topology.edge_count(); ++e)
-        if (!topology.is_boundary_edge(e) &&
-            patch_of_face_[static_cast<std::size_t>(topology.edge_halfedges()(e, 0) / 3)] !=
-                patch_of_face_[static_cast<std::size_t>(topology.edge_halfedges()(e, 1) / 3)])
-            bridges_.push_back(e);
 }
 
-std::vector<Matrix3d> PatchFrames::face_frames(const std::vector<Matrix3d>& transitions,
-                                               const Eigen::VectorXd& weights) const
+/// Prim's trees of the heaviest edges.
+void PatchFrames::grow_trees(const Rotations& transitions, const VectorXd& weights,
+                             Rotations& frames)
 {
-    if (transitions.size() != static_cast<std::size_t>(topology_.edge_count()) ||
-        weights.size() != topology_.edge_count())
-        throw InvalidInput(join("face frames: ", transitions.size(), " transitions and ",
-                                weights.size(), " weights for ", topology_.edge_count(), " edges"));
-    const auto across = [&](int h) -> Matrix3d {
-        const int e = topology_.edge(h);
-        const Matrix3d& t = transitions[static_cast<std::size_t>(e)];
-        return h == topology_.edge_halfedges()(e, 0) ? t : Matrix3d(t.transpose());
-    };
-
-    // Within patches: Prim's tree of the heaviest edges, weights told apart where they differ by
-    // a twelfth.
-    std::vector<Matrix3d> frames(static_cast<std::size_t>(topology_.face_count()));
-    // The lightest edge on the way from the root; -1 before the face has its frame.
-    std::vector<double> trust(frames.size(), -1.0);
-    parallel_for(patches_.size(), 16, [&](std::size_t begin, std::size_t end) {
-        constexpr int levels = 81;
-        struct Queue // first in, first out: trees stay shallow
-        {
-            std::vector<int> halfedges;
-            std::size_t next = 0;
-        };
-        std::array<Queue, levels> front; // by weight
-        for (std::size_t p = begin; p < end; ++p) {
-            int highest = -1;
-            const auto place = [&](int face, const Matrix3d& frame, double weight) {
-                frames[static_cast<std::size_t>(face)] = frame;
-                trust[static_cast<std::size_t>(face)] = weight;
-                for (int h = 3 * face; h < 3 * face + 3; ++h) {
-                    const int o = topology_.opposite(h);
-                    if (o >= 0 &&
-                        patch_of_face_[static_cast<std::size_t>(o / 3)] == static_cast<int>(p) &&
-                        trust[static_cast<std::size_t>(o / 3)] < 0.0) {
-                        const int level = std::max(
-                            0, levels - 1 +
-                                   static_cast<int>(
-                                       std::floor(8.0 * std::log2(weights[topology_.edge(h)]))));
-                        front[static_cast<std::size_t>(level)].halfedges.push_back(h);
-                        highest = std::max(highest, level);
-                    }
-                }
+    const FacePatches& patches = *patches_;
+    parallel_for(index(patches.count()), 16, [&](std::size_t begin, std::size_t end) {
+        // Of the patch at hand, by place.
+        Rotations frame(index(patches.largest));
+        std::vector<double> trust(frame.size());
+        Front front(3 * patches.largest);
+        for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+            const int first = patches.begin(p);
+            const FacePatches::Way* const ways = patches.ways.data() + 3 * first;
+            constexpr double none = -1.0;
+            std::fill_n(trust.begin(), patches.size(p), none);
+            const auto place = [&](int face, const Quaterniond& its_frame, double its_trust) {
+                frame[index(face)] = its_frame;
+                trust[index(face)] = its_trust;
+                for (int h = 3 * face; h < 3 * face + 3; ++h)
+                    if (ways[h].neighbour >= 0 && trust[index(ways[h].neighbour)] == none)
+                        front.push(h, weights[ways[h].edge]);
             };
-            place(patches_[p].front(), Matrix3d::Identity(), 1.0);
-            while (highest >= 0) {
-                Queue& heaviest = front[static_cast<std::size_t>(highest)];
-                if (heaviest.next == heaviest.halfedges.size()) {
-                    heaviest.halfedges.clear();
-                    heaviest.next = 0;
-                    --highest;
-                    continue;
-                }
-                const int h = heaviest.halfedges[heaviest.next++];
-                const int face = topology_.opposite(h) / 3;
-                if (trust[static_cast<std::size_t>(face)] < 0.0)
-                    place(face, frames[static_cast<std::size_t>(h / 3)] * across(h),
-                          std::min(trust[static_cast<std::size_t>(h / 3)],
-                                   weights[topology_.edge(h)]));
+            place(0, Quaterniond::Identity(), 1.0);
+            for (int h = front.pop(); h >= 0; h = front.pop()) {
+                const auto [face, edge, from_left] = ways[h];
+                if (trust[index(face)] == none)
+                    place(face, frame[index(h / 3)] * across(transitions, edge, from_left),
+                          std::min(trust[index(h / 3)], weights[edge]));
+            }
+            for (int i = 0; i < patches.size(p); ++i) {
+                const int face = patches.faces[index(first + i)];
+                frames[index(face)] = frame[index(i)];
+                trust_[face] = trust[index(i)];
             }
         }
     });
-    if (patches_.size() == 1)
-        return frames;
+}
 
-    // Between patches: G_p A = G_q for every bridge, A = L_f T L_g^T.
-    const int count = patch_count();
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(bridges_.size() * 9 + static_cast<std::size_t>(3 * count));
-    Eigen::VectorXd degree = Eigen::VectorXd::Zero(count);
-    for (const int e : bridges_) {
-        const int left = topology_.edge_halfedges()(e, 0) / 3;
-        const int right = topology_.edge_halfedges()(e, 1) / 3;
-        int p = patch_of_face_[static_cast<std::size_t>(left)];
-        int q = patch_of_face_[static_cast<std::size_t>(right)];
-        // A frame that hangs by an edge of little trust has no say about other patches.
-        const double weight = weights[e] * trust[static_cast<std::size_t>(left)] *
-                              trust[static_cast<std::size_t>(right)];
-        Matrix3d block = -weight * frames[static_cast<std::size_t>(right)] *
-                         transitions[static_cast<std::size_t>(e)].transpose() *
-                         frames[static_cast<std::size_t>(left)].transpose(); // row q, column p
-        degree[p] += weight;
-        degree[q] += weight;
-        if (p > q) { // only the lower triangle is kept
-            std::swap(p, q);
-            block.transposeInPlace();
+/// G_p A = G_q for every bridge, A = L_f T L_g^T.
+void PatchFrames::connect(const Rotations& transitions, const VectorXd& weights,
+                          const Rotations& frames)
+{
+    const FacePatches& patches = *patches_;
+    std::vector<double> pair_weights(patches.pairs.size());
+    parallel_for(pair_weights.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const FacePatches::Pair& pair = patches.pairs[k];
+            Matrix3d block = Matrix3d::Zero(); // rows of the higher patch, columns of the lower
+            for (std::size_t b = pair.first_bridge; b < patches.end_bridge(k); ++b) {
+                const auto [edge, lower, higher, from_left] = patches.bridges[b];
+                // A frame that hangs by an edge of little trust has no say about other patches.
+                const double weight = weights[edge] * trust_[lower] * trust_[higher];
+                const Quaterniond turn = frames[index(lower)] *
+                                         across(transitions, edge, from_left) *
+                                         frames[index(higher)].conjugate();
+                block -= weight * turn.toRotationMatrix().transpose();
+                pair_weights[k] += weight;
+            }
+            for (int i = 0; i < 3; ++i) {
+                const int column = connection_.outerIndexPtr()[3 * pair.lower + i];
+                Eigen::Vector3d::Map(connection_.valuePtr() + column + 1 + 3 * pair.rank) =
+                    block.col(i);
+            }
         }
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                entries.emplace_back(3 * q + i, 3 * p + j, block(i, j));
+    });
+    VectorXd degree = VectorXd::Zero(patches.count());
+    for (std::size_t k = 0; k < pair_weights.size(); ++k) {
+        degree[patches.pairs[k].lower] += pair_weights[k];
+        degree[patches.pairs[k].higher] += pair_weights[k];
     }
     // Where all loops close the matrix is singular: a shift far below its spectrum's gap.
     const double shift = 1e-9 * degree.mean();
-    for (int p = 0; p < count; ++p)
-        for (int i = 0; i < 3; ++i)
-            entries.emplace_back(3 * p + i, 3 * p + i, degree[p] + shift);
-    SparseMatrix laplacian(3 * count, 3 * count);
-    laplacian.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::MatrixXd vectors = smallest_eigenvectors(laplacian);
+    for (int column = 0; column < connection_.cols(); ++column)
+        connection_.valuePtr()[connection_.outerIndexPtr()[column]] = degree[column / 3] + shift;
+    factor_.refactor(connection_);
+}
+
+Rotations PatchFrames::face_frames(const Rotations& transitions, const VectorXd& weights,
+                                   Rotations memory)
+{
+    const FacePatches& patches = *patches_;
+    if (transitions.size() != index(patches.edge_count) || weights.size() != patches.edge_count)
+        throw InvalidInput(join("face frames: ", transitions.size(), " transitions and ",
+                                weights.size(), " weights for ", patches.edge_count, " edges"));
+    Rotations frames = std::move(memory);
+    frames.resize(patches.faces.size());
+    grow_trees(transitions, weights, frames);
+    if (patches.count() == 1)
+        return frames;
+    connect(transitions, weights, frames);
+    const Eigen::MatrixXd vectors = smallest_eigenvectors(factor_);
 
     // The vectors are the rows of the matrices G; their common sign is free, a reflection is not.
-    std::vector<Matrix3d> patch_frames(static_cast<std::size_t>(count));
+    const auto block = [&](int p) { return Matrix3d(vectors.middleRows<3>(3 * p).transpose()); };
     double determinants = 0.0;
-    for (int p = 0; p < count; ++p) {
-        Matrix3d& g = patch_frames[static_cast<std::size_t>(p)];
-        g = std::sqrt(static_cast<double>(count)) * vectors.middleRows(3 * p, 3).transpose();
-        determinants += g.determinant();
-    }
-    parallel_for(patches_.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) {
-            Matrix3d& g = patch_frames[p];
-            if (determinants < 0.0)
-                g.row(0) *= -1.0;
-            g = nearest_rotation(g);
-            for (const int f : patches_[p])
-                frames[static_cast<std::size_t>(f)] = g * frames[static_cast<std::size_t>(f)];
+    for (int p = 0; p < patches.count(); ++p)
+        determinants += block(p).determinant();
+    const double sign = determinants < 0.0 ? -1.0 : 1.0;
+    parallel_for(index(patches.count()), 64, [&](std::size_t begin, std::size_t end) {
+        for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+            const Quaterniond turn(nearest_rotation(sign * block(p)));
+            for (int i = patches.begin(p); i < patches.begin(p + 1); ++i) {
+                Quaterniond& frame = frames[index(patches.faces[index(i)])];
+                frame = turn * frame;
+            }
         }
     });
     return frames;

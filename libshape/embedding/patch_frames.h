@@ -3,18 +3,20 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
-#include "libshape/mesh/topology.h"
+#include "libshape/embedding/face_layout.h"
+#include "libshape/embedding/face_patches.h"
+#include "libshape/linalg/sparse_cholesky.h"
 
 namespace shape {
 
 /// Orients the faces of a mesh from the transitions between neighbours, which need not agree around
 /// loops.
 ///
-/// The faces are cut into connected patches of about 64. In a patch, frames spread along the
-/// spanning tree of the most trusted edges. Between patches, they are the three smallest eigenvectors
-/// of the connection Laplacian of the patches,
+/// In a patch of faces, frames spread along the spanning tree of the most trusted edges. Between
+/// patches, they are the three smallest eigenvectors of the connection Laplacian of the patches,
 ///
 ///     min sum over edges e between patches p, q of w_e |G_p A_e - G_q|^2,   sum |G_p|^2 fixed,
 ///
@@ -24,23 +26,30 @@ namespace shape {
 class PatchFrames
 {
 public:
-    explicit PatchFrames(const Topology& topology, int faces_per_patch = 64);
+    /// Cost: the analysis of a sparse matrix of size 3 #patches.
+    explicit PatchFrames(std::shared_ptr<const FacePatches> patches);
 
     /// @param transitions  #E rotations from the frame left of an edge to that right of it (face_layout.h).
     /// @param weights  #E trust in a transition [1], in (0, 1].
+    /// @param memory  Frames no longer needed, whose memory serves again.
     /// @return #F rotations from the frame of a face to one global frame.
     /// @throws InvalidInput if a size is wrong.
-    /// Cost: O(#F log), one sparse Cholesky factorisation of size 3 #patches.
-    [[nodiscard]] std::vector<Eigen::Matrix3d> face_frames(
-        const std::vector<Eigen::Matrix3d>& transitions, const Eigen::VectorXd& weights) const;
-
-    [[nodiscard]] int patch_count() const { return static_cast<int>(patches_.size()); }
+    /// Cost: O(#F), one sparse Cholesky factorisation of size 3 #patches. Works in memory that is
+    /// kept: not safe to call concurrently.
+    [[nodiscard]] Rotations face_frames(const Rotations& transitions,
+                                        const Eigen::VectorXd& weights, Rotations memory = {});
 
 private:
-    Topology topology_;
-    std::vector<int> patch_of_face_;
-    std::vector<std::vector<int>> patches_; // faces, the first is the root
-    std::vector<int> bridges_;              // edges between patches
+    void grow_trees(const Rotations& transitions, const Eigen::VectorXd& weights,
+                    Rotations& frames);
+    void connect(const Rotations& transitions, const Eigen::VectorXd& weights,
+                 const Rotations& frames);
+
+    std::shared_ptr<const FacePatches> patches_;
+    Eigen::VectorXd
+        trust_; // of the faces: the weight of the lightest edge on the way from the root
+    SparseMatrix connection_; // the connection Laplacian
+    SparseCholesky factor_;
 };
 
 } // namespace shape

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "libshape/base/threads.h"
+
+namespace shape {
+
+/// Loops over faces or edges work by blocks, one array a coordinate, which the compiler vectorises
+/// (vectorised.h) and the first cache holds.
+inline constexpr int block_size = 128;
+using Row = double[block_size];
+
+/// Calls work(first, count) for consecutive blocks of [0, total), count <= block_size.
+template <class Work>
+void for_blocks(int total, const Work& work)
+{
+    constexpr std::size_t grain = 16 * block_size;
+    parallel_for(static_cast<std::size_t>(total), grain, [&](std::size_t begin, std::size_t end) {
+        for (int i = static_cast<int>(begin); i < static_cast<int>(end); i += block_size)
+            work(i, std::min(block_size, static_cast<int>(end) - i));
+    });
+}
+
+} // namespace shape

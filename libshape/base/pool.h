@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace shape {
+
+/// Objects whose memory serves again and again, for one caller at a time each; as many are made as
+/// callers work at once.
+template <class T>
+class Pool
+{
+public:
+    explicit Pool(std::function<std::unique_ptr<T>()> make) : make_(std::move(make)) {}
+
+    /// One that nobody else has until the pointer ends, which must be before the pool does. Safe to
+    /// call concurrently.
+    [[nodiscard]] auto borrow()
+    {
+        auto give_back = [this](T* item) {
+            const std::lock_guard lock(mutex_);
+            idle_.emplace_back(item);
+        };
+        return std::unique_ptr<T, decltype(give_back)>(take().release(), give_back);
+    }
+
+private:
+    std::unique_ptr<T> take()
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            if (!idle_.empty()) {
+                std::unique_ptr<T> item = std::move(idle_.back());
+                idle_.pop_back();
+                return item;
+            }
+        }
+        return make_();
+    }
+
+    std::function<std::unique_ptr<T>()> make_;
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<T>> idle_;
+};
+
+} // namespace shape
