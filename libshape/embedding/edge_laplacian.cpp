@@ -94,8 +94,9 @@ Points EdgeLaplacian::positions(const std::vector<Eigen::Matrix3d>& frames, cons
     const double unit = 1.0 / std::sqrt(weights_.maxCoeff());
     LaneVectors scaled;
     LaneVectors solution;
+    LaneVectors workspace;
     to_lanes(rhs.data(), rhs.rows(), unit, scaled);
-    solve.solve(scaled, solution);
+    solve.solve(scaled, solution, workspace);
     return solution.topRows<3>().transpose().cast<double>() / unit;
 }
 
