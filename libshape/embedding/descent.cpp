@@ -78,9 +78,9 @@ public:
         double square = 0.0; // of the residual in the norm of the preconditioner
         double first_square = 0.0;
         while (solution.steps < max_steps) {
-            preconditioner.solve(residual_, preconditioned_);
+            const double last_square = std::exchange(
+                square, preconditioner.solve(residual_, preconditioned_, workspace_));
             ++solution.steps;
-            const double last_square = std::exchange(square, dot(residual_, preconditioned_));
             if (solution.steps == 1) {
                 first_square = square;
                 direction_ = preconditioned_;
@@ -107,6 +107,7 @@ private:
     LaneVectors preconditioned_;
     LaneVectors direction_;
     LaneVectors image_;
+    LaneVectors workspace_; // of the preconditioner
 };
 
 } // namespace

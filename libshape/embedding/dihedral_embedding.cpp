@@ -133,7 +133,6 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     if (options.relax_start)
         repair(hot_spots(energy, points));
     // Folds show once what is rough about the start is gone.
-<<<<<<< HEAD
     for (const int iterations : options.repairs)
         if (iterations <= options.max_iterations && !result.converged) {
             descend_to(iterations);
@@ -142,15 +141,6 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     if (result.iterations == 0 ||
         (result.iterations < options.max_iterations && !result.converged))
         descend_to(options.max_iterations);
-=======
-    VectorXd points = descend_by(linear.reshaped<Eigen::RowMajor>(),
-                                 std::min(options.steps_before_repair, options.max_iterations));
-    if (const int left = options.max_iterations - result.iterations; left > 0) {
-        FoldRepair repair = repair_folds(energy, s.references, std::move(points), options.folds);
-        result.repaired_folds = repair.replaced;
-        points = descend_by(std::move(repair.points), left);
-    }
->>>>>>> start
     result.back_substitutions += result.iterations;
     const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
     result.points = restored(s.renumbering, vertices.rowwise() - vertices.colwise().mean());

@@ -169,7 +169,7 @@ void EdgeLaplacian::positions(const FaceLayout& layout, const Rotations& frames,
             sum += lanes(memory.pulls)[h];
         lanes(memory.rhs)[v] = sum;
     });
-    solve.solve(memory.rhs, memory.solution);
+    solve.solve(memory.rhs, memory.solution, memory.workspace);
     points.resize(topology_.vertex_count(), 3);
     for_vertices(topology_, [&](int v) {
         points.row(v) = memory.solution.col(v).head<3>().cast<double>() / unit;

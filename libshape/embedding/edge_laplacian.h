@@ -40,7 +40,7 @@ public:
     /// What positions() in single precision works in, kept by who calls it again and again.
     struct Memory
     {
-        LaneVectors pulls, rhs, solution;
+        LaneVectors pulls, rhs, solution, workspace;
     };
 
     /// The same about as exactly as float allows, several times faster.

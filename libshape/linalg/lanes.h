@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 
 namespace shape {
 
@@ -19,6 +20,14 @@ using Lanes = float __attribute__((vector_size(16)));
 [[nodiscard]] inline const Lanes* lanes(const LaneVectors& vectors)
 {
     return reinterpret_cast<const Lanes*>(vectors.data());
+}
+
+/// The sum of a vector's entries; vectors are added up this many at a time in float, longer sums in
+/// double.
+inline constexpr std::size_t short_sum = 256;
+[[nodiscard]] inline double lane_sum(const Lanes& a)
+{
+    return static_cast<double>(a[0]) + static_cast<double>(a[1]) + static_cast<double>(a[2]);
 }
 
 /// to = scale * rows, which are rows of three, one after the other.

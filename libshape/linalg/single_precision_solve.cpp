@@ -3,79 +3,221 @@
 #include "libshape/linalg/single_precision_solve.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/vectorised.h"
 
 namespace shape {
 namespace {
 
-/// The sum of weights[j] x[j] over the columns.
-inline Lanes combine(const float* weights, const Lanes* x, int columns)
+using Block = SinglePrecisionSolve::Block;
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr int widest = 16; // columns of a block: its vectors stay in registers
+constexpr int step = 4;    // rows of the triangle that are stored equally long
+
+std::size_t index(int i)
 {
-    Lanes even{};
-    Lanes odd{};
-    int j = 0;
-    for (; j + 1 < columns; j += 2) {
-        even += weights[j] * x[j];
-        odd += weights[j + 1] * x[j + 1];
-    }
-    if (j < columns)
-        even += weights[j] * x[j];
-    return even + odd;
+    return static_cast<std::size_t>(i);
 }
 
-/// Supernodes [first, end) with all their descendants; supernodes are numbered in postorder.
-struct Range
+/// Two vectors in one register, at any address of Lanes.
+using Pair = float __attribute__((vector_size(32), aligned(16)));
+
+/// As many vectors as a block has columns.
+template <int columns>
+struct Vectors
 {
-    int first;
-    int end;
+    Pair pairs[columns / 2 + 1]; // the last one is not used
+    Lanes odd;
 };
 
-/// Disjoint subtrees in ascending order, each with at most a sixteenth of the factor's entries.
-/// None where the factor is too small to be worth the hand-over.
-std::vector<Range> independent_subtrees(const SupernodalFactor& f)
+/// Row times vectors.
+template <int columns, class All>
+[[gnu::always_inline]] inline Lanes product(const float* row, const All& vectors)
 {
-    const auto count = static_cast<int>(f.first_columns.size()) - 1;
-    const auto entries = [&](int begin, int end) {
-        const auto at = [&](int s) { return f.first_values[static_cast<std::size_t>(s)]; };
-        return at(end) - at(begin);
-    };
-    constexpr int worth = 1 << 17;
-    std::vector<Range> ranges;
-    if (entries(0, count) < worth)
-        return ranges;
-    const int most = entries(0, count) / 16;
+    Lanes sum{};
+    if constexpr (columns > 1) {
+        Pair both{};
+        for (int k = 0; k < columns / 2; ++k) {
+            const float a = row[2 * k];
+            const float b = row[2 * k + 1];
+            both += Pair{a, a, a, a, b, b, b, b} * vectors.pairs[k];
+        }
+        sum = __builtin_shufflevector(both, both, 0, 1, 2, 3) +
+              __builtin_shufflevector(both, both, 4, 5, 6, 7);
+    }
+    if constexpr (columns % 2 == 1)
+        sum += row[columns - 1] * vectors.odd;
+    return sum;
+}
 
-    std::vector<int> supernode_of(f.permutation.size());
-    std::vector<int> first_descendant(static_cast<std::size_t>(count));
-    for (int s = 0; s < count; ++s) {
-        first_descendant[static_cast<std::size_t>(s)] = s;
-        for (int c = f.first_columns[static_cast<std::size_t>(s)];
-             c < f.first_columns[static_cast<std::size_t>(s) + 1]; ++c)
-            supernode_of[static_cast<std::size_t>(c)] = s;
+/// Adds to the vectors their entries of a row times what the row belongs to.
+template <int columns, class All>
+[[gnu::always_inline]] inline void add_product(const float* row, const Lanes& x, All& vectors)
+{
+    const Pair twice = __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3);
+    for (int k = 0; k < columns / 2; ++k) {
+        const float a = row[2 * k];
+        const float b = row[2 * k + 1];
+        vectors.pairs[k] += Pair{a, a, a, a, b, b, b, b} * twice;
     }
-    std::vector<int> parent(static_cast<std::size_t>(count), count);
-    for (int s = 0; s < count; ++s) {
-        const auto i = static_cast<std::size_t>(s);
-        const int columns = f.first_columns[i + 1] - f.first_columns[i];
-        if (f.first_rows[i + 1] - f.first_rows[i] == columns)
-            continue;
-        const int above = f.rows[static_cast<std::size_t>(f.first_rows[i] + columns)];
-        parent[i] = supernode_of[static_cast<std::size_t>(above)];
-        int& first = first_descendant[static_cast<std::size_t>(parent[i])];
-        first = std::min(first, first_descendant[i]);
+    if constexpr (columns % 2 == 1)
+        vectors.odd += row[columns - 1] * x;
+}
+
+/// Calls work for the rows of a triangle, of which the first `step` have entries in as many columns,
+/// the next ones in twice as many...
+template <int columns, int first, class Work>
+[[gnu::always_inline]] inline void for_triangle(const float*& values, const Work& work)
+{
+    constexpr int filled = std::min(first + step, columns);
+    for (int i = first; i < filled; ++i, values += filled)
+        work.template operator()<filled>(i, values);
+    if constexpr (filled < columns)
+        for_triangle<columns, filled>(values, work);
+}
+
+/// Its stored entries.
+constexpr int triangle_size(int columns)
+{
+    int size = 0;
+    for (int i = 0; i < columns; ++i)
+        size += std::min((i / step + 1) * step, columns);
+    return size;
+}
+
+/// own = inverse of L times own, x += B' own.
+template <int columns>
+[[gnu::always_inline]] inline void forward_block(int rows, const int* row, const float* values,
+                                                 Lanes* own, Lanes* x)
+{
+    Vectors<columns> vectors;
+    for (int k = 0; k < columns / 2; ++k)
+        vectors.pairs[k] = reinterpret_cast<const Pair*>(own)[k];
+    vectors.odd = own[columns - 1];
+    for_triangle<columns, 0>(
+        values, [&]<int filled>(int i, const float* entries)
+                    __attribute__((always_inline)) { own[i] = product<filled>(entries, vectors); });
+    for (int i = 0; i < rows; ++i, values += columns)
+        x[row[i]] += product<columns>(values, vectors);
+}
+
+/// own = transposed inverse of L times own + transposed B' times x.
+template <int columns>
+[[gnu::always_inline]] inline void backward_block(int rows, const int* row, const float* values,
+                                                  Lanes* own, const Lanes* x)
+{
+    Vectors<columns> vectors{};
+    for_triangle<columns, 0>(
+        values, [&]<int filled>(int i, const float* entries) __attribute__((always_inline)) {
+            add_product<filled>(entries, own[i], vectors);
+        });
+    for (int i = 0; i < rows; ++i, values += columns)
+        add_product<columns>(values, x[row[i]], vectors);
+    for (int k = 0; k < columns / 2; ++k)
+        reinterpret_cast<Pair*>(own)[k] = vectors.pairs[k];
+    if constexpr (columns % 2 == 1)
+        own[columns - 1] = vectors.odd;
+}
+
+/// Calls work<columns>() for a number of columns known only now.
+template <int columns = 1, class Work>
+[[gnu::always_inline]] inline void with_columns(int known, const Work& work)
+{
+    if (known == columns)
+        work.template operator()<columns>();
+    else if constexpr (columns < widest)
+        with_columns<columns + 1>(known, work);
+}
+
+/// All blocks of a part upwards. The rows above the part end as what is to be added to them.
+SHAPE_VECTORISED void forward_blocks(const Block* block, const Block* end, const int* row,
+                                     const float* values, Lanes* x)
+{
+    for (; block != end; row += block->rows, ++block)
+        with_columns(
+            block->columns, [&]<int columns>() __attribute__((always_inline)) {
+                forward_block<columns>(block->rows, row, values, x + block->first_column, x);
+                values += triangle_size(columns) + columns * block->rows;
+            });
+}
+
+/// All blocks of a part downwards.
+/// @param row, values  Behind the last one.
+SHAPE_VECTORISED void backward_blocks(const Block* first, const Block* block, const int* row,
+                                      const float* values, Lanes* x)
+{
+    while (block-- != first) {
+        row -= block->rows;
+        with_columns(
+            block->columns, [&]<int columns>() __attribute__((always_inline)) {
+                values -= triangle_size(columns) + columns * block->rows;
+                backward_block<columns>(block->rows, row, values, x + block->first_column, x);
+            });
     }
-    for (int s = 0; s < count; ++s) {
-        const int first = first_descendant[static_cast<std::size_t>(s)];
-        const int above = parent[static_cast<std::size_t>(s)];
-        if (entries(first, s + 1) <= most &&
-            (above == count ||
-             entries(first_descendant[static_cast<std::size_t>(above)], above + 1) > most))
-            ranges.push_back({first, s + 1});
+}
+
+/// Parts of the elimination tree, the lower tiers first: each a subtree less the parts below.
+struct Cut
+{
+    std::vector<std::size_t> part_of_column; ///< Of the factor.
+    std::vector<std::size_t> parent;         ///< Of every part; itself at a root.
+    std::array<std::size_t, 3> tiers{};      ///< Where branches, limbs and the trunk end.
+};
+
+/// Branches are the largest subtrees with at most a sixteenth of the factor's entries, limbs those
+/// with at most 6/10. All is trunk where the factor is too small to be worth the hand-over.
+Cut cut(const SupernodalFactor& f)
+{
+    const std::size_t count = f.first_columns.size() - 1;
+    std::vector<std::size_t> supernode_of(f.permutation.size());
+    std::vector<std::size_t> above(count);
+    std::vector<double> entries(count); // of the subtree
+    for (std::size_t s = 0; s < count; ++s)
+        std::fill(supernode_of.begin() + f.first_columns[s],
+                  supernode_of.begin() + f.first_columns[s + 1], s);
+    for (std::size_t s = 0; s < count; ++s) {
+        const int next = f.first_rows[s] + f.first_columns[s + 1] - f.first_columns[s];
+        above[s] = next == f.first_rows[s + 1] ? s : supernode_of[index(f.rows[index(next)])];
+        entries[s] += f.first_values[s + 1] - f.first_values[s];
+        if (above[s] != s)
+            entries[above[s]] += entries[s];
     }
-    return ranges;
+    const double all = f.first_values.back();
+    constexpr double worth = 1 << 17;
+    const auto tier = [&](std::size_t s) -> std::size_t {
+        return all < worth ? 2 : entries[s] <= all / 16.0 ? 0 : entries[s] <= 0.6 * all ? 1 : 2;
+    };
+
+    Cut cut;
+    std::vector<std::size_t> part(count);
+    std::vector<std::size_t> tops; // of the parts
+    for (const std::size_t t : {0, 1}) {
+        for (std::size_t s = 0; s < count; ++s)
+            if (tier(s) == t && (above[s] == s || tier(above[s]) != t)) {
+                part[s] = tops.size();
+                tops.push_back(s);
+            }
+        cut.tiers[t] = tops.size();
+    }
+    const std::size_t trunk = tops.size();
+    cut.tiers[2] = trunk + 1;
+    for (std::size_t s = count; s-- > 0;)
+        if (tier(s) == 2)
+            part[s] = trunk;
+        else if (above[s] != s && tier(above[s]) == tier(s))
+            part[s] = part[above[s]];
+    for (const std::size_t top : tops)
+        cut.parent.push_back(part[above[top]]);
+    cut.parent.push_back(trunk);
+    for (const std::size_t s : supernode_of)
+        cut.part_of_column.push_back(part[s]);
+    return cut;
 }
 
 } // namespace
@@ -83,152 +225,166 @@ std::vector<Range> independent_subtrees(const SupernodalFactor& f)
 SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
 {
     const SupernodalFactor f = cholesky.factor();
-    permutation_.assign(f.permutation.begin(), f.permutation.end());
-    values_.reserve(static_cast<std::size_t>(f.first_values.back()));
-    const auto count = static_cast<int>(f.first_columns.size()) - 1;
-    const auto first_column = [&](int s) { return f.first_columns[static_cast<std::size_t>(s)]; };
+    const Cut parts = cut(f);
+    const auto part_of = [&](int column) { return parts.part_of_column[index(column)]; };
+    tiers_ = parts.tiers;
+    parts_.resize(tiers_.back());
 
-    // What lies between the subtrees is the trunk, whose columns need not follow each other: it is
-    // numbered like the whole.
-    const auto take = [&](int s, int origin, const auto& number) {
-        const auto i = static_cast<std::size_t>(s);
-        Supernode node{};
-        node.first_column = first_column(s) - origin;
-        node.columns = first_column(s + 1) - first_column(s);
-        const int all_rows = f.first_rows[i + 1] - f.first_rows[i];
-        node.rows = all_rows - node.columns;
-        node.first_row = static_cast<int>(rows_.size());
-        for (const int row :
-             f.rows.subspan(static_cast<std::size_t>(f.first_rows[i] + node.columns),
-                            static_cast<std::size_t>(node.rows)))
-            rows_.push_back(number(row));
-        const double* const block = f.values + f.first_values[i];
-        node.diagonal = values_.size();
-        node.below = values_.size() + static_cast<std::size_t>(node.columns * node.columns);
-        for (int r = 0; r < all_rows; ++r)
-            for (int c = 0; c < node.columns; ++c) {
-                const double value = block[r + c * all_rows];
-                values_.push_back(static_cast<float>(r < c ? 0.0 : r == c ? 1.0 / value : value));
-            }
-        supernodes_.push_back(node);
+    // Numbers in the parts: columns first, then the rows that are reached.
+    const std::size_t size = f.permutation.size();
+    std::vector<std::vector<int>> columns(parts_.size());
+    std::vector<std::vector<int>> reached(parts_.size());
+    std::vector<std::vector<std::size_t>> supernodes(parts_.size());
+    for (std::size_t s = 0; s + 1 < f.first_columns.size(); ++s) {
+        const std::size_t p = part_of(f.first_columns[s]);
+        supernodes[p].push_back(s);
+        for (int c = f.first_columns[s]; c < f.first_columns[s + 1]; ++c)
+            columns[p].push_back(c);
+        for (int k = f.first_rows[s]; k < f.first_rows[s + 1]; ++k)
+            if (part_of(f.rows[index(k)]) != p)
+                reached[p].push_back(f.rows[index(k)]);
+    }
+    const auto number = [&](std::size_t p, int column) {
+        const auto place = [&](const std::vector<int>& sorted) {
+            return std::lower_bound(sorted.begin(), sorted.end(), column) - sorted.begin();
+        };
+        return static_cast<int>(part_of(column) == p ? place(columns[p])
+                                                     : std::ssize(columns[p]) + place(reached[p]));
     };
-
-    const std::vector<Range> ranges = independent_subtrees(f);
-    for (const Range& range : ranges) {
-        Subtree subtree;
-        subtree.first_column = first_column(range.first);
-        subtree.columns = first_column(range.end) - subtree.first_column;
-        subtree.first_supernode = supernodes_.size();
-        const int end_column = first_column(range.end);
-        std::vector<int>& reached = subtree.reached;
-        for (int k = f.first_rows[static_cast<std::size_t>(range.first)];
-             k < f.first_rows[static_cast<std::size_t>(range.end)]; ++k)
-            if (f.rows[static_cast<std::size_t>(k)] >= end_column)
-                reached.push_back(f.rows[static_cast<std::size_t>(k)]);
-        std::sort(reached.begin(), reached.end());
-        reached.erase(std::unique(reached.begin(), reached.end()), reached.end());
-        for (int s = range.first; s < range.end; ++s)
-            take(s, subtree.first_column, [&](int row) {
-                if (row < end_column)
-                    return row - subtree.first_column;
-                const auto found = std::lower_bound(reached.begin(), reached.end(), row);
-                return subtree.columns + static_cast<int>(found - reached.begin());
-            });
-        subtree.end_supernode = supernodes_.size();
-        subtrees_.push_back(std::move(subtree));
+    permutation_.reserve(size);
+    for (std::size_t p = parts_.size(); p-- > 0;) {
+        std::sort(reached[p].begin(), reached[p].end());
+        reached[p].erase(std::unique(reached[p].begin(), reached[p].end()), reached[p].end());
     }
-    Subtree trunk{0, static_cast<int>(permutation_.size()), supernodes_.size(), 0, {}};
-    int s = 0;
-    for (const Range& range : ranges) {
-        for (; s < range.first; ++s)
-            take(s, 0, [](int row) { return row; });
-        s = range.end;
-    }
-    for (; s < count; ++s)
-        take(s, 0, [](int row) { return row; });
-    trunk.end_supernode = supernodes_.size();
-    subtrees_.push_back(std::move(trunk));
-}
-
-/// L y = b. Rows that the subtree reaches start at 0 and end as what is to be added to them.
-void SinglePrecisionSolve::forward(const Subtree& subtree, Lanes* x) const
-{
-    for (std::size_t s = subtree.first_supernode; s < subtree.end_supernode; ++s) {
-        const Supernode& node = supernodes_[s];
-        Lanes* const own = x + node.first_column;
-        const float* row = values_.data() + node.diagonal;
-        for (int i = 0; i < node.columns; ++i, row += node.columns)
-            own[i] = (own[i] - combine(row, own, i)) * row[i];
-        const int* const below = rows_.data() + node.first_row;
-        for (int i = 0; i < node.rows; ++i, row += node.columns)
-            x[below[i]] -= combine(row, own, node.columns);
+    values_.reserve(index(f.first_values.back()));
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        Part& part = parts_[p];
+        part.parent = parts.parent[p];
+        if (part.parent != p)
+            parts_[part.parent].children.push_back(p);
+        part.first_column = permutation_.size();
+        part.columns = columns[p].size();
+        part.reached = reached[p].size();
+        part.place = places_;
+        places_ += part.columns + part.reached;
+        for (const int c : columns[p])
+            permutation_.push_back(f.permutation[index(c)]);
+        part.above = reached_rows_.size();
+        for (const int row : reached[p])
+            reached_rows_.push_back(number(part.parent, row));
+        part.first_block = blocks_.size();
+        part.first_row = rows_.size();
+        part.first_value = values_.size();
+        for (const std::size_t s : supernodes[p])
+            add_blocks(f, s, [&](int column) { return number(p, column); });
+        part.end_block = blocks_.size();
+        part.end_row = rows_.size();
+        part.end_value = values_.size();
     }
 }
 
-/// L^T x = y.
-void SinglePrecisionSolve::backward(const Subtree& subtree, Lanes* x) const
+/// Appends the columns of a supernode.
+/// @param number  That of a row of the factor in its part.
+template <class Number>
+void SinglePrecisionSolve::add_blocks(const SupernodalFactor& f, std::size_t supernode,
+                                      const Number& number)
 {
-    for (std::size_t s = subtree.end_supernode; s-- > subtree.first_supernode;) {
-        const Supernode& node = supernodes_[s];
-        Lanes* const own = x + node.first_column;
-        const float* row = values_.data() + node.below;
-        const int* const below = rows_.data() + node.first_row;
-        for (int i = 0; i < node.rows; ++i, row += node.columns) {
-            const Lanes known = x[below[i]];
-            for (int j = 0; j < node.columns; ++j)
-                own[j] -= row[j] * known;
+    const int* const row = f.rows.data() + f.first_rows[supernode];
+    const Index rows = f.first_rows[supernode + 1] - f.first_rows[supernode];
+    const Index columns = f.first_columns[supernode + 1] - f.first_columns[supernode];
+    const Eigen::Map<const MatrixXd> factor(f.values + f.first_values[supernode], rows, columns);
+    const Index pieces = (columns + widest - 1) / widest;
+    const Index piece = (columns + pieces * step - 1) / (pieces * step) * step;
+    for (Index first = 0; first < columns; first += piece) {
+        const Index width = std::min(piece, columns - first);
+        const Index end = first + width;
+        const MatrixXd inverse = factor.block(first, first, width, width)
+                                     .triangularView<Eigen::Lower>()
+                                     .solve(MatrixXd::Identity(width, width));
+        const MatrixXd below = -factor.block(end, first, rows - end, width) * inverse;
+        Block block{number(row[first]), static_cast<int>(width), 0};
+        const auto append = [&](const MatrixXd& from, Index r, Index filled) {
+            for (Index c = 0; c < filled; ++c)
+                values_.push_back(static_cast<float>(from(r, c)));
+        };
+        for (Index r = 0; r < width; ++r)
+            append(inverse, r, std::min(width, (r / step + 1) * step));
+        for (Index r = 0; r < rows - end; ++r)
+            if ((factor.row(end + r).segment(first, width).array() != 0.0).any()) {
+                append(below, r, width);
+                rows_.push_back(number(row[end + r]));
+                ++block.rows;
+            }
+        blocks_.push_back(block);
+    }
+}
+
+/// L y = b for the columns of a part.
+void SinglePrecisionSolve::forward(const Part& part, const Lanes* rhs, Lanes* workspace) const
+{
+    Lanes* const x = workspace + part.place;
+    const int* const from = permutation_.data() + part.first_column;
+    for (std::size_t i = 0; i < part.columns; ++i)
+        x[i] = rhs[from[i]];
+    std::fill_n(x + part.columns, part.reached, Lanes{});
+    for (const std::size_t p : part.children) {
+        const Part& child = parts_[p];
+        const Lanes* const added = workspace + child.place + child.columns;
+        const int* const to = reached_rows_.data() + child.above;
+        for (std::size_t i = 0; i < child.reached; ++i)
+            x[to[i]] += added[i];
+    }
+    forward_blocks(blocks_.data() + part.first_block, blocks_.data() + part.end_block,
+                   rows_.data() + part.first_row, values_.data() + part.first_value, x);
+}
+
+/// L^T x = y for the columns of a part.
+/// @return Their part of the sum of products.
+double SinglePrecisionSolve::backward(const Part& part, const Lanes* rhs, Lanes* workspace,
+                                      Lanes* solution) const
+{
+    Lanes* const x = workspace + part.place;
+    const Lanes* const above = workspace + parts_[part.parent].place;
+    const int* const from = reached_rows_.data() + part.above;
+    for (std::size_t i = 0; i < part.reached; ++i)
+        x[part.columns + i] = above[from[i]];
+    backward_blocks(blocks_.data() + part.first_block, blocks_.data() + part.end_block,
+                    rows_.data() + part.end_row, values_.data() + part.end_value, x);
+    const int* const to = permutation_.data() + part.first_column;
+    double sum = 0.0;
+    for (std::size_t begin = 0; begin < part.columns; begin += short_sum) {
+        Lanes products{};
+        for (std::size_t i = begin; i < std::min(begin + short_sum, part.columns); ++i) {
+            solution[to[i]] = x[i];
+            products += rhs[to[i]] * x[i];
         }
-        for (int i = node.columns; i-- > 0;) {
-            row = values_.data() + node.diagonal + i * node.columns;
-            own[i] *= row[i];
-            for (int j = 0; j < i; ++j)
-                own[j] -= row[j] * own[i];
-        }
+        sum += lane_sum(products);
     }
+    return sum;
 }
 
-void SinglePrecisionSolve::solve(const LaneVectors& rhs, LaneVectors& solution) const
+double SinglePrecisionSolve::solve(const LaneVectors& rhs, LaneVectors& solution,
+                                   LaneVectors& workspace) const
 {
-    if (rhs.cols() != static_cast<Eigen::Index>(permutation_.size()))
+    if (rhs.cols() != static_cast<Index>(permutation_.size()))
         throw InvalidInput(join("solve: the right-hand side has ", rhs.cols(), " rows, the matrix ",
                                 permutation_.size()));
     solution.resize(4, rhs.cols());
-    const Lanes* const from = lanes(rhs);
-    Lanes* const to = lanes(solution);
-    const Subtree& trunk = subtrees_.back();
-    const std::size_t branches = subtrees_.size() - 1;
-    std::vector<std::vector<Lanes>> parts(branches);
-    const auto gather = [&](int first, int columns, Lanes* x) {
-        for (int i = 0; i < columns; ++i)
-            x[i] = from[permutation_[static_cast<std::size_t>(first + i)]];
+    workspace.resize(4, static_cast<Index>(places_));
+    const Lanes* const b = lanes(rhs);
+    Lanes* const x = lanes(solution);
+    Lanes* const work = lanes(workspace);
+    std::vector<double> sums(parts_.size());
+    const auto for_tier = [&](std::size_t t, const auto& body) {
+        const std::size_t first = t == 0 ? 0 : tiers_[t - 1];
+        parallel_for(tiers_[t] - first, 1,
+                     [&](std::size_t begin, std::size_t) { body(first + begin); });
     };
-    const auto scatter = [&](int first, int columns, const Lanes* x) {
-        for (int i = 0; i < columns; ++i)
-            to[permutation_[static_cast<std::size_t>(first + i)]] = x[i];
-    };
-    std::vector<Lanes> x(permutation_.size());
-    parallel_for(branches, 1, [&](std::size_t k, std::size_t) {
-        const Subtree& subtree = subtrees_[k];
-        parts[k].resize(static_cast<std::size_t>(subtree.columns) + subtree.reached.size());
-        gather(subtree.first_column, subtree.columns, parts[k].data());
-        forward(subtree, parts[k].data());
-    });
-    gather(0, trunk.columns, x.data());
-    for (std::size_t k = 0; k < branches; ++k)
-        for (std::size_t i = 0; i < subtrees_[k].reached.size(); ++i)
-            x[static_cast<std::size_t>(subtrees_[k].reached[i])] +=
-                parts[k][static_cast<std::size_t>(subtrees_[k].columns) + i];
-    forward(trunk, x.data());
-    backward(trunk, x.data());
-    scatter(0, trunk.columns, x.data());
-    parallel_for(branches, 1, [&](std::size_t k, std::size_t) {
-        const Subtree& subtree = subtrees_[k];
-        for (std::size_t i = 0; i < subtree.reached.size(); ++i)
-            parts[k][static_cast<std::size_t>(subtree.columns) + i] =
-                x[static_cast<std::size_t>(subtree.reached[i])];
-        backward(subtree, parts[k].data());
-        scatter(subtree.first_column, subtree.columns, parts[k].data());
-    });
+    for (const std::size_t t : {0, 1, 2})
+        for_tier(t, [&](std::size_t p) { forward(parts_[p], b, work); });
+    for (const std::size_t t : {2, 1, 0})
+        for_tier(t, [&](std::size_t p) { sums[p] = backward(parts_[p], b, work, x); });
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 } // namespace shape

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "libshape/linalg/lanes.h"
@@ -11,10 +13,10 @@
 namespace shape {
 
 /// The factor of a SparseCholesky in single precision, for preconditioners: solves for three
-/// right-hand sides at once, several times faster than SparseCholesky::solve().
+/// right-hand sides at once, many times faster than SparseCholesky::solve().
 ///
-/// The elimination tree is cut into subtrees that threads work on side by side; above them is the
-/// trunk. Same bits for any number of threads.
+/// The elimination tree is cut into parts of three tiers: branches, the limbs they grow from, and
+/// the trunk. Threads work on the parts of a tier side by side. Same bits for any number of threads.
 class SinglePrecisionSolve
 {
 public:
@@ -23,41 +25,52 @@ public:
     /// Solves A X = B about as exactly as float allows.
     /// @param rhs  A row of B in each column.
     /// @param solution  Overwritten, the same layout.
+    /// @param workspace  Overwritten; worth keeping for the next call.
+    /// @return The sum of all products of an entry of B and the same one of X.
     /// @throws InvalidInput if rhs has another number of columns than A.
-    /// Safe to call concurrently.
-    void solve(const LaneVectors& rhs, LaneVectors& solution) const;
+    /// Safe to call concurrently, with a workspace each.
+    double solve(const LaneVectors& rhs, LaneVectors& solution, LaneVectors& workspace) const;
+
+    /// Up to 16 columns of the factor, a triangle L on top of a matrix B. Stored are the inverse of L
+    /// and -B times it, so that no row waits for the row before.
+    struct Block
+    {
+        int first_column; ///< In its part.
+        int columns;
+        int rows; ///< Of B.
+    };
 
 private:
-    /// A dense block of columns of the factor. Rows of the diagonal block first, then those below.
-    struct Supernode
+    struct Part
     {
-        int first_column; ///< In its subtree.
-        int columns;
-        int first_row; ///< Into rows_: rows below the diagonal block.
-        int rows;
-        std::size_t
-            diagonal;      ///< Into values_: columns by columns, row by row, the pivots inverted.
-        std::size_t below; ///< Into values_: rows by columns, row by row.
-    };
-    /// Columns that follow each other, numbered from 0, and after them the rows that they reach in
-    /// the trunk.
-    struct Subtree
-    {
-        int first_column;
-        int columns;
-        std::size_t first_supernode;
-        std::size_t end_supernode;
-        std::vector<int> reached; ///< Rows of the trunk; none for the trunk itself.
+        std::size_t first_column = 0; ///< Into permutation_.
+        std::size_t columns = 0;
+        std::size_t reached = 0; ///< Rows of the parts above that follow in the workspace.
+        std::size_t place = 0;   ///< In the workspace.
+        std::size_t above = 0;   ///< Into reached_rows_: where the part above has them.
+        std::size_t first_block = 0;
+        std::size_t end_block = 0;
+        std::size_t first_row = 0; ///< Into rows_.
+        std::size_t end_row = 0;
+        std::size_t first_value = 0; ///< Into values_.
+        std::size_t end_value = 0;
+        std::size_t parent = 0; ///< The part above; itself where there is none.
+        std::vector<std::size_t> children;
     };
 
-    void forward(const Subtree& subtree, Lanes* x) const;
-    void backward(const Subtree& subtree, Lanes* x) const;
+    template <class Number>
+    void add_blocks(const SupernodalFactor& f, std::size_t supernode, const Number& number);
+    void forward(const Part& part, const Lanes* rhs, Lanes* workspace) const;
+    double backward(const Part& part, const Lanes* rhs, Lanes* workspace, Lanes* solution) const;
 
     std::vector<int> permutation_;
-    std::vector<Subtree> subtrees_; ///< The last one is the trunk.
-    std::vector<Supernode> supernodes_;
-    std::vector<int> rows_; ///< In the numbers of the subtree.
+    std::vector<Part> parts_;            ///< Branches, limbs, trunk.
+    std::array<std::size_t, 3> tiers_{}; ///< Where each ends.
+    std::vector<Block> blocks_;
+    std::vector<int> rows_; ///< Of all B, in the numbers of the part.
+    std::vector<int> reached_rows_;
     std::vector<float> values_;
+    std::size_t places_ = 0; ///< In all.
 };
 
 } // namespace shape
