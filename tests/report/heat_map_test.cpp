@@ -66,7 +66,7 @@ TEST(HeatMap, HasALegendWithinTheDrawing)
             EXPECT_LT(std::stod(text.attributes.at("y")),
                       std::stod(ground.attributes.at("height")));
         }
-    EXPECT_EQ(columns.size(), 5U);
+    EXPECT_GT(columns.size(), 1U);
 }
 
 TEST(HeatMap, OfEqualThingsAndOfOneIsDrawnToo)
