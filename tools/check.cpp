@@ -202,8 +202,10 @@ void run(const Session& session, const Arguments& arguments)
     if (broken == 0)
         return;
     const auto first = std::find_if(checked.begin(), checked.end(), is_broken);
+    const std::string& message = first->findings.front().message;
+    const bool names_file = message.starts_with(first->path);
     throw InvalidInput(join(broken, " of ", checked.size(), " meshes are broken, first ",
-                            first->path, ": ", first->findings.front().message));
+                            names_file ? "" : first->path + ": ", message));
 }
 
 } // namespace

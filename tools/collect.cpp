@@ -7,7 +7,7 @@
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
 #include "tools/commands.h"
-#include "tools/common/mesh_input.h"
+#include "tools/common/label_input.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
 
@@ -16,15 +16,15 @@ namespace {
 
 struct Arguments
 {
-    MeshInput meshes;
+    LabelledInput input;
     std::string output;
 };
 
 void run(const Session& session, const Arguments& arguments)
 {
     check_ending("-o", arguments.output, ".h5");
-    check_output(session, arguments.output, input_files(arguments.meshes));
-    const Collection collection = read_meshes(session, arguments.meshes);
+    check_output(session, arguments.output, input_files(arguments.input.meshes));
+    const Collection collection = read_labelled(session, arguments.input);
     write_collection(arguments.output, collection);
     session.message(join(arguments.output, ": ", collection.size(), " meshes of ",
                          collection.topology.vertex_count(), " vertices"));
@@ -44,8 +44,7 @@ Run set_up_collect(CLI::App& command)
         "order) and write them, with edge lengths, dihedral angles and labels, as one collection.");
     command.footer("Example:\n  shape collect faces/ -o faces.h5 --labels faces/labels.csv");
     const auto arguments = std::make_shared<Arguments>();
-    add_mesh_input(command, arguments->meshes);
-    add_labels(command, arguments->meshes);
+    add_labelled_input(command, arguments->input);
     add_output_file(command, arguments->output, "Collection to write (.h5)");
     return [arguments](const Session& session) { run(session, *arguments); };
 }

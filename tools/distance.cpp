@@ -15,7 +15,7 @@
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/interrupt.h"
-#include "tools/common/mesh_input.h"
+#include "tools/common/label_input.h"
 #include "tools/common/mesh_table.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
@@ -26,7 +26,7 @@ namespace {
 
 struct Arguments
 {
-    MeshInput meshes;
+    LabelledInput input;
     SpaceOptions space = {};
     std::string output;
     std::string scaling;
@@ -54,7 +54,7 @@ std::vector<std::pair<std::string, std::string>> outputs(const Arguments& argume
 void check(const Session& session, const Arguments& arguments)
 {
     check_space_options(arguments.space);
-    const std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
+    const std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     const auto files = outputs(arguments);
     for (std::size_t i = 0; i < files.size(); ++i) {
         const auto& [option, path] = files[i];
@@ -116,7 +116,7 @@ Table cluster_table(const Collection& collection, const Clustering& clustering)
 void run(const Session& session, const Arguments& arguments)
 {
     check(session, arguments);
-    const Collection collection = read_meshes(session, arguments.meshes);
+    const Collection collection = read_labelled(session, arguments.input);
     const std::vector<std::string> values =
         arguments.color_by.empty() ? std::vector<std::string>()
                                    : find_label(collection.labels, arguments.color_by).values;
@@ -173,8 +173,7 @@ Run set_up_distance(CLI::App& command)
         "  shape distance faces.h5 -o distances.csv --metric procrustes\n"
         "  shape distance faces.h5 -o d.csv --plot mds.svg --heat-map map.svg --color-by mood");
     const auto arguments = std::make_shared<Arguments>();
-    add_mesh_input(command, arguments->meshes);
-    add_labels(command, arguments->meshes);
+    add_labelled_input(command, arguments->input);
     add_output_file(command, arguments->output, "CSV file to write: mesh, then a column a mesh");
     const SpaceOptions edge{.kind = SpaceKind::Edge, .scale = Scale::None};
     const SpaceOptions unit{.kind = SpaceKind::Edge, .scale = Scale::Unit};

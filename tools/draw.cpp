@@ -158,7 +158,7 @@ void run(const Session& session, const Arguments& arguments)
         colour_by_values(options, arguments);
     else if (!arguments.color_range.empty())
         throw UsageError("--color-range needs --color-by with a property of the vertices");
-    const Picture picture = draw_collection(collection, options);
+    const Picture picture = draw_collection(collection, options, session.progress());
     throw_if_interrupted();
     write_file_atomically(
         output, raster ? encode_png(picture.sheet)

@@ -13,7 +13,7 @@
 #include "tools/commands.h"
 #include "tools/common/arguments.h"
 #include "tools/common/interrupt.h"
-#include "tools/common/mesh_input.h"
+#include "tools/common/label_input.h"
 #include "tools/common/mesh_table.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
@@ -24,7 +24,7 @@ namespace {
 struct Arguments
 {
     std::string model;
-    MeshInput meshes;
+    LabelledInput input;
     std::string output;
     std::string plot;
     std::string color_by;
@@ -57,7 +57,7 @@ std::string draw_scores(const Arguments& arguments, const ShapeModel& model,
 
 void check_outputs(const Session& session, const Arguments& arguments)
 {
-    std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
+    std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     inputs.emplace_back(arguments.model);
     check_output(session, arguments.output, inputs);
     if (arguments.plot.empty())
@@ -71,7 +71,7 @@ void run(const Session& session, const Arguments& arguments)
 {
     check_outputs(session, arguments);
     const ShapeModel model = read_model(arguments.model);
-    const Projection projection = project(model, read_meshes(session, arguments.meshes));
+    const Projection projection = project(model, read_labelled(session, arguments.input));
     const Table table = score_table(projection);
     std::vector<std::string> outputs{arguments.output};
     const std::string plot =
@@ -109,8 +109,7 @@ Run set_up_project(CLI::App& command)
     command.add_option("MODEL", arguments->model, "Model made by `shape stats` (.h5)")
         ->required()
         ->option_text("REQUIRED");
-    add_mesh_input(command, arguments->meshes);
-    add_labels(command, arguments->meshes);
+    add_labelled_input(command, arguments->input);
     add_output_file(command, arguments->output,
                     "CSV file to write: mesh, labels, size, residual, pc1, pc2, ...");
     CLI::Option* plot = command

@@ -149,10 +149,10 @@ std::unique_ptr<MeshOutput> mesh_output(const Session& session, const Arguments&
 {
     if (path.empty())
         return nullptr;
-    return std::make_unique<MeshOutput>(session,
-                                        MeshOutputArguments{.path = path,
-                                                            .format = arguments.expected.format},
-                                        names(targets), input_files(arguments.input.meshes));
+    MeshOutputArguments place = arguments.expected;
+    place.path = path;
+    return std::make_unique<MeshOutput>(session, place, names(targets),
+                                        input_files(arguments.input.meshes));
 }
 
 Json covariate_figures(const Arguments& arguments, const Findings& findings)

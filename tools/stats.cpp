@@ -14,7 +14,6 @@
 #include "tools/common/interrupt.h"
 #include "tools/common/label_input.h"
 #include "tools/common/memory.h"
-#include "tools/common/mesh_input.h"
 #include "tools/common/model_tables.h"
 #include "tools/common/output_rules.h"
 #include "tools/common/session.h"
@@ -25,7 +24,7 @@ namespace {
 
 struct Arguments
 {
-    MeshInput meshes;
+    LabelledInput input;
     std::string output;
     std::int64_t modes = 0;
     double variance = 1.0;
@@ -67,7 +66,7 @@ Json figures_of_modes(const Session& session, const Arguments& arguments,
 /// The model and what is said of its modes. The collection goes when this returns.
 std::pair<ShapeModel, Json> fit(const Session& session, const Arguments& arguments)
 {
-    const Collection collection = read_meshes(session, arguments.meshes);
+    const Collection collection = read_labelled(session, arguments.input);
     ShapeModel model = fit_model(collection, {.modes = static_cast<int>(arguments.modes),
                                               .variance = arguments.variance,
                                               .space = arguments.space});
@@ -81,7 +80,7 @@ void run(const Session& session, const Arguments& arguments)
 {
     check_space_options(arguments.space);
     check_ending("-o", arguments.output, ".h5");
-    check_output(session, arguments.output, input_files(arguments.meshes));
+    check_output(session, arguments.output, input_files(arguments.input.meshes));
     const auto [model, modes] = fit(session, arguments);
     return_freed_memory();
     write_model(arguments.output, model);
@@ -110,8 +109,7 @@ Run set_up_stats(CLI::App& command)
         "  shape stats faces.h5 -o model.h5 --variance 0.95\n"
         "  shape stats faces.h5 -o aligned.h5 --space procrustes");
     const auto arguments = std::make_shared<Arguments>();
-    add_mesh_input(command, arguments->meshes);
-    add_labels(command, arguments->meshes);
+    add_labelled_input(command, arguments->input);
     add_output_file(command, arguments->output, "Model to write (.h5)");
     CLI::Option* modes =
         add_integer(command, "--modes", arguments->modes,

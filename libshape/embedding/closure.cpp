@@ -2,7 +2,6 @@
 
 #include "libshape/embedding/closure.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +9,6 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/vector_math.h"
-#include "libshape/embedding/local_frames.h"
 
 namespace shape {
 namespace {
@@ -33,25 +31,6 @@ std::vector<int> by_degree(const Topology& topology)
 }
 
 } // namespace
-
-Points closure_residuals(const Topology& topology, const Points& corner_angles,
-                         const Eigen::VectorXd& dihedral_angles)
-{
-    const std::vector<Eigen::Matrix3d> frames =
-        halfedge_frames(topology, corner_angles, dihedral_angles);
-    Points residuals = Points::Zero(topology.vertex_count(), 3);
-    for (int v = 0; v < topology.vertex_count(); ++v) {
-        if (topology.is_boundary_vertex(v))
-            continue;
-        const int first = topology.outgoing(v).front();
-        const int last = topology.outgoing(v).back();
-        const Eigen::AngleAxisd turn(frames[static_cast<std::size_t>(last)] *
-                                     turn_about_z(corner_angles(last / 3, last % 3)) *
-                                     turn_about_x(-dihedral_angles[topology.edge(first)]));
-        residuals.row(v) = turn.angle() * turn.axis().transpose();
-    }
-    return residuals;
-}
 
 ClosureEnergy::ClosureEnergy(const Topology& topology, const Points& corner_angles)
 {

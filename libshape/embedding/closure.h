@@ -10,18 +10,12 @@
 
 namespace shape {
 
-/// How far the ladybug's walk around each vertex is from closing (Rojas 2014, eq. 1): the rotation
-/// vector of R_v = Z_0 X_0 ... Z_k X_k in the frame of local_frames.h, where Z_i turns by a corner
-/// angle and X_i by minus a bending angle. E_v of eq. 2 is |R_v - I|^2 = 4 (1 - cos |r_v|).
-/// @param corner_angles  #F by 3 [rad].
-/// @param dihedral_angles  #E [rad], > 0 convex.
-/// @return #V by 3 [rad], norms in [0, pi]; boundary vertices, whose fans are open, have 0.
-/// @throws InvalidInput if a size is wrong.
-[[nodiscard]] Points closure_residuals(const Topology& topology, const Points& corner_angles,
-                                       const Eigen::VectorXd& dihedral_angles);
-
-/// E = sum of E_v over interior vertices, as a function of the dihedral angles (Rojas 2014, eq. 3);
-/// topology and corner angles are fixed.
+/// How far the ladybug's walks around the interior vertices are from closing (Rojas 2014, eq. 1-3):
+///
+///     E = sum of E_v,    E_v = |R_v - I|^2,    R_v = Z_0 X_0 ... Z_k X_k,
+///
+/// where Z_i turns by a corner angle and X_i by minus a bending angle. A function of the dihedral
+/// angles; topology and corner angles are fixed.
 ///
 /// The derivative by a bending angle takes no product of matrices but those of the walk itself:
 /// with a_i the direction of edge i on the walk (the x axis after Z_i) and s the axial vector of

@@ -44,7 +44,7 @@ void MeshBuilder::add_polygon(std::span<const std::int64_t> corners)
         fail_(join("a face has ", corners.size(), " corners; it needs at least 3"));
     if (corners.size() > 3 && !options_.triangulate)
         fail_(join("a face has ", corners.size(),
-                   " corners; only triangles are read unless polygons are to be triangulated"));
+                   " corners; polygons are refused unless they are to be split (triangulate)"));
     for (const std::int64_t v : corners)
         if (v < 0 || v >= vertex_count())
             fail_(join("a face names vertex ", v, " (counted from 0); there are ", vertex_count(),

@@ -15,6 +15,8 @@ namespace shape {
 
 ShapeModel fit_model(const Collection& collection, const ModelOptions& options)
 {
+    if (collection.size() < 2)
+        throw InvalidInput("a model needs at least 2 meshes, there is 1");
     ShapeSpace space = make_space(collection, options.space);
     PrincipalComponents components = principal_components(
         encode(space, collection), {.modes = options.modes, .variance = options.variance});

@@ -16,6 +16,7 @@ namespace {
 constexpr double tree_height = 110.0; // [px], as all below
 constexpr double strip_width = 14.0;
 constexpr double margin = 20.0;
+constexpr double legend_row = 18.0;
 constexpr double legible = 9.0; ///< Smallest cell whose name can be read.
 constexpr Colour tree_colour{90, 90, 90};
 
@@ -84,9 +85,34 @@ std::vector<std::string> different(const std::vector<std::string>& values)
     return found;
 }
 
-void draw_labels(Svg& svg, const HeatMap& map, double left, double top, double cell, double legend)
+/// The values of the labels, in rows of as many as a width takes.
+struct Legend
 {
-    const std::vector<std::string> values = different(map.label_values);
+    std::vector<std::string> values;
+    std::size_t columns = 1;
+    double pitch = 0.0; ///< From column to column.
+
+    [[nodiscard]] double height() const
+    {
+        return legend_row * static_cast<double>((values.size() + columns - 1) / columns);
+    }
+};
+
+Legend legend_of(const HeatMap& map, double width)
+{
+    Legend legend;
+    legend.values = different(map.label_values);
+    for (const std::string& value : legend.values)
+        legend.pitch = std::max(legend.pitch, 32.0 + text_width(value, 12.0));
+    if (!legend.values.empty())
+        legend.columns = std::max<std::size_t>(1, static_cast<std::size_t>(width / legend.pitch));
+    return legend;
+}
+
+void draw_labels(Svg& svg, const HeatMap& map, const Legend& legend, double left, double top,
+                 double cell, double bottom)
+{
+    const std::vector<std::string>& values = legend.values;
     const auto category = [&](const std::string& value) {
         return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) -
                                         values.begin());
@@ -97,9 +123,10 @@ void draw_labels(Svg& svg, const HeatMap& map, double left, double top, double c
                       category_colour(category(map.label_values[thing])));
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const double y = legend + 18.0 * static_cast<double>(i);
-        svg.marker(Marker::Square, left + 6.0, y, 10.0, category_colour(i));
-        svg.text(left + 16.0, y + 4.0, values[i]);
+        const double x = left + legend.pitch * static_cast<double>(i % legend.columns);
+        const double y = bottom + legend_row * static_cast<double>(i / legend.columns);
+        svg.rectangle(x, y - 5.0, 10.0, 10.0, category_colour(i));
+        svg.text(x + 16.0, y + 4.0, values[i]);
     }
 }
 
@@ -130,20 +157,19 @@ std::string heat_map_svg(const HeatMap& map)
     const double largest = map.distances.maxCoeff();
     const bool labelled = !map.label_values.empty();
     const bool named = cell >= legible;
-    std::size_t longest = 0;
-    for (const std::string& name : map.names)
-        longest = std::max(longest, name.size());
-    // Text widths are not known here: about 0.6 of the size a letter.
     const double text_size = std::min(12.0, static_cast<double>(cell));
-    const double names_width = named ? 8.0 + 0.6 * text_size * static_cast<double>(longest) : 0.0;
+    double names_width = 0.0;
+    if (named)
+        for (const std::string& name : map.names)
+            names_width = std::max(names_width, 8.0 + text_width(name, text_size));
     const double left = margin + (labelled ? strip_width : 0.0);
     const double top = margin + (map.title.empty() ? 0.0 : 24.0) + tree_height + 6.0;
-    const double legend = top + side + 46.0 + margin;
-    const double legend_height =
-        labelled ? 18.0 * static_cast<double>(different(map.label_values).size()) : 0.0;
     const double width = left + std::max(side + names_width, 220.0) + margin;
-    Svg svg(width, legend + legend_height);
-    svg.rectangle(0.0, 0.0, width, legend + legend_height, {255, 255, 255});
+    const Legend legend = legend_of(map, width - 2.0 * margin);
+    const double bottom = top + side + 46.0 + margin;
+    const double height = bottom + legend.height();
+    Svg svg(width, height);
+    svg.rectangle(0.0, 0.0, width, height, {255, 255, 255});
     if (!map.title.empty())
         svg.text(left, margin + 8.0, map.title, {.size = 14.0, .bold = true});
     draw_tree(svg, map.clustering, left, top - 4.0, cell);
@@ -154,7 +180,7 @@ std::string heat_map_svg(const HeatMap& map)
                  map.names[static_cast<std::size_t>(map.clustering.order[position])],
                  {.size = text_size});
     if (labelled)
-        draw_labels(svg, map, left - strip_width, top, cell, legend);
+        draw_labels(svg, map, legend, left - strip_width, top, cell, bottom);
     draw_scale(svg, left, top + side + 12.0, largest);
     return svg.document();
 }

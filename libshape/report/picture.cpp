@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -85,12 +86,13 @@ void draw_picture(Svg& svg, const Picture& picture, double left)
     svg.image(left, 0.0, picture.width(), picture.height(), picture.sheet);
     for (const Picture::Caption& caption : picture.captions)
         svg.text(left + caption.x, caption.y, caption.text,
-                 {.size = 12.0, .anchor = TextAnchor::Middle});
+                 {.size = caption.size, .anchor = TextAnchor::Middle});
 }
 
 } // namespace
 
-Picture draw_collection(const Collection& collection, const PictureOptions& options)
+Picture draw_collection(const Collection& collection, const PictureOptions& options,
+                        const Progress& progress)
 {
     check(collection, options);
     const Faces& faces = collection.topology.faces();
@@ -139,7 +141,13 @@ Picture draw_collection(const Collection& collection, const PictureOptions& opti
     if (faces.rows() < 200)
         render.crease_angle = 1.0; // so few faces are meant to be seen
     std::vector<Image> cells(collection.size());
+    std::mutex reporting;
+    std::size_t drawn = 0;
     parallel_for(collection.size(), 1, [&](std::size_t i, std::size_t) {
+        if (progress) {
+            const std::lock_guard lock(reporting);
+            progress("drawing", drawn++, cells.size());
+        }
         RenderOptions own = render;
         if (!options.values.empty())
             own.vertex_colours = colours_of(options.values[i], options);
@@ -150,9 +158,14 @@ Picture draw_collection(const Collection& collection, const PictureOptions& opti
         const int row = i / columns;
         picture.sheet.paste(cells[static_cast<std::size_t>(i)], column * render.width,
                             row * pixels(pitch));
-        picture.captions.push_back({(column + 0.5) * cell_width, (row + 1) * pitch - 8.0,
-                                    collection.names[static_cast<std::size_t>(i)]});
+        const std::string& name = collection.names[static_cast<std::size_t>(i)];
+        const double letters =
+            std::min(12.0, cell_width / std::max(1.0, text_width(name, 1.0) + 1.0));
+        picture.captions.push_back(
+            {(column + 0.5) * cell_width, (row + 1) * pitch - 8.0, letters, name});
     }
+    if (progress)
+        progress("drawing", cells.size(), cells.size());
     if (!options.values.empty())
         picture.colour_bar = {options.colour_map, options.value_low, options.value_high,
                               options.value_name};

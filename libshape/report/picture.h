@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "libshape/base/progress.h"
 #include "libshape/mesh/collection.h"
 #include "libshape/report/colour_map.h"
 #include "libshape/report/plot.h"
@@ -35,8 +36,9 @@ struct Picture
     int scale = 1;
     struct Caption
     {
-        double x = 0.0; ///< Of its middle [px].
-        double y = 0.0; ///< Of its base line [px].
+        double x = 0.0;     ///< Of its middle [px].
+        double y = 0.0;     ///< Of its base line [px].
+        double size = 12.0; ///< Of its letters [px]: smaller where they would leave the cell.
         std::string text;
     };
     std::vector<Caption> captions;
@@ -55,10 +57,12 @@ struct Picture
 
 /// Draws the meshes of a collection, all from one side and at one scale, each moved rigidly onto the
 /// first or, in a sequence, the one before.
+/// @param progress  Called with the meshes drawn.
 /// @throws InvalidInput if an option is out of its range or values do not fit the meshes;
 ///     LimitExceeded if the sheet would have more than 2^28 pixels.
 [[nodiscard]] Picture draw_collection(const Collection& collection,
-                                      const PictureOptions& options = {});
+                                      const PictureOptions& options = {},
+                                      const Progress& progress = {});
 
 /// The picture as SVG, the sheet embedded as PNG, captions and the colour bar as text.
 [[nodiscard]] std::string picture_svg(const Picture& picture);

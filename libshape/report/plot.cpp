@@ -18,21 +18,20 @@ namespace {
 constexpr Colour grid_colour{232, 232, 232};
 constexpr Colour axis_colour{110, 110, 110};
 
-/// Values from first to last tick on pixels from begin to end.
+/// Values from low to high on pixels from begin to end.
 struct Axis
 {
-    std::vector<double> ticks;
+    std::vector<double> ticks; ///< Between low and high.
+    double low = 0.0;
+    double high = 1.0;
     double begin = 0.0;
     double end = 1.0;
 
     [[nodiscard]] double operator()(double value) const
     {
-        return begin + (end - begin) * (value - ticks.front()) / (ticks.back() - ticks.front());
+        return begin + (end - begin) * (value - low) / (high - low);
     }
-    [[nodiscard]] double unit() const
-    {
-        return std::abs(end - begin) / (ticks.back() - ticks.front());
-    }
+    [[nodiscard]] double unit() const { return std::abs(end - begin) / (high - low); }
 };
 
 struct Extent
@@ -51,8 +50,18 @@ Axis fitted_axis(Extent extent, double begin, double end)
 {
     if (extent.low > extent.high)
         extent = {0.0, 1.0};
-    const int wanted = std::max(3, static_cast<int>(std::abs(end - begin) / 110.0));
-    return {round_ticks(extent.low, extent.high, wanted), begin, end};
+    const int wanted = std::max(4, static_cast<int>(std::abs(end - begin) / 90.0));
+    std::vector<double> ticks = round_ticks(extent.low, extent.high, wanted);
+    // The data with a margin, or all ticks where these leave no more room.
+    const double margin = 0.04 * (extent.high - extent.low);
+    double low = std::max(ticks.front(), extent.low - margin);
+    double high = std::min(ticks.back(), extent.high + margin);
+    if (high - low < ticks[1] - ticks[0]) { // data as good as equal
+        low = ticks.front();
+        high = ticks.back();
+    }
+    std::erase_if(ticks, [&](double tick) { return tick < low || tick > high; });
+    return {std::move(ticks), low, high, begin, end};
 }
 
 /// Shrinks the axis with the longer unit about its middle.
@@ -90,6 +99,44 @@ Marker marker_of(std::size_t series)
     return markers[series % markers.size()];
 }
 
+/// A series in the legend, its mark's left end from that of the legend and its row from below.
+struct LegendEntry
+{
+    std::size_t series = 0;
+    double left = 0.0;
+    int row = 0;
+};
+
+constexpr double legend_row = 18.0; // [px], as all below
+constexpr double legend_mark = 18.0;
+constexpr double legend_gap = 18.0;
+constexpr double legend_size = 12.0; ///< Of its text.
+
+/// The series that have a name, in as many rows as a width needs; none if fewer than two have one.
+std::vector<LegendEntry> legend_of(const Plot& plot, double width)
+{
+    std::vector<LegendEntry> entries;
+    double left = 0.0;
+    int row = 0;
+    for (std::size_t s = 0; s < plot.series.size(); ++s) {
+        const std::string& name = plot.series[s].name;
+        if (name.empty())
+            continue;
+        const double taken = legend_mark + text_width(name, legend_size);
+        if (left > 0.0 && left + taken > width) {
+            left = 0.0;
+            ++row;
+        }
+        entries.push_back({s, left, row});
+        left += taken + legend_gap;
+    }
+    if (entries.size() < 2)
+        return {};
+    for (LegendEntry& entry : entries)
+        entry.row = row - entry.row;
+    return entries;
+}
+
 } // namespace
 
 std::vector<double> round_ticks(double low, double high, int wanted)
@@ -114,22 +161,23 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
 {
     Extent x_extent;
     Extent y_extent;
-    std::size_t named = 0;
     for (const Series& series : plot.series) {
         if (!series.tips.empty() &&
             static_cast<Eigen::Index>(series.tips.size()) != series.points.rows())
             throw InvalidInput(join("series '", series.name, "' has ", series.tips.size(),
                                     " tips for ", series.points.rows(), " points"));
-        named += series.name.empty() ? 0 : 1;
         for (const auto& point : series.points.rowwise())
             if (point.allFinite()) {
                 x_extent.include(point.x());
                 y_extent.include(point.y());
             }
     }
-    const bool legend = named > 1;
-    const double top = box.y + 14.0 + (plot.title.empty() ? 0.0 : 22.0) + (legend ? 22.0 : 0.0);
-    Axis x = fitted_axis(x_extent, box.x + 70.0, box.x + box.width - 18.0);
+    const double left = box.x + 70.0;
+    const double right = box.x + box.width - 18.0;
+    const std::vector<LegendEntry> legend = legend_of(plot, right - left);
+    const double legend_height = legend.empty() ? 0.0 : 4.0 + legend_row * (legend[0].row + 1);
+    const double top = box.y + 14.0 + (plot.title.empty() ? 0.0 : 22.0) + legend_height;
+    Axis x = fitted_axis(x_extent, left, right);
     Axis y = fitted_axis(y_extent, box.y + box.height - 52.0, top);
     if (plot.equal_axes)
         make_equal(x, y);
@@ -148,7 +196,7 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
     svg.line(x.begin, y.begin, x.end, y.begin, axis_colour);
     svg.line(x.begin, y.begin, x.begin, y.end, axis_colour);
     svg.text(middle, y.begin + 40.0, plot.x_label, {.size = 13.0, .anchor = TextAnchor::Middle});
-    svg.text(box.x + 16.0, 0.5 * (y.begin + y.end), plot.y_label,
+    svg.text(x.begin - 54.0, 0.5 * (y.begin + y.end), plot.y_label,
              {.size = 13.0, .anchor = TextAnchor::Middle, .turn = -90.0});
     if (!plot.title.empty())
         svg.text(middle, box.y + 20.0, plot.title,
@@ -176,20 +224,15 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
         if (series.curve)
             svg.polyline(places.topRows(kept), category_colour(s));
     }
-    if (!legend)
-        return;
-    // Text widths are not known here: about 0.55 of the size a letter.
-    double right = x.begin;
-    for (std::size_t s = 0; s < plot.series.size(); ++s) {
-        const Series& series = plot.series[s];
-        if (series.name.empty())
-            continue;
+    for (const LegendEntry& entry : legend) {
+        const Series& series = plot.series[entry.series];
+        const double x0 = left + entry.left;
+        const double y0 = top - 18.0 - legend_row * entry.row;
         if (series.curve)
-            svg.line(right, top - 18.0, right + 14.0, top - 18.0, category_colour(s), 2.0);
+            svg.line(x0, y0, x0 + 14.0, y0, category_colour(entry.series), 2.0);
         else
-            svg.marker(marker_of(s), right + 7.0, top - 18.0, 9.0, category_colour(s));
-        svg.text(right + 18.0, top - 14.0, series.name, {.size = 12.0});
-        right += 38.0 + 6.6 * static_cast<double>(series.name.size());
+            svg.marker(marker_of(entry.series), x0 + 7.0, y0, 9.0, category_colour(entry.series));
+        svg.text(x0 + legend_mark, y0 + 4.0, series.name, {.size = legend_size});
     }
 }
 

@@ -140,7 +140,7 @@ public:
         }
     }
 
-    /// Share of the four texels around a point that lie not in front of it.
+    /// Whether nothing that the light sees lies in front of a point.
     [[nodiscard]] bool lit(const Vector3f& point) const
     {
         const Vector3f p = project(point);

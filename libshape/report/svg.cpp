@@ -2,6 +2,7 @@
 
 #include "libshape/report/svg.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -116,6 +117,15 @@ void Svg::polyline(const Eigen::MatrixX2d& points, Colour colour, double width)
         body_ += join(i > 0 ? " " : "", number(points(i, 0)), ",", number(points(i, 1)));
     body_ += join("\" stroke=\"", hex(colour), "\" stroke-width=\"", number(width),
                   "\" stroke-linejoin=\"round\"/>\n");
+}
+
+double text_width(std::string_view text, double size)
+{
+    const auto starts_letter = [](char c) {
+        return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+    };
+    const auto letters = std::count_if(text.begin(), text.end(), starts_letter); // of UTF-8
+    return 0.56 * size * static_cast<double>(letters);
 }
 
 void Svg::marker(Marker marker, double x, double y, double size, Colour fill, std::string_view tip)

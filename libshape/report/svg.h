@@ -14,6 +14,9 @@ namespace shape {
 /// Escapes &, <, >, " and ' for XML; drops control characters that XML forbids.
 [[nodiscard]] std::string escape_xml(std::string_view text);
 
+/// About how wide a text is drawn [px]; the font is not known here.
+[[nodiscard]] double text_width(std::string_view text, double size);
+
 /// Where a text is pinned.
 enum class TextAnchor
 {

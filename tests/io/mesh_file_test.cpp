@@ -446,7 +446,7 @@ std::vector<BadFile> bad_files()
         // Polygons.
         {"a.obj", obj + "f 1 2\n", "line 4", "2 corners"},
         {"a.obj", obj + "f\n", "line 4", "0 corners"},
-        {"a.obj", obj + "v 1 1 0\nf 1 2 3 4\n", "line 5", "4 corners; only triangles"},
+        {"a.obj", obj + "v 1 1 0\nf 1 2 3 4\n", "line 5", "4 corners; polygons"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n1000000000 0 1 2\n", "line 6", "1000000000"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1 2\n", "line 6", "0 corners"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "line 6", "-3"},

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "libshape/base/error.h"
+#include "libshape/report/svg.h"
 #include "libshape/statistics/distance_matrix.h"
 #include "tests/report/xml.h"
 #include "tests/support/matrices.h"
@@ -37,7 +40,7 @@ TEST(HeatMap, NamesTheRowsInTheOrderOfTheTree)
         expected.push_back(map.names[static_cast<std::size_t>(i)]);
     EXPECT_EQ(found, expected);
     EXPECT_EQ(test::named(elements, "polyline").size(), 7U); // one a merge
-    EXPECT_EQ(test::named(elements, "rect").size(), 9U);     // the ground and the labels
+    EXPECT_EQ(test::named(elements, "rect").size(), 11U);    // the ground, labels, their legend
 }
 
 TEST(HeatMap, LeavesOutNamesThatCouldNotBeRead)
@@ -45,6 +48,25 @@ TEST(HeatMap, LeavesOutNamesThatCouldNotBeRead)
     const auto elements = test::parse_xml(heat_map_svg(sample(100)));
     for (const test::XmlElement& text : test::named(elements, "text"))
         EXPECT_FALSE(text.text.starts_with("mesh<"));
+}
+
+TEST(HeatMap, HasALegendWithinTheDrawing)
+{
+    HeatMap map = sample(60);
+    for (std::size_t i = 0; i < map.label_values.size(); ++i)
+        map.label_values[i] = "subject " + std::to_string(i);
+    const auto elements = test::parse_xml(heat_map_svg(map));
+    const test::XmlElement ground = test::named(elements, "rect").front();
+    std::set<std::string> columns;
+    for (const test::XmlElement& text : test::named(elements, "text"))
+        if (text.text.starts_with("subject")) {
+            columns.insert(text.attributes.at("x"));
+            EXPECT_LT(std::stod(text.attributes.at("x")) + text_width(text.text, 12.0),
+                      std::stod(ground.attributes.at("width")));
+            EXPECT_LT(std::stod(text.attributes.at("y")),
+                      std::stod(ground.attributes.at("height")));
+        }
+    EXPECT_GT(columns.size(), 1U);
 }
 
 TEST(HeatMap, OfEqualThingsAndOfOneIsDrawnToo)

@@ -63,6 +63,32 @@ TEST(DrawCollection, GivesTheSameBytesWithAnyNumberOfThreads)
     EXPECT_EQ(one, three);
 }
 
+TEST(DrawCollection, SaysHowFarItIsAndCanBeStopped)
+{
+    std::vector<std::size_t> said;
+    (void)draw_collection(three_poses(), small_cells(),
+                          [&](std::string_view, std::size_t done, std::size_t total) {
+                              EXPECT_EQ(total, 3U);
+                              said.push_back(done);
+                          });
+    EXPECT_EQ(said, (std::vector<std::size_t>{0, 1, 2, 3}));
+    EXPECT_THROW((void)draw_collection(
+                     three_poses(), small_cells(),
+                     [](std::string_view, std::size_t, std::size_t) { throw Interrupted("stop"); }),
+                 Interrupted);
+}
+
+TEST(DrawCollection, MakesALongNameFitItsCell)
+{
+    Collection set = three_poses();
+    set.names[1] = std::string(60, 'x');
+    PictureOptions options = small_cells();
+    options.cell_width = 200;
+    const Picture picture = draw_collection(set, options);
+    EXPECT_EQ(picture.captions[0].size, 12.0);
+    EXPECT_LT(text_width(set.names[1], picture.captions[1].size), 200.0);
+}
+
 TEST(DrawCollection, DoesNotCareWhereAMeshLies)
 {
     Collection set = three_poses();

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
@@ -88,6 +89,42 @@ TEST(PlotSvg, IsWellFormedAndShowsEveryPointTickAndName)
         EXPECT_NE(std::find(texts.begin(), texts.end(), wanted), texts.end())
             << wanted << " is not among " << ::testing::PrintToString(texts);
     EXPECT_EQ(plot_svg(plot), plot_svg(plot));
+}
+
+TEST(PlotSvg, HasALegendWithinThePlot)
+{
+    Plot plot;
+    for (int i = 0; i < 40; ++i)
+        plot.series.push_back(
+            {"subject " + std::to_string(i), Eigen::MatrixX2d::Random(3, 2), {}, i % 2 == 0});
+    const std::vector<test::XmlElement> elements = test::parse_xml(plot_svg(plot, 500, 400));
+    const double top = std::stod(test::named(elements, "line").front().attributes.at("y2"));
+    std::set<std::string> rows;
+    for (const test::XmlElement& text : test::named(elements, "text"))
+        if (text.text.starts_with("subject")) {
+            rows.insert(text.attributes.at("y"));
+            EXPECT_LT(std::stod(text.attributes.at("x")) + text_width(text.text, 12.0), 500.0);
+            EXPECT_GT(std::stod(text.attributes.at("y")), 8.0);
+            EXPECT_LT(std::stod(text.attributes.at("y")), top);
+        }
+    EXPECT_EQ(rows.size(), 10U);
+}
+
+TEST(PlotSvg, WastesNoRoomBesideTheData)
+{
+    Plot plot;
+    plot.series.push_back({"", Eigen::MatrixX2d(2, 2), {}, true});
+    plot.series[0].points << -0.00105, 1.0, 0.00087, 1.0; // the second coordinates are equal
+    const std::vector<test::XmlElement> elements = test::parse_xml(plot_svg(plot, 500, 400));
+    double x0, y0, x1, y1;
+    const std::string line = test::named(elements, "polyline").at(0).attributes.at("points");
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf %lf,%lf", &x0, &y0, &x1, &y1), 4);
+    EXPECT_GT(x1 - x0, 0.9 * (500 - 88));
+    EXPECT_EQ(y0, y1);
+    for (const test::XmlElement& grid : test::named(elements, "line")) {
+        EXPECT_GE(std::stod(grid.attributes.at("x1")), 70.0);
+        EXPECT_LE(std::stod(grid.attributes.at("x2")), 482.0);
+    }
 }
 
 TEST(PlotSvg, LeavesOutPointsThatAreNotFinite)

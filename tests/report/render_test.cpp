@@ -166,7 +166,8 @@ TEST(AutomaticView, LooksAFaceIntoTheEyesHoweverItIsTurned)
                 .toRotationMatrix();
         const Points turned = set.points[0] * turn.transpose();
         const Eigen::Vector3d viewer = automatic_view(faces, turned).row(2).transpose();
-        EXPECT_GT(viewer.dot(turn * Eigen::Vector3d::UnitZ()), std::cos(25.0 * std::numbers::pi / 180.0));
+        EXPECT_GT(viewer.dot(turn * Eigen::Vector3d::UnitZ()),
+                  std::cos(25.0 * std::numbers::pi / 180.0));
     }
 }
 

@@ -378,6 +378,7 @@ std::vector<BadInput> bad_requests()
          3,
          {"1.5"},
          running({"stats", "good.h5", "-o", "out.h5", "--variance", "1.5"})},
+        {"ModelOfOneMesh", 3, {"2 meshes"}, running({"stats", "a.ply", "-o", "out.h5"})},
         {"EqualMeshes",
          3,
          {"equal"},

@@ -119,6 +119,30 @@ TEST_F(Groups, OfSubjectsAreComparedByTheirMeans)
     EXPECT_EQ(calm["space"], "procrustes");
 }
 
+TEST_F(Groups, AreChosenByTheirLabels)
+{
+    const Arguments only{"--only", "mood=calm", "--only", "sex=f"};
+    (void)run(Arguments{"collect", "people.h5", "-o", "chosen.h5"} + only);
+    Table labels = read_table(folder_ / "labels.csv");
+    labels.rows = {labels.rows[0], labels.rows[4], labels.rows[8]};
+    write_table(folder_ / "chosen.csv", labels);
+    (void)run({"collect", "people/s0_calm.ply", "people/s2_calm.ply", "people/s4_calm.ply",
+               "--labels", "chosen.csv", "-o", "named.h5"});
+    EXPECT_EQ(folder_.read("chosen.h5"), folder_.read("named.h5"));
+
+    (void)run({"stats", "named.h5", "-o", "named_model.h5"});
+    (void)run(Arguments{"stats", "people.h5", "-o", "chosen_model.h5"} + only);
+    EXPECT_EQ(folder_.read("chosen_model.h5"), folder_.read("named_model.h5"));
+    (void)run({"project", "named_model.h5", "named.h5", "-o", "named_scores.csv"});
+    (void)run(Arguments{"project", "named_model.h5", "people", "--labels", "labels.csv", "-o",
+                        "chosen_scores.csv"} +
+              only);
+    EXPECT_EQ(folder_.read("chosen_scores.csv"), folder_.read("named_scores.csv"));
+    (void)run({"distance", "named.h5", "-o", "named.csv"});
+    (void)run(Arguments{"distance", "people.h5", "-o", "distances.csv"} + only);
+    EXPECT_EQ(folder_.read("distances.csv"), folder_.read("named.csv"));
+}
+
 TEST_F(Groups, DependOnTheSeedButNotOnTheThreads)
 {
     const Arguments compare{"groups", "people.h5", "--by", "sex"};

@@ -311,6 +311,28 @@ INSTANTIATE_TEST_SUITE_P(Sequences, Resume,
                          testing::Values(Arguments{"--method", "dihedral"},
                                          Arguments{"--keyframes", "20"}));
 
+TEST_F(Interpolate, ARunThatCannotWriteItsOutputKeepsItsMeshes)
+{
+    const Arguments blend{"--frames", "12", "--glb-tolerance", "1e-9", "-o"};
+    ASSERT_EQ(outcome(blend + Arguments{"whole.glb"}).exit_code, 0);
+    const Outcome failed = outcome(blend + Arguments{"new.glb"}, {.largest_file = 8000});
+    EXPECT_EQ(failed.exit_code, 5);
+    EXPECT_EQ(line_count(failed.err), 1) << failed.err;
+    EXPECT_NE(failed.err.find("new.glb: File too large; 12 of 12 meshes are kept in "
+                              "new.glb.unfinished"),
+              std::string::npos)
+        << failed.err;
+    EXPECT_FALSE(folder_.has("new.glb"));
+    EXPECT_EQ(outcome(blend + Arguments{"new.glb", "--resume"}).exit_code, 0);
+    EXPECT_TRUE(folder_.read("new.glb") == folder_.read("whole.glb"));
+    EXPECT_FALSE(folder_.has("new.glb.unfinished"));
+
+    const Outcome nothing = outcome(blend + Arguments{"none.glb"}, {.largest_file = 300});
+    EXPECT_EQ(nothing.exit_code, 5);
+    EXPECT_NE(nothing.err.find("File too large"), std::string::npos) << nothing.err;
+    EXPECT_EQ(nothing.err.find("kept"), std::string::npos) << nothing.err;
+}
+
 TEST_F(Interpolate, ForceDiscardsAnInterruptedRun)
 {
     const Arguments blend{"--frames", "300", "-o", "new"};

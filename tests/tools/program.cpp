@@ -59,6 +59,10 @@ void redirect_to_closed_pipe(int descriptor)
         const std::size_t sign = assignment.find('=');
         setenv(assignment.substr(0, sign).c_str(), assignment.c_str() + sign + 1, 1);
     }
+    if (launch.largest_file > 0) {
+        const rlimit limit{launch.largest_file, launch.largest_file};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
     if (chdir(folder.c_str()) != 0)
         _exit(127);
     std::string program = SHAPE_PROGRAM;

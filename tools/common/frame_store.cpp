@@ -3,6 +3,7 @@
 #include "tools/common/frame_store.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -41,11 +42,16 @@ std::optional<std::string> content_of(const fs::path& path)
 void put(const fs::path& path, const std::string& content)
 {
     const fs::path temporary = path.string() + ".tmp";
+    errno = 0;
     std::ofstream out(temporary, std::ios::binary);
     out << content;
     out.close();
-    if (!out)
-        throw FileError(join(temporary.string(), ": cannot be written"));
+    if (!out) {
+        const int cause = errno;
+        std::error_code ignored; // the error of writing is the one to report
+        fs::remove(temporary, ignored);
+        throw FileError(join("cannot write ", path.string(), ": ", std::strerror(cause)));
+    }
     fs::rename(temporary, path);
 }
 

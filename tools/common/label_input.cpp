@@ -35,7 +35,11 @@ const LabelColumn& complete_label(const Collection& collection, const std::strin
 void add_labelled_input(CLI::App& command, LabelledInput& input)
 {
     add_mesh_input(command, input.meshes);
-    add_labels(command, input.meshes);
+    command
+        .add_option("--labels", input.meshes.labels,
+                    "CSV file of labels: first column `mesh` (file stem), further columns are\n"
+                    "labels (default: the labels of the collection files)")
+        ->option_text("FILE");
     command
         .add_option("--only", input.only,
                     "Use only meshes whose label has this value; may be repeated: other values of\n"

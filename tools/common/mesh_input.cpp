@@ -138,15 +138,6 @@ void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name
                      "Split polygons as fans from their first corner (default: refuse them)");
 }
 
-void add_labels(CLI::App& command, MeshInput& input)
-{
-    command
-        .add_option("--labels", input.labels,
-                    "CSV file of labels: first column `mesh` (file stem), further columns are\n"
-                    "labels (default: the labels of the collection files)")
-        ->option_text("FILE");
-}
-
 bool is_collection_file(const fs::path& path)
 {
     return lower_extension(path) == ".h5";

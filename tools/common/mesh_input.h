@@ -27,9 +27,6 @@ struct MeshInput
 /// Adds MESHES (or an option of another name that takes them) and --triangulate.
 void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name = "MESHES");
 
-/// Adds --labels.
-void add_labels(CLI::App& command, MeshInput& input);
-
 /// Whether a path has the ending of a collection file.
 [[nodiscard]] bool is_collection_file(const std::filesystem::path& path);
 

@@ -186,9 +186,16 @@ Json run(const Session& session, const EmbeddingArguments& embedding,
     return make_and_write(
         session, embedding, sequence.topology, sequence.targets,
         [&](std::size_t i, const DecodedShape& shape) {
-            return maker.filled(i, std::get<ShapePoint>(shape), between, between_name(arguments.between));
+            return maker.filled(i, std::get<ShapePoint>(shape), between,
+                                between_name(arguments.between));
         },
         output, order);
+}
+
+std::string what_is_kept(const FrameStore& store, std::size_t total)
+{
+    return join(store.count(), " of ", total, " meshes are kept in ", store.directory(),
+                "; the same command with --resume goes on");
 }
 
 } // namespace
@@ -233,9 +240,11 @@ Json embed_sequence(const Session& session, const EmbeddingArguments& embedding,
     } catch (const Interrupted&) {
         if (!store.keep())
             throw;
-        throw Interrupted(join("interrupted; ", store.count(), " of ", total,
-                               " meshes are kept in ", store.directory(),
-                               "; the same command with --resume goes on"));
+        throw Interrupted(join("interrupted; ", what_is_kept(store, total)));
+    } catch (const FileError& error) { // such as a full disk
+        if (!store.keep())
+            throw;
+        throw FileError(join(error.what(), "; ", what_is_kept(store, total)));
     }
 }
 
