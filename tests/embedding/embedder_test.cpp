@@ -12,7 +12,6 @@
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
 #include "libshape/embedding/dihedral_embedding.h"
-#include "libshape/embedding/fold_repair.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -199,29 +198,6 @@ TEST(Embedder, RefusesBadInput)
     EXPECT_THROW((void)embedder.embed(target), InvalidInput);
     target.edge_lengths.conservativeResize(3);
     EXPECT_THROW((void)embedder.embed(target), InvalidInput);
-}
-
-TEST(FoldRepair, TurnsAFoldedVertexBack)
-{
-    const test::TestMesh mesh = test::open_patch(12, 4);
-    const LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 5e-3);
-    Points folded = mesh.points;
-    folded.row(84) += 2.2 * (mesh.points.row(85) - mesh.points.row(84)); // over its neighbours
-    const FoldRepair repair =
-        repair_folds(energy, {mesh.points}, folded.reshaped<Eigen::RowMajor>());
-    EXPECT_EQ(repair.regions, 1);
-    const Points mended = Eigen::Map<const Points>(repair.points.data(), folded.rows(), 3);
-    EXPECT_LT((mended - mesh.points).rowwise().norm().maxCoeff(), 1e-3);
-}
-
-TEST(FoldRepair, LeavesAMeshWithoutFoldsAlone)
-{
-    const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
-    const LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 5e-3);
-    const VectorXd points = mesh.points.reshaped<Eigen::RowMajor>();
-    const FoldRepair repair = repair_folds(energy, {mesh.points}, points);
-    EXPECT_EQ(repair.regions, 0);
-    EXPECT_EQ(repair.points, points);
 }
 
 TEST(EmbeddingReport, MeasuresWhatItSays)
