@@ -20,9 +20,22 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-Points points_of(const std::vector<int>& vertices, const VectorXd& points)
+/// Vertices [0, count) of a region, of a mesh row by row.
+Points gathered(const RegionMesh& region, int count, const double* mesh)
 {
-    return Eigen::Map<const Points>(points.data(), points.size() / 3, 3)(vertices, Eigen::all);
+    Points points(count, 3);
+    for (int v = 0; v < count; ++v)
+        points.row(v) = Eigen::Map<const Eigen::RowVector3d>(
+            mesh + 3 * region.vertices[static_cast<std::size_t>(v)]);
+    return points;
+}
+
+/// The inverse of gathered().
+void scatter(const RegionMesh& region, const Points& points, double* mesh)
+{
+    for (int v = 0; v < points.rows(); ++v)
+        Eigen::Map<Eigen::RowVector3d>(mesh + 3 * region.vertices[static_cast<std::size_t>(v)]) =
+            points.row(v);
 }
 
 void set_lane(const Points& from, int lane, EightfoldPoints& to)
@@ -133,11 +146,11 @@ Mended mended(const LengthDihedralEnergy& energy, const std::vector<Points>& ref
         lengths.push_back(static_cast<float>(energy.target().edge_lengths[e] / unit));
     const EightfoldSolve solve(laplacian(region, lengths));
 
-    Points present = points_of(region.vertices, points);
+    Points present = gathered(region, region.vertex_count(), points.data());
     const Eigen::RowVector3d centre = present.colwise().mean();
     present = (present.rowwise() - centre) / unit;
     const auto turned_reference = [&](const Points& mesh) -> Points {
-        const Points reference = mesh(region.vertices, Eigen::all) / unit;
+        const Points reference = gathered(region, region.vertex_count(), mesh.data()) / unit;
         const Eigen::Index held = region.vertex_count() - region.moving_vertices;
         return best_rigid_motion(reference.bottomRows(held), present.bottomRows(held))(reference);
     };
@@ -196,18 +209,16 @@ RegionRepair repair_regions(const LengthDihedralEnergy& energy,
     // Neighbouring regions share wedges, and single precision rounds: what counts is E as it is now.
     for (const auto& result : results) {
         const auto& [region, moved] = *result;
-        const std::vector<int> vertices(region.vertices.begin(),
-                                        region.vertices.begin() + region.moving_vertices);
-        Eigen::Map<Points> mesh(repair.points.data(), repair.points.size() / 3, 3);
-        const Points before = mesh(vertices, Eigen::all);
+        double* const mesh = repair.points.data();
+        const Points before = gathered(region, region.moving_vertices, mesh);
         const double energy_before = energy_of(energy, region, repair.points);
-        mesh(vertices, Eigen::all) = moved;
+        scatter(region, moved, mesh);
         const double decrease = energy_before - energy_of(energy, region, repair.points);
         if (decrease > 0.0) {
             ++repair.replaced;
             repair.decrease += decrease;
         } else {
-            mesh(vertices, Eigen::all) = before;
+            scatter(region, before, mesh);
         }
     }
     return repair;

@@ -49,6 +49,24 @@ TEST(VectorAngles, AreThoseOfTheStandardLibrary)
     }
 }
 
+TEST(VectorAngles, AreThoseOfTheStandardLibraryInSinglePrecision)
+{
+    Random random(3);
+    std::vector<float> y{0.0F, 0.0F, 1.0F, -1.0F, 0.0F, 1e-20F, 1e-9F, -1e-9F, 1e30F, 1e-40F};
+    std::vector<float> x{0.0F, 1.0F, 0.0F, 0.0F, -1.0F, 1e-20F, 1.0F, -1.0F, 1e20F, 1.0F};
+    for (int i = 0; i < 20000; ++i) {
+        const double size = std::exp(random.uniform(-20.0, 20.0));
+        y.push_back(static_cast<float>(size * random.uniform(-1.0, 1.0)));
+        x.push_back(static_cast<float>(size * random.uniform(-1.0, 1.0) * (i % 2 == 0 ? 1 : 1e-6)));
+    }
+    std::vector<float> angles(y.size());
+    vector_angles(y.data(), x.data(), y.size(), angles.data());
+    for (std::size_t i = 0; i < y.size(); ++i) {
+        const float expected = std::atan2(y[i], x[i]);
+        EXPECT_NEAR(angles[i], expected, 3e-7F * std::abs(expected)) << y[i] << ' ' << x[i];
+    }
+}
+
 TEST(VectorMath, GivesAValueTheSameBitsWhereverItStands)
 {
     const std::vector<double> y(37, 0.7312);

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "libshape/base/random.h"
 #include "libshape/embedding/fold_regions.h"
 #include "libshape/embedding/hot_spots.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -16,54 +19,53 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// A height field whose vertex 84 lies over its neighbours, and its energy unfolded.
-struct FoldedPatch
+ShapePoint shape_of(const Topology& topology, const Points& points)
 {
-    test::TestMesh mesh = test::open_patch(12, 4);
-    LengthDihedralEnergy energy{
-        mesh.topology,
-        {edge_lengths(mesh.topology, mesh.points), dihedral_angles(mesh.topology, mesh.points)},
-        5e-3};
-    VectorXd points;
+    return {edge_lengths(topology, points), dihedral_angles(topology, points)};
+}
 
-    FoldedPatch()
+VectorXd rows_of(const Points& points)
+{
+    return points.reshaped<Eigen::RowMajor>();
+}
+
+/// Folded patches, and the energy whose minimum they are unfolded.
+struct Folded
+{
+    test::FoldedPatch patch = test::folded_patch();
+    LengthDihedralEnergy energy{patch.mesh.topology,
+                                shape_of(patch.mesh.topology, patch.mesh.points), 5e-3};
+    VectorXd points = rows_of(patch.folded);
+    VectorXd wanted = rows_of(patch.mesh.points);
+
+    [[nodiscard]] std::vector<std::vector<int>> folds(int rings = 3) const
     {
-        Points folded = mesh.points;
-        folded.row(84) += 2.2 * (mesh.points.row(85) - mesh.points.row(84));
-        points = folded.reshaped<Eigen::RowMajor>();
+        return folded_regions(patch.mesh.topology, points, energy.target().dihedral_angles,
+                              {.rings = rings});
     }
-    [[nodiscard]] std::vector<std::vector<int>> folds() const
+    [[nodiscard]] RegionRepair repaired(std::vector<std::vector<int>> regions,
+                                        const RegionRepairOptions& options = {}) const
     {
-        return folded_regions(mesh.topology, points, energy.target().dihedral_angles);
-    }
-    [[nodiscard]] double distance(const VectorXd& from) const
-    {
-        return (Eigen::Map<const Points>(from.data(), mesh.points.rows(), 3) - mesh.points)
-            .rowwise()
-            .norm()
-            .maxCoeff();
+        return repair_regions(energy, {patch.mesh.points}, points, std::move(regions), options);
     }
 };
 
-TEST(RegionRepair, TurnsAFoldedVertexBack)
+TEST(RegionRepair, TurnsFoldedVerticesBack)
 {
-    FoldedPatch patch;
-    const RegionRepair repair =
-        repair_regions(patch.energy, {patch.mesh.points}, patch.points, patch.folds());
-    EXPECT_EQ(repair.replaced, 1);
-    EXPECT_LT(patch.distance(repair.points), 1e-3);
+    const Folded f;
+    const RegionRepair repair = f.repaired(f.folds());
+    EXPECT_EQ(repair.replaced, 9);
+    EXPECT_LT((repair.points - f.wanted).cwiseAbs().maxCoeff(), 1e-3);
 }
 
 TEST(RegionRepair, LowersTheEnergyByWhatItSays)
 {
-    FoldedPatch patch;
+    Folded f;
     VectorXd gradient;
-    const double before = patch.energy.evaluate(patch.points, gradient);
-    for (const std::vector<std::vector<int>>& regions :
-         {patch.folds(), hot_spots(patch.energy, patch.points, {.seeds = 0.2, .rings = 2})}) {
-        const RegionRepair repair =
-            repair_regions(patch.energy, {patch.mesh.points}, patch.points, regions);
-        const double after = patch.energy.evaluate(repair.points, gradient);
+    const double before = f.energy.evaluate(f.points, gradient);
+    for (const auto& regions : {f.folds(), hot_spots(f.energy, f.points)}) {
+        const RegionRepair repair = f.repaired(regions);
+        const double after = f.energy.evaluate(repair.points, gradient);
         EXPECT_LT(after, before);
         EXPECT_NEAR(before - after, repair.decrease, 1e-9 * before);
     }
@@ -71,46 +73,66 @@ TEST(RegionRepair, LowersTheEnergyByWhatItSays)
 
 TEST(RegionRepair, HoldsAllElse)
 {
-    FoldedPatch patch;
-    const std::vector<std::vector<int>> regions = {{84, 85, 97}};
-    const RegionRepair repair =
-        repair_regions(patch.energy, {patch.mesh.points}, patch.points, regions);
+    const Folded f;
+    const std::vector<int> region = {400, 401, 449}; // the first fold, a neighbour, one below
+    const RegionRepair repair = f.repaired({region});
     ASSERT_EQ(repair.replaced, 1);
-    for (int v = 0; v < patch.mesh.points.rows(); ++v)
-        if (v != 84 && v != 85 && v != 97)
-            EXPECT_EQ(repair.points.segment<3>(3 * v), patch.points.segment<3>(3 * v)) << v;
+    for (int v = 0; v < f.patch.mesh.topology.vertex_count(); ++v)
+        if (std::find(region.begin(), region.end(), v) == region.end())
+            EXPECT_EQ(repair.points.segment<3>(3 * v), f.points.segment<3>(3 * v)) << v;
 }
 
-TEST(RegionRepair, LeavesWhatIsAsWantedTheWholeMeshAndLargeRegionsAlone)
+TEST(RegionRepair, LeavesAloneWhatIsAsWanted)
 {
-    FoldedPatch patch;
-    const VectorXd wanted = patch.mesh.points.reshaped<Eigen::RowMajor>();
-    const auto repaired = [&](const VectorXd& points, const std::vector<std::vector<int>>& regions,
-                              const RegionRepairOptions& options = {}) {
+    const Folded f;
+    const RegionRepair repair =
+        repair_regions(f.energy, {f.patch.mesh.points}, f.wanted, f.folds());
+    EXPECT_EQ(repair.replaced, 0);
+    EXPECT_EQ(repair.decrease, 0.0);
+    EXPECT_EQ(repair.points, f.wanted);
+}
+
+TEST(RegionRepair, LeavesRegionsThatAreTheMeshOrTooLargeAlone)
+{
+    const Folded f;
+    EXPECT_EQ(f.repaired({}).points, f.points);
+    EXPECT_EQ(f.repaired(f.folds(), {.largest_region = 8}).points, f.points);
+    EXPECT_EQ(f.repaired(f.folds(60), {.largest_region = 10000}).points, f.points);
+}
+
+TEST(RegionRepair, NeverRaisesTheEnergyWhateverTheReferences)
+{
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+        const test::FoldedPatch patch = test::folded_patch();
+        const Topology& t = patch.mesh.topology;
+        Random random(seed);
+        ShapePoint target = shape_of(t, patch.mesh.points);
+        for (int e = 0; e < t.edge_count(); ++e)
+            target.dihedral_angles[e] += random.uniform(-0.3, 0.3);
+        LengthDihedralEnergy energy(t, target, 5e-3);
+        // More references than lanes, the worst of all among them.
+        std::vector<Points> references(seed == 1 ? 9 : seed - 2U, patch.mesh.points);
+        references.push_back(test::moved(patch.folded, seed));
+        VectorXd gradient;
+        const double before = energy.evaluate(rows_of(patch.folded), gradient);
         const RegionRepair repair =
-            repair_regions(patch.energy, {patch.mesh.points}, points, regions, options);
-        EXPECT_EQ(repair.replaced, 0);
-        EXPECT_EQ(repair.decrease, 0.0);
-        EXPECT_EQ(repair.points, points);
-    };
-    repaired(wanted, patch.folds());
-    std::vector<int> all(static_cast<std::size_t>(patch.mesh.topology.vertex_count()));
-    for (std::size_t v = 0; v < all.size(); ++v)
-        all[v] = static_cast<int>(v);
-    repaired(patch.points, {all});
-    repaired(patch.points, patch.folds(), {.largest_region = 5});
-    repaired(patch.points, {});
+            repair_regions(energy, references, rows_of(patch.folded),
+                           folded_regions(t, rows_of(patch.folded), target.dihedral_angles));
+        EXPECT_GT(repair.replaced, 0);
+        EXPECT_LT(energy.evaluate(repair.points, gradient), before);
+    }
 }
 
-TEST(RegionRepair, GivesTheSameBitsForOneAndTwoThreads)
+TEST(RegionRepair, GivesTheSameBitsForAnyNumberOfThreads)
 {
-    FoldedPatch patch;
-    const auto regions = hot_spots(patch.energy, patch.points, {.seeds = 1.0, .rings = 1});
-    const auto run = [&](int threads) {
+    const Folded f;
+    const auto repaired_by = [&](int threads) {
         const test::ThreadScope scope(threads);
-        return repair_regions(patch.energy, {patch.mesh.points}, patch.points, regions).points;
+        return f.repaired(f.folds()).points;
     };
-    EXPECT_EQ(run(1), run(2));
+    const VectorXd one = repaired_by(1);
+    EXPECT_EQ(one, repaired_by(2));
+    EXPECT_EQ(one, repaired_by(3));
 }
 
 } // namespace

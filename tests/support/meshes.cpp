@@ -35,8 +35,8 @@ Soup icosahedron()
 {
     const double g = (1.0 + std::sqrt(5.0)) / 2.0;
     Soup soup;
-    soup.points = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
+    soup.points = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
     for (Eigen::Vector3d& p : soup.points)
         p.normalize();
     // The faces are the triples of mutually nearest vertices, turned outwards.
@@ -44,15 +44,16 @@ Soup icosahedron()
         for (int b = a + 1; b < 12; ++b)
             for (int c = b + 1; c < 12; ++c) {
                 const auto& p = soup.points;
-                const auto [i, j, k] = std::tuple(static_cast<std::size_t>(a),
-                                                  static_cast<std::size_t>(b),
-                                                  static_cast<std::size_t>(c));
+                const auto [i, j, k] =
+                    std::tuple(static_cast<std::size_t>(a), static_cast<std::size_t>(b),
+                               static_cast<std::size_t>(c));
                 const double reach = 1.1;
                 if ((p[i] - p[j]).norm() > reach || (p[j] - p[k]).norm() > reach ||
                     (p[k] - p[i]).norm() > reach)
                     continue;
                 const bool outwards = p[i].cross(p[j]).dot(p[k]) > 0.0;
-                soup.faces.push_back(outwards ? Eigen::Vector3i(a, b, c) : Eigen::Vector3i(a, c, b));
+                soup.faces.push_back(outwards ? Eigen::Vector3i(a, b, c)
+                                              : Eigen::Vector3i(a, c, b));
             }
     return soup;
 }
@@ -162,6 +163,18 @@ TestMesh open_patch(int n, unsigned seed)
     return build("open patch", soup);
 }
 
+FoldedPatch folded_patch()
+{
+    TestMesh mesh = open_patch(48, 4);
+    Points folded = mesh.points;
+    for (int row = 8; row <= 40; row += 16)
+        for (int column = 8; column <= 40; column += 16) {
+            const int v = 49 * row + column;
+            folded.row(v) += 2.2 * (mesh.points.row(v + 1) - mesh.points.row(v));
+        }
+    return {std::move(mesh), std::move(folded)};
+}
+
 TestMesh open_cylinder(int around, int along)
 {
     Soup soup = grid(along, around, false, true);
@@ -176,8 +189,8 @@ TestMesh open_cylinder(int around, int along)
 
 std::vector<TestMesh> sample_meshes()
 {
-    return {tetrahedron(),     bumpy_sphere(2, 0.3, 1), torus(9, 16),
-            open_patch(10, 2), open_cylinder(10, 8)};
+    return {tetrahedron(), bumpy_sphere(2, 0.3, 1), torus(9, 16), open_patch(10, 2),
+            open_cylinder(10, 8)};
 }
 
 Points moved(const Points& points, unsigned seed)

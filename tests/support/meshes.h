@@ -32,6 +32,14 @@ struct TestMesh
 /// Open height field over a square, (n + 1)^2 vertices, one boundary loop.
 [[nodiscard]] TestMesh open_patch(int n, unsigned seed);
 
+/// The open patch of 49 by 49 vertices with nine of them folded over their neighbours.
+struct FoldedPatch
+{
+    TestMesh mesh;
+    Points folded;
+};
+[[nodiscard]] FoldedPatch folded_patch();
+
 /// Open cylinder, two boundary loops.
 [[nodiscard]] TestMesh open_cylinder(int around, int along);
 
