@@ -50,33 +50,40 @@ SparseMatrix laplacian(const Topology& topology, const VectorXd& weights)
     return matrix;
 }
 
-/// Sides of faces, u and v in their planes, and what they weigh.
-struct Sides
+/// Faces as they are laid out: u and v of their sides, what these weigh, and their frames.
+struct FaceBlock
 {
     Row first_u, second_u, third_u, second_v; // third_v is -second_v
     Row first_weight, second_weight, third_weight;
+    Row w, x, y, z;
 };
 
-/// The first two axes of frames.
-struct Axes
-{
-    std::array<Row, 3> u, v;
-};
+/// What a block of faces pulls its corners by: x, y, z of the first, of the second, of the third.
+using Pulls = std::array<Row, 9>;
 
-/// What the faces pull their corners by, along one axis: the weighted side that comes in less that
-/// which goes out.
-SHAPE_VECTORISED void pulls_of(int count, const Sides& sides, const Row& u, const Row& v,
-                               Row& __restrict first, Row& __restrict second, Row& __restrict third)
+/// The weighted side that comes in at a corner less that which goes out.
+SHAPE_VECTORISED void find_pulls(int count, const FaceBlock& of, Pulls& __restrict pulls)
 {
     for (int i = 0; i < count; ++i) {
-        const double a = sides.first_weight[i] * (sides.first_u[i] * u[i]);
-        const double b =
-            sides.second_weight[i] * (sides.second_u[i] * u[i] + sides.second_v[i] * v[i]);
-        const double c =
-            sides.third_weight[i] * (sides.third_u[i] * u[i] - sides.second_v[i] * v[i]);
-        first[i] = c - a;
-        second[i] = a - b;
-        third[i] = b - c;
+        const double w = of.w[i], x = of.x[i], y = of.y[i], z = of.z[i];
+        const double first_u = of.first_weight[i] * of.first_u[i];
+        const double second_u = of.second_weight[i] * of.second_u[i];
+        const double second_v = of.second_weight[i] * of.second_v[i];
+        const double third_u = of.third_weight[i] * of.third_u[i];
+        const double third_v = of.third_weight[i] * -of.second_v[i];
+        const auto along = [&](double u, double v, double& first, double& second, double& third) {
+            const double a = first_u * u;
+            const double b = second_u * u + second_v * v;
+            const double c = third_u * u + third_v * v;
+            first = c - a;
+            second = a - b;
+            third = b - c;
+        };
+        along(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), pulls[0][i], pulls[3][i],
+              pulls[6][i]);
+        along(2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), pulls[1][i], pulls[4][i],
+              pulls[7][i]);
+        along(2.0 * (x * z - w * y), 2.0 * (y * z + w * x), pulls[2][i], pulls[5][i], pulls[8][i]);
     }
 }
 
@@ -86,31 +93,30 @@ void for_pulls(const Topology& topology, const VectorXd& weights, const FaceLayo
                const Rotations& frames, const Take& take)
 {
     for_blocks(topology.face_count(), [&](int first, int count) {
-        Sides sides;
-        Axes axes;
+        FaceBlock of{};
+        Pulls pulls;
         for (int i = 0; i < count; ++i) {
             const int f = first + i;
-            const auto side = layout.sides.col(f);
-            sides.first_u[i] = side[0];
-            sides.second_u[i] = side[1];
-            sides.third_u[i] = side[2];
-            sides.second_v[i] = side[3];
-            sides.first_weight[i] = weights[topology.face_edges()(f, 0)];
-            sides.second_weight[i] = weights[topology.face_edges()(f, 1)];
-            sides.third_weight[i] = weights[topology.face_edges()(f, 2)];
-            const Eigen::Matrix3d frame = frames[static_cast<std::size_t>(f)].toRotationMatrix();
-            for (int k = 0; k < 3; ++k) {
-                axes.u[static_cast<std::size_t>(k)][i] = frame(k, 0);
-                axes.v[static_cast<std::size_t>(k)][i] = frame(k, 1);
-            }
+            const double* const side = layout.sides.data() + 4 * f;
+            of.first_u[i] = side[0];
+            of.second_u[i] = side[1];
+            of.third_u[i] = side[2];
+            of.second_v[i] = side[3];
+            const int* const edges = topology.face_edges().data() + 3 * f;
+            of.first_weight[i] = weights[edges[0]];
+            of.second_weight[i] = weights[edges[1]];
+            of.third_weight[i] = weights[edges[2]];
+            const Eigen::Quaterniond& frame = frames[static_cast<std::size_t>(f)];
+            of.w[i] = frame.w();
+            of.x[i] = frame.x();
+            of.y[i] = frame.y();
+            of.z[i] = frame.z();
         }
-        std::array<std::array<Row, 3>, 3> pulls; // of every corner, along every axis
-        for (std::size_t k = 0; k < 3; ++k)
-            pulls_of(count, sides, axes.u[k], axes.v[k], pulls[0][k], pulls[1][k], pulls[2][k]);
+        find_pulls(count, of, pulls);
         for (int i = 0; i < count; ++i)
             for (int c = 0; c < 3; ++c) {
-                const auto& [x, y, z] = pulls[static_cast<std::size_t>(c)];
-                take(3 * (first + i) + c, x[i], y[i], z[i]);
+                const Row* const pull = pulls.data() + 3 * c;
+                take(3 * (first + i) + c, pull[0][i], pull[1][i], pull[2][i]);
             }
     });
 }

@@ -172,25 +172,31 @@ SHAPE_VECTORISED void turn_frames(int count, const Covariances& sums,
 Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
                     const Eigen::VectorXd& weights, const Points& points, Rotations frames)
 {
+    const int* const faces = topology.faces().data();
+    const int* const face_edges = topology.face_edges().data();
     const auto position = [&](int vertex) { return points.data() + 3 * vertex; };
-    const auto gather_side = [&](int i, int h, Side& side) {
-        const Vector2d along = layout.halfedge(h);
-        const int edge = topology.edge(h);
+    const auto gather_side = [&](int i, int face, int c, Side& side) {
+        constexpr std::array<int, 3> next{1, 2, 0}, previous{2, 0, 1};
+        const int h = 3 * face + c;
         const int opposite = topology.opposite(h);
         const bool alone = opposite < 0; // a neighbour without weight
-        const int next = Topology::next(alone ? h : opposite);
-        const int previous = Topology::previous(alone ? h : opposite);
-        const Vector2d out = layout.halfedge(next);
+        const int other = (alone ? h : opposite) / 3;
+        const auto corner = static_cast<std::size_t>((alone ? h : opposite) - 3 * other);
+        const int near = 3 * other + next[corner];
+        const int far = 3 * other + previous[corner];
+        const Vector2d along = layout.halfedge(face, c);
+        const Vector2d out = layout.halfedge(other, next[corner]);
+        const int edge = face_edges[h];
         const bool left = topology.edge_halfedges()(edge, 0) == h;
         side.u[i] = along.x();
         side.v[i] = along.y();
         side.weight[i] = (alone ? 1.0 : 1.5) * weights[edge]; // half of it the neighbour's
-        side.apex.set(i, position(topology.source(previous)));
+        side.apex.set(i, position(faces[far]));
         side.out_u[i] = out.x();
         side.out_v[i] = out.y();
         side.turn.set(i, layout.transitions[static_cast<std::size_t>(edge)], left ? 1.0 : -1.0);
-        side.near_w[i] = alone ? 0.0 : 0.5 * weights[topology.edge(next)];
-        side.far_w[i] = alone ? 0.0 : 0.5 * weights[topology.edge(previous)];
+        side.near_w[i] = alone ? 0.0 : 0.5 * weights[face_edges[near]];
+        side.far_w[i] = alone ? 0.0 : 0.5 * weights[face_edges[far]];
     };
     for_blocks(topology.face_count(), [&](int first, int count) {
         std::array<Vectors, 3> corners;
@@ -202,7 +208,7 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
         for (std::size_t c = 0; c < 3; ++c) {
             Side side;
             for (int i = 0; i < count; ++i)
-                gather_side(i, 3 * (first + i) + static_cast<int>(c), side);
+                gather_side(i, first + i, static_cast<int>(c), side);
             add_side(count, side, corners[c], corners[(c + 1) % 3], sums);
         }
         Quaternions turned;

@@ -136,11 +136,10 @@ VectorXd closure_angles(const Topology& topology, const Rotations& transitions)
         for (int i = 0; i < count; ++i) {
             Quaterniond walk = Quaterniond::Identity();
             if (!topology.is_boundary_vertex(first + i))
-                for (const int out : topology.outgoing(first + i)) {
-                    const int h = Topology::previous(out);
-                    const int e = topology.edge(h);
-                    // As the frame behind the half-edge is seen from that left of it.
-                    const double way = h == topology.edge_halfedges()(e, 0) ? 1.0 : -1.0;
+                for (const int h : topology.outgoing(first + i)) {
+                    const int e = topology.face_edges().data()[h];
+                    // From right to left: the faces come counter-clockwise.
+                    const double way = h == topology.edge_halfedges()(e, 0) ? -1.0 : 1.0;
                     const Quaterniond& across = transitions[static_cast<std::size_t>(e)];
                     walk *= Quaterniond(across.w(), way * across.x(), way * across.y(),
                                         way * across.z());

@@ -25,13 +25,14 @@ struct FaceLayout
     /// (left and right of edge_halfedges()(e, 0)); identity on the boundary.
     Rotations transitions;
 
-    /// A half-edge in the plane of its face.
-    [[nodiscard]] Eigen::Vector2d halfedge(int h) const
+    /// A half-edge in the plane of its face, from corner c.
+    [[nodiscard]] Eigen::Vector2d halfedge(int face, int c) const
     {
         constexpr double signs[] = {0.0, 1.0, -1.0};
-        const auto side = sides.col(h / 3);
-        return {side[h % 3], signs[h % 3] * side[3]};
+        const double* const side = sides.data() + 4 * face;
+        return {side[c], signs[c] * side[3]};
     }
+    [[nodiscard]] Eigen::Vector2d halfedge(int h) const { return halfedge(h / 3, h % 3); }
 };
 
 /// @param lengths  #E [length], > 0. Where they break the triangle inequality the face is laid out

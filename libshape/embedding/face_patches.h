@@ -39,7 +39,8 @@ struct FacePatches
     std::vector<Pair> pairs;     ///< Sorted.
     int largest;                 ///< Number of faces.
 
-    /// Breadth-first discs; the faces left over at the rim of one seed the next.
+    /// Breadth-first discs of at most so many faces; those left over at the rim of one seed the next.
+    /// Where fewer than an eighth are left between discs, they join one of them.
     /// Cost: O(#F log #F).
     FacePatches(const Topology& topology, int faces_per_patch);
 

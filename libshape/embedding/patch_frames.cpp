@@ -6,9 +6,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -71,13 +69,18 @@ private:
     };
     static constexpr int levels = 81; // eight an octave
 
-    /// Told apart are the exponent and three bits of the mantissa.
+    /// 8 log2(weight), rounded down.
     static int level_of(double weight)
     {
-        const auto leading_bits = [](double x) {
-            return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 49);
-        };
-        return std::max(0, levels - 1 + leading_bits(weight) - leading_bits(1.0));
+        static constexpr std::array eighth_powers{
+            1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951,
+            1.5422108254079407, 1.681792830507429, 1.8340080864093424, 2.0}; // of two
+        int exponent = 0;
+        const double mantissa = 2.0 * std::frexp(weight, &exponent);
+        int eighths = static_cast<int>(8.0 * (mantissa - 1.0)); // that or one more
+        if (mantissa >= eighth_powers[index(eighths)])
+            ++eighths;
+        return std::max(0, levels - 1 + 8 * (exponent - 1) + eighths);
     }
 
     std::array<Queue, levels> queues_;
@@ -114,14 +117,18 @@ SparseMatrix pattern(const FacePatches& patches)
 /// The three smallest eigenvectors, stacked 3 by 3 blocks, by inverse iterations from a fixed start.
 Eigen::MatrixXd smallest_eigenvectors(const SparseCholesky& factor)
 {
+    constexpr int max_iterations =
+        12; // where loops are far from closing the fourth is about as small
+    constexpr double settled = 1e-2; // what is left is less by the ratio of the last two changes
     Random random(1);
     Eigen::MatrixXd vectors =
         Eigen::MatrixXd::NullaryExpr(factor.size(), 3, [&] { return random.uniform(-1.0, 1.0); });
-    // The gap to the fourth eigenvalue is that of smooth fields, so a few iterations suffice.
-    constexpr int iterations = 5;
-    for (int i = 0; i < iterations; ++i) {
+    for (int i = 0; i < max_iterations; ++i) {
         const Eigen::HouseholderQR<Eigen::MatrixXd> qr(factor.solve(vectors));
-        vectors = qr.householderQ() * Eigen::MatrixXd::Identity(factor.size(), 3);
+        const Eigen::MatrixXd last =
+            std::exchange(vectors, qr.householderQ() * Eigen::MatrixXd::Identity(factor.size(), 3));
+        if ((vectors - last * (last.transpose() * vectors)).norm() < settled)
+            break;
     }
     return vectors;
 }
