@@ -28,26 +28,6 @@ void for_columns(Index columns, const Work& work)
     });
 }
 
-double dot(const LaneVectors& a, const LaneVectors& b)
-{
-    return parallel_sum(static_cast<std::size_t>(a.cols()), grain,
-                        [&](std::size_t begin, std::size_t end) {
-                            // Short sums in float, long ones in double.
-                            constexpr std::size_t width = 256;
-                            const Lanes* const x = lanes(a);
-                            const Lanes* const y = lanes(b);
-                            double sum = 0.0;
-                            for (std::size_t i = begin; i < end; i += width) {
-                                Lanes part{};
-                                for (std::size_t k = i; k < std::min(i + width, end); ++k)
-                                    part += x[k] * y[k];
-                                sum += static_cast<double>(part[0]) + static_cast<double>(part[1]) +
-                                       static_cast<double>(part[2]);
-                            }
-                            return sum;
-                        });
-}
-
 /// a + factor b in the place of `to`, which may be a or b.
 void combine(const LaneVectors& a, double factor, const LaneVectors& b, LaneVectors& to)
 {
@@ -90,8 +70,7 @@ public:
             constexpr double rounding = 1e-10; // the residual is 1e-5 of what it was
             if (!(square > rounding * first_square))
                 break;
-            matrix.apply(direction_, image_);
-            const double curvature = dot(direction_, image_);
+            const double curvature = matrix.apply(direction_, image_);
             if (!(curvature > 0.0))
                 break;
             const double step = square / curvature;

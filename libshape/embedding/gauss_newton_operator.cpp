@@ -3,9 +3,11 @@
 #include "libshape/embedding/gauss_newton_operator.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/vectorised.h"
 
 namespace shape {
 namespace {
@@ -15,15 +17,18 @@ using Eigen::VectorXd;
 
 constexpr std::size_t grain = 4096;
 
-inline float sum(const Lanes& a)
+using Order = int __attribute__((vector_size(16)));
+
+/// The sum of a, in all lanes.
+[[gnu::always_inline]] inline Lanes sum(const Lanes& a)
 {
-    return a[0] + a[1] + a[2];
+    const Lanes two = a + __builtin_shuffle(a, Order{1, 0, 3, 2});
+    return two + __builtin_shuffle(two, Order{2, 3, 0, 1});
 }
 
 /// The sums of a, b and c.
-inline Lanes sums(const Lanes& a, const Lanes& b, const Lanes& c)
+[[gnu::always_inline]] inline Lanes sums(const Lanes& a, const Lanes& b, const Lanes& c)
 {
-    using Order = int __attribute__((vector_size(16)));
     const Lanes zero{};
     const Lanes ab = __builtin_shuffle(a, b, Order{0, 4, 1, 5});    // a0 b0 a1 b1
     const Lanes c0 = __builtin_shuffle(c, zero, Order{0, 4, 1, 5}); // c0 0 c1 0
@@ -39,9 +44,50 @@ inline Lanes lanes_of(const Vector3d& v)
                  0.0F};
 }
 
-inline const Lanes& lanes(const Eigen::Vector4f& v)
+/// What belongs to the next corner or edge of a face, and to the one after that.
+[[gnu::always_inline]] inline Lanes next(const Lanes& a)
 {
-    return *reinterpret_cast<const Lanes*>(v.data());
+    return __builtin_shuffle(a, Order{1, 2, 0, 3});
+}
+[[gnu::always_inline]] inline Lanes last(const Lanes& a)
+{
+    return __builtin_shuffle(a, Order{2, 0, 1, 3});
+}
+
+/// How faces turn about their three edges, times the lengths of these, as vertices move. With q = n . v,
+/// edge i-j and opposite corner m: cot_j (q_i - q_m) + cot_i (q_j - q_m).
+SHAPE_VECTORISED void bend_faces(std::size_t begin, std::size_t end, const int* faces,
+                                 const Lanes* normals, const Lanes* cotangents, const Lanes* motion,
+                                 Lanes* bends)
+{
+    for (std::size_t f = begin; f < end; ++f) {
+        const int* const corner = faces + 3 * f;
+        const Lanes& n = normals[f];
+        const Lanes& cot = cotangents[f];
+        const Lanes q = sums(n * motion[corner[0]], n * motion[corner[1]], n * motion[corner[2]]);
+        bends[f] = next(cot) * (q - last(q)) + cot * (next(q) - last(q));
+    }
+}
+
+/// Moments about the edges of faces, and how they lift the corners: bend_faces() transposed.
+SHAPE_VECTORISED void lift_faces(std::size_t begin, std::size_t end, const int* opposites,
+                                 const Lanes* stiffness, const Lanes* cotangents,
+                                 const Lanes* bends, Lanes* lifts)
+{
+    const auto* const of_halfedges = reinterpret_cast<const float*>(bends); // 4 f + corner
+    const auto bend = [&](int h) __attribute__((always_inline))
+    {
+        h = h < 0 ? 0 : h; // the boundary has no stiffness
+        return of_halfedges[h + h / 3];
+    };
+    for (std::size_t f = begin; f < end; ++f) {
+        const int* const h = opposites + 3 * f;
+        const Lanes moment =
+            stiffness[f] * (bends[f] + Lanes{bend(h[0]), bend(h[1]), bend(h[2]), 0.0F});
+        const Lanes here = next(cotangents[f]) * moment;
+        const Lanes there = cotangents[f] * moment;
+        lifts[f] = here + last(there) - next(here + there);
+    }
 }
 
 } // namespace
@@ -51,10 +97,10 @@ GaussNewtonOperator::GaussNewtonOperator(const LengthDihedralEnergy& energy)
       unit_(energy.target().edge_lengths.mean()),
       normals_(4, energy.topology().face_count()),
       directions_(4, energy.topology().edge_count()),
-      hinges_(static_cast<std::size_t>(energy.topology().face_count())),
+      cotangents_(4, energy.topology().face_count()),
+      stiffness_(4, energy.topology().face_count()),
       bends_(4, energy.topology().face_count()),
-      moments_(energy.topology().edge_count()),
-      tensions_(energy.topology().edge_count())
+      lifts_(4, energy.topology().face_count())
 {
 }
 
@@ -76,103 +122,82 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
                          directions[e] = lanes_of(scale * along);
                      }
                  });
-    // Over edge i-j with opposite corner m at height h: d theta / d x_m = -n / h, and i and j share
-    // the opposite of it in proportion to where the foot of m lies.
-    const double root = std::sqrt(energy_.smoothness());
+    const double scale = energy_.smoothness() * unit_ * unit_;
+    Lanes* const cotangents = shape::lanes(cotangents_);
+    Lanes* const stiffness = shape::lanes(stiffness_);
     parallel_for(
         static_cast<std::size_t>(t.face_count()), grain, [&](std::size_t begin, std::size_t end) {
             for (auto f = static_cast<int>(begin); f < static_cast<int>(end); ++f) {
-                const std::array<Vector3d, 3> corner = {
-                    point(t.faces()(f, 0)), point(t.faces()(f, 1)), point(t.faces()(f, 2))};
-                const Vector3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+                const Vector3d p = point(t.faces()(f, 0));
+                const Vector3d q = point(t.faces()(f, 1));
+                const Vector3d r = point(t.faces()(f, 2));
+                const Vector3d a = q - p, b = r - q, c = p - r;
+                const Vector3d normal = b.cross(c);
                 const double area2 = normal.norm();
-                auto& hinge = hinges_[static_cast<std::size_t>(f)];
-                hinge.fill(Eigen::Vector4f::Zero());
-                normals[f] = Lanes{};
-                if (!(area2 > 0.0))
-                    continue;
-                normals[f] = lanes_of(normal / area2);
-                for (std::size_t i = 0; i < 3; ++i) {
-                    const std::size_t j = (i + 1) % 3;
-                    const std::size_t m = (i + 2) % 3;
-                    const Vector3d side = corner[j] - corner[i];
-                    const double foot = (corner[m] - corner[i]).dot(side) / side.squaredNorm();
-                    const double inverse_height = root * unit_ * side.norm() / area2;
-                    const auto edge = static_cast<Eigen::Index>(i);
-                    hinge[i][edge] = static_cast<float>((1.0 - foot) * inverse_height);
-                    hinge[j][edge] = static_cast<float>(foot * inverse_height);
-                    hinge[m][edge] = static_cast<float>(-inverse_height);
-                }
+                const double inverse = area2 > 0.0 ? 1.0 / area2 : 0.0;
+                normals[f] = lanes_of(inverse * normal);
+                cotangents[f] = lanes_of(-inverse * Vector3d(c.dot(a), a.dot(b), b.dot(c)));
+                const auto stiff = [&](int e, double square) {
+                    return square > 0.0 && !t.is_boundary_edge(t.face_edges()(f, e))
+                               ? scale / square
+                               : 0.0;
+                };
+                stiffness[f] = lanes_of({stiff(0, a.squaredNorm()), stiff(1, b.squaredNorm()),
+                                         stiff(2, c.squaredNorm())});
             }
         });
 }
 
-void GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
+double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
 {
     const Topology& t = energy_.topology();
+    product.resize(4, v.cols());
     const int* const faces = t.faces().data();
-    const int* const face_edges = t.face_edges().data();
-    const int* const edges = t.edges().data();
     const Lanes* const motion = shape::lanes(v);
     const Lanes* const normals = shape::lanes(normals_);
+    const auto face_count = static_cast<std::size_t>(t.face_count());
+    parallel_for(face_count, grain, [&](std::size_t begin, std::size_t end) {
+        bend_faces(begin, end, faces, normals, shape::lanes(cotangents_), motion,
+                   shape::lanes(bends_));
+    });
+    parallel_for(face_count, grain, [&](std::size_t begin, std::size_t end) {
+        lift_faces(begin, end, t.opposites().data(), shape::lanes(stiffness_),
+                   shape::lanes(cotangents_), shape::lanes(bends_), shape::lanes(lifts_));
+    });
+    const int* const face_edges = t.face_edges().data();
     const Lanes* const directions = shape::lanes(directions_);
-    Lanes* const bends = shape::lanes(bends_);
-    product.resize(4, v.cols());
+    const float* const lifts = lifts_.data(); // 4 f + corner
     Lanes* const forces = shape::lanes(product);
-
-    parallel_for(
-        static_cast<std::size_t>(t.face_count()), grain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t f = begin; f < end; ++f) {
-                const int* const corner = faces + 3 * f;
-                const Lanes& n = normals[f];
-                const Lanes rise =
-                    sums(n * motion[corner[0]], n * motion[corner[1]], n * motion[corner[2]]);
-                bends[f] = rise[0] * lanes(hinges_[f][0]) + rise[1] * lanes(hinges_[f][1]) +
-                           rise[2] * lanes(hinges_[f][2]);
+    return parallel_sum(
+        static_cast<std::size_t>(t.vertex_count()), grain / 2,
+        [&](std::size_t begin, std::size_t end) {
+            double square = 0.0;
+            for (std::size_t first = begin; first < end; first += short_sum) {
+                Lanes products{};
+                for (std::size_t i = first; i < std::min(first + short_sum, end); ++i) {
+                    const Lanes here = motion[i];
+                    Lanes bending{};
+                    Lanes stretching{};
+                    const auto pull = [&](int e, int there) {
+                        const Lanes& d = directions[e];
+                        stretching += sum(d * (here - motion[there])) * d;
+                    };
+                    const auto outgoing = t.outgoing(static_cast<int>(i));
+                    for (const int h : outgoing) {
+                        bending += lifts[h + h / 3] * normals[h / 3];
+                        pull(face_edges[h], faces[Topology::next(h)]);
+                    }
+                    if (t.is_boundary_vertex(static_cast<int>(i))) { // the other edge comes in
+                        const int h = Topology::previous(outgoing.back());
+                        pull(face_edges[h], faces[h]);
+                    }
+                    forces[i] = bending + stretching;
+                    products += here * forces[i];
+                }
+                square += lane_sum(products);
             }
+            return square;
         });
-    parallel_for(static_cast<std::size_t>(t.edge_count()), grain,
-                 [&](std::size_t begin, std::size_t end) {
-                     const float* const of_halfedges = bends_.data(); // 4 f + corner
-                     const auto bend = [&](int h) { return of_halfedges[h + h / 3]; };
-                     for (auto e = static_cast<Eigen::Index>(begin);
-                          e < static_cast<Eigen::Index>(end); ++e) {
-                         tensions_[e] =
-                             sum(directions[e] * (motion[edges[2 * e + 1]] - motion[edges[2 * e]]));
-                         const int left = t.edge_halfedges()(e, 0);
-                         const int right = t.edge_halfedges()(e, 1);
-                         moments_[e] = right < 0 ? 0.0F : bend(left) + bend(right);
-                     }
-                 });
-    parallel_for(
-        static_cast<std::size_t>(t.face_count()), grain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t f = begin; f < end; ++f) {
-                const int* const e = face_edges + 3 * f;
-                const Lanes moment{moments_[e[0]], moments_[e[1]], moments_[e[2]], 0.0F};
-                bends[f] = sums(moment * lanes(hinges_[f][0]), moment * lanes(hinges_[f][1]),
-                                moment * lanes(hinges_[f][2]));
-            }
-        });
-    parallel_for(static_cast<std::size_t>(t.vertex_count()), grain / 2,
-                 [&](std::size_t begin, std::size_t end) {
-                     const float* const lifts = bends_.data();
-                     for (auto v0 = static_cast<int>(begin); v0 < static_cast<int>(end); ++v0) {
-                         Lanes bending{};
-                         Lanes stretching{};
-                         const auto pull = [&](int e) { // a branch would be a coin's toss
-                             const auto sign = static_cast<float>(2 * (edges[2 * e + 1] == v0) - 1);
-                             stretching += sign * tensions_[e] * directions[e];
-                         };
-                         const auto outgoing = t.outgoing(v0);
-                         for (const int h : outgoing) {
-                             bending += lifts[h + h / 3] * normals[h / 3];
-                             pull(face_edges[h]);
-                         }
-                         if (t.is_boundary_vertex(v0)) // the other edge of the boundary comes in
-                             pull(face_edges[Topology::previous(outgoing.back())]);
-                         forces[v0] = bending + stretching;
-                     }
-                 });
 }
 
 } // namespace shape

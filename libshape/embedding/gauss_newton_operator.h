@@ -3,8 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <vector>
 
 #include "libshape/embedding/length_dihedral_energy.h"
 #include "libshape/linalg/lanes.h"
@@ -16,8 +14,8 @@ namespace shape {
 /// precision: half of what the Hessian is where strains and bends are as wanted. Symmetric, positive
 /// semidefinite. Vectors are in units of the mean wanted length.
 ///
-/// Of a face with unit normal n, corners that move by v turn the normal about its edges by a 3 by 3
-/// matrix times the n . v: three numbers a face carry all bending.
+/// Of a face with unit normal n, corners that move by v turn the normal about its edges by amounts
+/// that depend on the three n . v alone: three numbers a face carry all bending.
 ///
 /// Same bits for any number of threads.
 class GaussNewtonOperator
@@ -31,8 +29,9 @@ public:
     void linearise(const Eigen::VectorXd& points);
 
     /// product = J^T J v.
+    /// @return v . product, not negative but for rounding.
     /// Cost: O(#E). Works in memory that is kept: not safe to call concurrently.
-    void apply(const LaneVectors& v, LaneVectors& product);
+    double apply(const LaneVectors& v, LaneVectors& product);
 
     [[nodiscard]] double unit() const { return unit_; } ///< The mean wanted length [length].
 
@@ -42,13 +41,10 @@ private:
     LaneVectors normals_;    // of the faces, unit length
     LaneVectors directions_; // strain of an edge is directions_ . (v_b - v_a), weighted
 
-    /// Of every face, column j: how it bends at its three edges as corner j rises by one unit, times
-    /// the root of mu.
-    std::vector<std::array<Eigen::Vector4f, 3>> hinges_;
-
-    LaneVectors bends_;       // of every face at its three edges; then moments of its corners
-    Eigen::VectorXf moments_; // of the edges
-    Eigen::VectorXf tensions_;
+    LaneVectors cotangents_; // of the faces' angles at their three corners
+    LaneVectors stiffness_;  // of their edges: mu over the square of the length; 0 on the boundary
+    LaneVectors bends_;      // of the faces at their edges, times the lengths
+    LaneVectors lifts_;      // of the faces at their corners
 };
 
 } // namespace shape

@@ -25,6 +25,7 @@ std::size_t index(int i)
     return static_cast<std::size_t>(i);
 }
 
+constexpr int ahead = 256; // of what is read, in entries: what is fetched from memory meanwhile
 /// Two vectors in one register, at any address of Lanes.
 using Pair = float __attribute__((vector_size(32), aligned(16)));
 
@@ -82,6 +83,16 @@ template <int columns, int first, class Work>
         for_triangle<columns, filled>(values, work);
 }
 
+template <int columns, int first, class Work>
+[[gnu::always_inline]] inline void for_triangle_down(const float*& values, const Work& work)
+{
+    constexpr int filled = std::min(first + step, columns);
+    for (int i = filled; i-- > first;)
+        work.template operator()<filled>(i, values -= filled);
+    if constexpr (first > 0)
+        for_triangle_down<columns, first - step>(values, work);
+}
+
 /// Its stored entries.
 constexpr int triangle_size(int columns)
 {
@@ -103,8 +114,10 @@ template <int columns>
     for_triangle<columns, 0>(
         values, [&]<int filled>(int i, const float* entries)
                     __attribute__((always_inline)) { own[i] = product<filled>(entries, vectors); });
-    for (int i = 0; i < rows; ++i, values += columns)
+    for (int i = 0; i < rows; ++i, values += columns) {
+        __builtin_prefetch(values + ahead);
         x[row[i]] += product<columns>(values, vectors);
+    }
 }
 
 /// own = transposed inverse of L times own + transposed B' times x.
@@ -113,12 +126,15 @@ template <int columns>
                                                   Lanes* own, const Lanes* x)
 {
     Vectors<columns> vectors{};
-    for_triangle<columns, 0>(
+    for (int i = rows; i-- > 0;) {
+        values -= columns;
+        __builtin_prefetch(values - ahead);
+        add_product<columns>(values, x[row[i]], vectors);
+    }
+    for_triangle_down<columns, (columns - 1) / step * step>(
         values, [&]<int filled>(int i, const float* entries) __attribute__((always_inline)) {
             add_product<filled>(entries, own[i], vectors);
         });
-    for (int i = 0; i < rows; ++i, values += columns)
-        add_product<columns>(values, x[row[i]], vectors);
     for (int k = 0; k < columns / 2; ++k)
         reinterpret_cast<Pair*>(own)[k] = vectors.pairs[k];
     if constexpr (columns % 2 == 1)
@@ -156,8 +172,8 @@ SHAPE_VECTORISED void backward_blocks(const Block* first, const Block* block, co
         row -= block->rows;
         with_columns(
             block->columns, [&]<int columns>() __attribute__((always_inline)) {
-                values -= triangle_size(columns) + columns * block->rows;
                 backward_block<columns>(block->rows, row, values, x + block->first_column, x);
+                values -= triangle_size(columns) + columns * block->rows;
             });
     }
 }

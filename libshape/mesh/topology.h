@@ -49,6 +49,9 @@ public:
     /// -1 on the boundary.
     [[nodiscard]] int opposite(int halfedge) const { return tables_->opposites[index(halfedge)]; }
 
+    /// Of all half-edges.
+    [[nodiscard]] std::span<const int> opposites() const { return tables_->opposites; }
+
     [[nodiscard]] static int face(int halfedge) { return halfedge / 3; }
     [[nodiscard]] static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
     [[nodiscard]] static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
