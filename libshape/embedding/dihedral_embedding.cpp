@@ -100,8 +100,8 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
         throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
                                 point.dihedral_angles.size(), " dihedral angles, the topology ",
                                 topology.edge_count(), " edges"));
-    const ShapePoint target{positive_lengths(point.edge_lengths(s.renumbering.edges)),
-                            point.dihedral_angles(s.renumbering.edges)};
+    const ShapePoint target{positive_lengths(renumbered(s.renumbering, point.edge_lengths)),
+                            renumbered(s.renumbering, point.dihedral_angles)};
     LengthDihedralEnergy energy(topology, target, options.smoothness);
     const auto start = s.starts.borrow();
     const Points& linear = start->points(target, options.local_global_steps);

@@ -14,10 +14,7 @@ struct RigidMotion
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity(); ///< Determinant +1.
     Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< [length]
 
-    [[nodiscard]] Points operator()(const Points& points) const
-    {
-        return (points * rotation.transpose()).rowwise() + translation.transpose();
-    }
+    [[nodiscard]] Points operator()(const Points& points) const;
 };
 
 /// The rigid motion, reflections excluded, that takes `moving` closest to `fixed` in the sum of

@@ -5,7 +5,22 @@
 #include <algorithm>
 #include <numeric>
 
+#include "libshape/base/threads.h"
+
 namespace shape {
+namespace {
+
+/// Calls work(now, then) for every number and what it was before.
+template <class Work>
+void for_entries(const std::vector<int>& before, const Work& work)
+{
+    parallel_for(before.size(), 8192, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            work(static_cast<Eigen::Index>(i), before[i]);
+    });
+}
+
+} // namespace
 
 Renumbering renumber_for_locality(const Topology& topology)
 {
@@ -55,8 +70,17 @@ Points renumbered(const Renumbering& renumbering, const Points& points)
 Points restored(const Renumbering& renumbering, const Points& points)
 {
     Points before(points.rows(), 3);
-    before(renumbering.vertices, Eigen::all) = points;
+    for_entries(renumbering.vertices,
+                [&](Eigen::Index now, Eigen::Index then) { before.row(then) = points.row(now); });
     return before;
+}
+
+Eigen::VectorXd renumbered(const Renumbering& renumbering, const Eigen::VectorXd& values)
+{
+    Eigen::VectorXd now_values(values.size());
+    for_entries(renumbering.edges,
+                [&](Eigen::Index now, Eigen::Index then) { now_values[now] = values[then]; });
+    return now_values;
 }
 
 } // namespace shape

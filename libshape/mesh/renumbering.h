@@ -28,4 +28,8 @@ struct Renumbering
 [[nodiscard]] Points renumbered(const Renumbering& renumbering, const Points& points);
 [[nodiscard]] Points restored(const Renumbering& renumbering, const Points& points);
 
+/// Values of edges in the new order, #E.
+[[nodiscard]] Eigen::VectorXd renumbered(const Renumbering& renumbering,
+                                         const Eigen::VectorXd& values);
+
 } // namespace shape

@@ -2,7 +2,8 @@
 
 #include "libshape/mesh/rotation_fit.h"
 
-#include "libshape/mesh/alignment.h"
+#include <Eigen/LU>
+#include <Eigen/SVD>
 
 namespace shape {
 namespace {
@@ -58,6 +59,15 @@ bool climb(const Eigen::Matrix3d& m, Eigen::Matrix3d& rotation)
     return false;
 }
 
+Eigen::Matrix3d by_singular_values(const Eigen::Matrix3d& m)
+{
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d u = svd.matrixU();
+    if ((u * svd.matrixV().transpose()).determinant() < 0.0)
+        u.col(2) *= -1.0;
+    return u * svd.matrixV().transpose();
+}
+
 } // namespace
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m, const Eigen::Matrix3d& guess)
@@ -69,7 +79,7 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m, const Eigen::Matrix3d
     if (size == 0.0)
         return guess;
     // A little of the guess decides where m leaves a choice; elsewhere, climbing removes it.
-    rotation = nearest_rotation(m + 1e-12 * size * guess);
+    rotation = by_singular_values(m + 1e-12 * size * guess);
     climb(m, rotation);
     return rotation;
 }
