@@ -4,6 +4,9 @@
 
 namespace shape {
 
-const char* version() { return SHAPE_VERSION; }
+const char* version()
+{
+    return SHAPE_VERSION;
+}
 
 } // namespace shape

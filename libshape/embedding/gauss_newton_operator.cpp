@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "libshape/base/threads.h"
 #include "libshape/base/vectorised.h"
@@ -90,6 +91,53 @@ SHAPE_VECTORISED void lift_faces(std::size_t begin, std::size_t end, const int* 
     }
 }
 
+/// What lifted corners and stretched edges do to a vertex.
+[[gnu::always_inline]] inline Lanes force_at(std::span<const Topology::Spoke> spokes,
+                                             const Lanes& here, const Lanes* normals,
+                                             const Lanes* lifts, const Lanes* directions,
+                                             const Lanes* motion)
+{
+    const auto* const of_corners = reinterpret_cast<const float*>(lifts); // 4 f + corner
+    Lanes bending{};
+    Lanes stretching{};
+    const auto stretch = [&](const Topology::Spoke& spoke) __attribute__((always_inline))
+    {
+        const Lanes& d = directions[spoke.edge];
+        stretching += sum(d * (here - motion[spoke.vertex])) * d;
+    };
+    if (spokes.back().halfedge < 0) { // on the boundary
+        stretch(spokes.back());
+        spokes = spokes.first(spokes.size() - 1);
+    }
+    for (const Topology::Spoke& spoke : spokes) {
+        const auto h = static_cast<unsigned>(spoke.halfedge);
+        bending += of_corners[h + h / 3] * normals[h / 3];
+        stretch(spoke);
+    }
+    return bending + stretching;
+}
+
+/// Forces at vertices.
+/// @return The sum of force . motion.
+SHAPE_VECTORISED double gather_forces(std::size_t begin, std::size_t end, const Topology& topology,
+                                      const Lanes* normals, const Lanes* lifts,
+                                      const Lanes* directions, const Lanes* motion, Lanes* forces)
+{
+    double square = 0.0;
+    for (std::size_t first = begin; first < end; first += short_sum) {
+        Lanes products{};
+        for (std::size_t v = first; v < std::min(first + short_sum, end); ++v) {
+            const Lanes here = motion[v];
+            const Lanes force = force_at(topology.spokes(static_cast<int>(v)), here, normals, lifts,
+                                         directions, motion);
+            forces[v] = force;
+            products += here * force;
+        }
+        square += lane_sum(products);
+    }
+    return square;
+}
+
 } // namespace
 
 GaussNewtonOperator::GaussNewtonOperator(const LengthDihedralEnergy& energy)
@@ -164,40 +212,12 @@ double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
         lift_faces(begin, end, t.opposites().data(), shape::lanes(stiffness_),
                    shape::lanes(cotangents_), shape::lanes(bends_), shape::lanes(lifts_));
     });
-    const int* const face_edges = t.face_edges().data();
-    const Lanes* const directions = shape::lanes(directions_);
-    const float* const lifts = lifts_.data(); // 4 f + corner
-    Lanes* const forces = shape::lanes(product);
-    return parallel_sum(
-        static_cast<std::size_t>(t.vertex_count()), grain / 2,
-        [&](std::size_t begin, std::size_t end) {
-            double square = 0.0;
-            for (std::size_t first = begin; first < end; first += short_sum) {
-                Lanes products{};
-                for (std::size_t i = first; i < std::min(first + short_sum, end); ++i) {
-                    const Lanes here = motion[i];
-                    Lanes bending{};
-                    Lanes stretching{};
-                    const auto pull = [&](int e, int there) {
-                        const Lanes& d = directions[e];
-                        stretching += sum(d * (here - motion[there])) * d;
-                    };
-                    const auto outgoing = t.outgoing(static_cast<int>(i));
-                    for (const int h : outgoing) {
-                        bending += lifts[h + h / 3] * normals[h / 3];
-                        pull(face_edges[h], faces[Topology::next(h)]);
-                    }
-                    if (t.is_boundary_vertex(static_cast<int>(i))) { // the other edge comes in
-                        const int h = Topology::previous(outgoing.back());
-                        pull(face_edges[h], faces[h]);
-                    }
-                    forces[i] = bending + stretching;
-                    products += here * forces[i];
-                }
-                square += lane_sum(products);
-            }
-            return square;
-        });
+    return parallel_sum(static_cast<std::size_t>(t.vertex_count()), grain / 2,
+                        [&](std::size_t begin, std::size_t end) {
+                            return gather_forces(begin, end, t, normals, shape::lanes(lifts_),
+                                                 shape::lanes(directions_), motion,
+                                                 shape::lanes(product));
+                        });
 }
 
 } // namespace shape
