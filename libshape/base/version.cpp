@@ -4,9 +4,6 @@
 
 namespace shape {
 
-const char* version()
-{
-    return SHAPE_VERSION;
-}
+const char* version() { return SHAPE_VERSION; }
 
 } // namespace shape

@@ -51,7 +51,7 @@ TEST(GaussNewtonOperator, IsTheSquareOfTheResidualsDerivatives)
             matrix.linearise(mesh.points.reshaped<Eigen::RowMajor>());
             const LaneVectors v = random_vectors(mesh.points.rows(), random);
             LaneVectors product;
-            matrix.apply(v, product);
+            const double found = matrix.apply(v, product);
 
             // v . J^T J v by differences of lengths and angles along v.
             const VectorXd lengths = edge_lengths(mesh.topology, mesh.points);
@@ -75,6 +75,7 @@ TEST(GaussNewtonOperator, IsTheSquareOfTheResidualsDerivatives)
                 square += mu * bend * bend;
             }
             EXPECT_NEAR(v.cwiseProduct(product).cast<double>().sum(), square, 1e-4 * square);
+            EXPECT_NEAR(found, square, 1e-4 * square);
 
             const LaneVectors w = random_vectors(mesh.points.rows(), random);
             LaneVectors other;
@@ -86,7 +87,7 @@ TEST(GaussNewtonOperator, IsTheSquareOfTheResidualsDerivatives)
 
             const test::ThreadScope threads(3);
             LaneVectors again;
-            matrix.apply(v, again);
+            EXPECT_EQ(matrix.apply(v, again), found);
             EXPECT_EQ(product, again);
         }
 }
