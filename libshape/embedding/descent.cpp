@@ -17,25 +17,19 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr std::size_t grain = 16384;
-
-/// Calls work(first, count) for consecutive ranges of the columns.
+/// Calls work(begin, end) for consecutive ranges of columns.
 template <class Work>
 void for_columns(Index columns, const Work& work)
 {
-    parallel_for(static_cast<std::size_t>(columns), grain, [&](std::size_t begin, std::size_t end) {
-        work(static_cast<Index>(begin), static_cast<Index>(end - begin));
-    });
+    constexpr std::size_t grain = 8192;
+    parallel_for(static_cast<std::size_t>(columns), grain, work);
 }
 
-/// a + factor b in the place of `to`, which may be a or b.
-void combine(const LaneVectors& a, double factor, const LaneVectors& b, LaneVectors& to)
+/// to += factor * by, for a range of vectors.
+void add(float factor, const LaneVectors& by, LaneVectors& to, std::size_t begin, std::size_t end)
 {
-    const auto scale = static_cast<float>(factor);
-    for_columns(a.cols(), [&](Index first, Index count) {
-        to.middleCols(first, count) =
-            a.middleCols(first, count) + scale * b.middleCols(first, count);
-    });
+    for (std::size_t i = begin; i < end; ++i)
+        lanes(to)[i] += factor * lanes(by)[i];
 }
 
 /// Conjugate gradients for H s = b, their vectors kept from one call to the next.
@@ -49,40 +43,42 @@ public:
     };
 
     /// Starts from s = 0.
+    /// @param b  Ends as the residual.
     Solution solve(GaussNewtonOperator& matrix, const SinglePrecisionSolve& preconditioner,
-                   const LaneVectors& b, int max_steps, LaneVectors& s)
+                   LaneVectors& b, int max_steps, LaneVectors& s)
     {
         Solution solution;
         s.setZero(4, b.cols());
-        residual_ = b;
-        double square = 0.0; // of the residual in the norm of the preconditioner
+        direction_.setZero(4, b.cols());
+        double square = 1.0; // of the residual in the norm of the preconditioner
         double first_square = 0.0;
         while (solution.steps < max_steps) {
-            const double last_square = std::exchange(
-                square, preconditioner.solve(residual_, preconditioned_, workspace_));
-            ++solution.steps;
-            if (solution.steps == 1) {
+            const double last_square =
+                std::exchange(square, preconditioner.solve(b, preconditioned_, workspace_));
+            if (++solution.steps == 1)
                 first_square = square;
-                direction_ = preconditioned_;
-            } else {
-                combine(preconditioned_, square / last_square, direction_, direction_);
-            }
             constexpr double rounding = 1e-10; // the residual is 1e-5 of what it was
             if (!(square > rounding * first_square))
                 break;
+            const auto ratio = static_cast<float>(square / last_square);
+            for_columns(b.cols(), [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i)
+                    lanes(direction_)[i] = lanes(preconditioned_)[i] + ratio * lanes(direction_)[i];
+            });
             const double curvature = matrix.apply(direction_, image_);
             if (!(curvature > 0.0))
                 break;
             const double step = square / curvature;
-            combine(s, step, direction_, s);
-            combine(residual_, -step, image_, residual_);
+            for_columns(b.cols(), [&](std::size_t begin, std::size_t end) {
+                add(static_cast<float>(step), direction_, s, begin, end);
+                add(static_cast<float>(-step), image_, b, begin, end);
+            });
             solution.decrease += 0.5 * step * square;
         }
         return solution;
     }
 
 private:
-    LaneVectors residual_;
     LaneVectors preconditioned_;
     LaneVectors direction_;
     LaneVectors image_;
@@ -108,7 +104,7 @@ Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& precon
 
     GaussNewtonOperator matrix(energy);
     ConjugateGradients conjugate_gradients;
-    LaneVectors pull;
+    LaneVectors pull; // then the residual
     LaneVectors step;
     VectorXd next(result.points.size());
     VectorXd next_gradient;
@@ -123,8 +119,8 @@ Descent descend(LengthDihedralEnergy& energy, const SinglePrecisionSolve& precon
         double scale = 1.0;
         double value = result.energy;
         for (int halving = 0; halving < 20; ++halving, scale *= 0.5) {
-            for_columns(step.cols(), [&](Index first, Index count) {
-                for (Index i = first; i < first + count; ++i)
+            for_columns(step.cols(), [&](std::size_t begin, std::size_t end) {
+                for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i)
                     next.segment<3>(3 * i) =
                         result.points.segment<3>(3 * i) +
                         scale * matrix.unit() * step.col(i).head<3>().cast<double>();

@@ -2,9 +2,9 @@
 
 #include "libshape/embedding/gauss_newton_operator.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "libshape/base/threads.h"
 #include "libshape/base/vectorised.h"
@@ -12,7 +12,6 @@
 namespace shape {
 namespace {
 
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr std::size_t grain = 4096;
@@ -38,10 +37,54 @@ using Order = int __attribute__((vector_size(16)));
            __builtin_shuffle(ab, c0, Order{2, 3, 6, 7}) + last;
 }
 
-inline Lanes lanes_of(const Vector3d& v)
+inline Lanes lanes_of(double scale, double x, double y, double z)
 {
-    return Lanes{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]),
-                 0.0F};
+    return Lanes{static_cast<float>(scale * x), static_cast<float>(scale * y),
+                 static_cast<float>(scale * z), 0.0F};
+}
+
+/// Edges or faces are linearised by blocks, one array a number, which the compiler vectorises.
+constexpr int block = 128;
+using Row = double[block];
+
+/// Calls work(first, count) for consecutive blocks of [0, total).
+template <class Work>
+void for_blocks(int total, const Work& work)
+{
+    parallel_for(static_cast<std::size_t>(total), grain, [&](std::size_t begin, std::size_t end) {
+        for (int i = static_cast<int>(begin); i < static_cast<int>(end); i += block)
+            work(i, std::min(block, static_cast<int>(end) - i));
+    });
+}
+
+/// What makes the vectors along edges directions_.
+SHAPE_VECTORISED void edge_scales(int count, double unit, const double* lengths,
+                                  const double* wanted, double* __restrict scales)
+{
+    for (int i = 0; i < count; ++i) {
+        const double weight = stretch_term(lengths[i] / wanted[i] - 1.0).weight;
+        scales[i] = lengths[i] > 0.0 ? std::sqrt(weight) * unit / (lengths[i] * wanted[i]) : 0.0;
+    }
+}
+
+/// Cotangents of the angles at the corners of faces, and stiffness of the edges 0-1, 1-2, 2-0.
+/// @param squares  Of the lengths of these.
+/// @param inverse_areas  1 / twice the areas; 0 where there is none.
+SHAPE_VECTORISED void face_shapes(int count, double scale, const double* inverse_squares,
+                                  const Row* squares, double* __restrict inverse_areas,
+                                  Row* __restrict cotangents, Row* __restrict stiffness)
+{
+    for (int i = 0; i < count; ++i) {
+        const double a = squares[0][i], b = squares[1][i], c = squares[2][i];
+        const double inverse = std::sqrt(inverse_squares[i]);
+        inverse_areas[i] = inverse;
+        cotangents[0][i] = 0.5 * (a + c - b) * inverse;
+        cotangents[1][i] = 0.5 * (a + b - c) * inverse;
+        cotangents[2][i] = 0.5 * (b + c - a) * inverse;
+        stiffness[0][i] = a > 0.0 ? scale / a : 0.0;
+        stiffness[1][i] = b > 0.0 ? scale / b : 0.0;
+        stiffness[2][i] = c > 0.0 ? scale / c : 0.0;
+    }
 }
 
 /// What belongs to the next corner or edge of a face, and to the one after that.
@@ -90,6 +133,53 @@ SHAPE_VECTORISED void lift_faces(std::size_t begin, std::size_t end, const int* 
     }
 }
 
+/// What lifted corners and stretched edges do to a vertex.
+[[gnu::always_inline]] inline Lanes force_at(std::span<const Topology::Spoke> spokes,
+                                             const Lanes& here, const Lanes* normals,
+                                             const Lanes* lifts, const Lanes* directions,
+                                             const Lanes* motion)
+{
+    const auto* const of_corners = reinterpret_cast<const float*>(lifts); // 4 f + corner
+    Lanes bending{};
+    Lanes stretching{};
+    const auto stretch = [&](const Topology::Spoke& spoke) __attribute__((always_inline))
+    {
+        const Lanes& d = directions[spoke.edge];
+        stretching += sum(d * (here - motion[spoke.vertex])) * d;
+    };
+    if (spokes.back().halfedge < 0) { // on the boundary
+        stretch(spokes.back());
+        spokes = spokes.first(spokes.size() - 1);
+    }
+    for (const Topology::Spoke& spoke : spokes) {
+        const auto h = static_cast<unsigned>(spoke.halfedge);
+        bending += of_corners[h + h / 3] * normals[h / 3];
+        stretch(spoke);
+    }
+    return bending + stretching;
+}
+
+/// Forces at vertices.
+/// @return The sum of force . motion.
+SHAPE_VECTORISED double gather_forces(std::size_t begin, std::size_t end, const Topology& topology,
+                                      const Lanes* normals, const Lanes* lifts,
+                                      const Lanes* directions, const Lanes* motion, Lanes* forces)
+{
+    double square = 0.0;
+    for (std::size_t first = begin; first < end; first += short_sum) {
+        Lanes products{};
+        for (std::size_t v = first; v < std::min(first + short_sum, end); ++v) {
+            const Lanes here = motion[v];
+            const Lanes force = force_at(topology.spokes(static_cast<int>(v)), here, normals, lifts,
+                                         directions, motion);
+            forces[v] = force;
+            products += here * force;
+        }
+        square += lane_sum(products);
+    }
+    return square;
+}
+
 } // namespace
 
 GaussNewtonOperator::GaussNewtonOperator(const LengthDihedralEnergy& energy)
@@ -107,45 +197,49 @@ GaussNewtonOperator::GaussNewtonOperator(const LengthDihedralEnergy& energy)
 void GaussNewtonOperator::linearise(const VectorXd& points)
 {
     const Topology& t = energy_.topology();
-    const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
-    const VectorXd& wanted = energy_.target().edge_lengths;
-    Lanes* const normals = shape::lanes(normals_);
+    const VectorXd& lengths = energy_.lengths();
     Lanes* const directions = shape::lanes(directions_);
-    parallel_for(static_cast<std::size_t>(t.edge_count()), grain,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (auto e = static_cast<int>(begin); e < static_cast<int>(end); ++e) {
-                         const Vector3d along = point(t.edges()(e, 1)) - point(t.edges()(e, 0));
-                         const double length = along.norm();
-                         const double weight = stretch_term(length / wanted[e] - 1.0).weight;
-                         const double scale =
-                             length > 0.0 ? std::sqrt(weight) * unit_ / (length * wanted[e]) : 0.0;
-                         directions[e] = lanes_of(scale * along);
-                     }
-                 });
-    const double scale = energy_.smoothness() * unit_ * unit_;
+    for_blocks(t.edge_count(), [&](int first, int count) {
+        Row scales{};
+        edge_scales(count, unit_, lengths.data() + first,
+                    energy_.target().edge_lengths.data() + first, scales);
+        for (int i = 0; i < count; ++i) {
+            const double* const from = points.data() + 3 * t.edges()(first + i, 0);
+            const double* const to = points.data() + 3 * t.edges()(first + i, 1);
+            directions[first + i] =
+                lanes_of(scales[i], to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+        }
+    });
+    Lanes* const normals = shape::lanes(normals_);
     Lanes* const cotangents = shape::lanes(cotangents_);
     Lanes* const stiffness = shape::lanes(stiffness_);
-    parallel_for(
-        static_cast<std::size_t>(t.face_count()), grain, [&](std::size_t begin, std::size_t end) {
-            for (auto f = static_cast<int>(begin); f < static_cast<int>(end); ++f) {
-                const Vector3d p = point(t.faces()(f, 0));
-                const Vector3d q = point(t.faces()(f, 1));
-                const Vector3d r = point(t.faces()(f, 2));
-                const Vector3d a = q - p, b = r - q, c = p - r;
-                const Vector3d normal = b.cross(c);
-                const double area2 = normal.norm();
-                const double inverse = area2 > 0.0 ? 1.0 / area2 : 0.0;
-                normals[f] = lanes_of(inverse * normal);
-                cotangents[f] = lanes_of(-inverse * Vector3d(c.dot(a), a.dot(b), b.dot(c)));
-                const auto stiff = [&](int e, double square) {
-                    return square > 0.0 && !t.is_boundary_edge(t.face_edges()(f, e))
-                               ? scale / square
-                               : 0.0;
-                };
-                stiffness[f] = lanes_of({stiff(0, a.squaredNorm()), stiff(1, b.squaredNorm()),
-                                         stiff(2, c.squaredNorm())});
+    const double scale = energy_.smoothness() * unit_ * unit_;
+    for_blocks(t.face_count(), [&](int first, int count) {
+        Row squares[3]{};
+        Row inverse_areas{};
+        Row cot[3]{};
+        Row stiff[3]{};
+        for (int i = 0; i < count; ++i)
+            for (int k = 0; k < 3; ++k) {
+                const double length = lengths[t.face_edges()(first + i, k)];
+                squares[k][i] = length * length;
             }
-        });
+        face_shapes(count, scale, energy_.inverse_squares().data() + first, squares, inverse_areas,
+                    cot, stiff);
+        for (int i = 0; i < count; ++i) {
+            const int f = first + i;
+            const double* const n = energy_.normals().data() + 3 * f;
+            normals[f] = lanes_of(inverse_areas[i], n[0], n[1], n[2]);
+            cotangents[f] = lanes_of(1.0, cot[0][i], cot[1][i], cot[2][i]);
+            stiffness[f] = lanes_of(1.0, stiff[0][i], stiff[1][i], stiff[2][i]);
+        }
+    });
+    if (!t.is_closed())
+        for (int e = 0; e < t.edge_count(); ++e)
+            if (t.is_boundary_edge(e)) {
+                const int h = t.edge_halfedges()(e, 0);
+                stiffness[h / 3][h % 3] = 0.0F;
+            }
 }
 
 double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
@@ -164,40 +258,12 @@ double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
         lift_faces(begin, end, t.opposites().data(), shape::lanes(stiffness_),
                    shape::lanes(cotangents_), shape::lanes(bends_), shape::lanes(lifts_));
     });
-    const int* const face_edges = t.face_edges().data();
-    const Lanes* const directions = shape::lanes(directions_);
-    const float* const lifts = lifts_.data(); // 4 f + corner
-    Lanes* const forces = shape::lanes(product);
-    return parallel_sum(
-        static_cast<std::size_t>(t.vertex_count()), grain / 2,
-        [&](std::size_t begin, std::size_t end) {
-            double square = 0.0;
-            for (std::size_t first = begin; first < end; first += short_sum) {
-                Lanes products{};
-                for (std::size_t i = first; i < std::min(first + short_sum, end); ++i) {
-                    const Lanes here = motion[i];
-                    Lanes bending{};
-                    Lanes stretching{};
-                    const auto pull = [&](int e, int there) {
-                        const Lanes& d = directions[e];
-                        stretching += sum(d * (here - motion[there])) * d;
-                    };
-                    const auto outgoing = t.outgoing(static_cast<int>(i));
-                    for (const int h : outgoing) {
-                        bending += lifts[h + h / 3] * normals[h / 3];
-                        pull(face_edges[h], faces[Topology::next(h)]);
-                    }
-                    if (t.is_boundary_vertex(static_cast<int>(i))) { // the other edge comes in
-                        const int h = Topology::previous(outgoing.back());
-                        pull(face_edges[h], faces[h]);
-                    }
-                    forces[i] = bending + stretching;
-                    products += here * forces[i];
-                }
-                square += lane_sum(products);
-            }
-            return square;
-        });
+    return parallel_sum(static_cast<std::size_t>(t.vertex_count()), grain / 2,
+                        [&](std::size_t begin, std::size_t end) {
+                            return gather_forces(begin, end, t, normals, shape::lanes(lifts_),
+                                                 shape::lanes(directions_), motion,
+                                                 shape::lanes(product));
+                        });
 }
 
 } // namespace shape

@@ -24,7 +24,7 @@ public:
     explicit GaussNewtonOperator(const LengthDihedralEnergy& energy);
 
     /// Sets the mesh. A face without area bends nothing.
-    /// @param points  #V by 3, row by row in one vector [length].
+    /// @param points  Those of the last evaluate() of the energy, which keeps lengths and normals.
     /// Cost: O(#E).
     void linearise(const Eigen::VectorXd& points);
 

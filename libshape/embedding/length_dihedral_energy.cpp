@@ -91,38 +91,28 @@ SHAPE_VECTORISED void bends(int count, const Vectors& p, const Vectors& q, const
     }
 }
 
-/// What every edge adds to the energy, half of dE/dl / l, and dE/dtheta in the place of
-/// theta - theta*.
+/// What every edge adds to the energy, dE/dl / l, and dE/dtheta in the place of theta - theta*.
 SHAPE_VECTORISED void edge_terms(int count, double smoothness, const double* lengths,
                                  const double* inverse_lengths, double* __restrict energies,
-                                 double* __restrict half_pulls, double* __restrict angles)
+                                 double* __restrict pulls, double* __restrict angles)
 {
     for (int i = 0; i < count; ++i) {
         const double strain = lengths[i] * inverse_lengths[i] - 1.0;
         const auto [value, weight] = stretch_term(strain);
         energies[i] = value + smoothness * angles[i] * angles[i];
-        half_pulls[i] = lengths[i] > 0.0 ? weight * strain * inverse_lengths[i] / lengths[i] : 0.0;
+        pulls[i] = lengths[i] > 0.0 ? 2.0 * weight * strain * inverse_lengths[i] / lengths[i] : 0.0;
         angles[i] *= 2.0 * smoothness;
     }
 }
 
-/// Corners of faces; of edge quantities x, y, z belong to the edges 0-1, 1-2, 2-0.
-struct Corners
-{
-    Vectors a{}, b{}, c{};
-};
-
-/// The gradient that every face adds at its corners.
+/// What the angles of every face add to the gradient at its corners, as multiples of its normal; of
+/// edge quantities x, y, z belong to the edges 0-1, 1-2, 2-0.
 ///
 /// Over edge i-j with opposite corner m, d theta / d x_m = -l n / |n|^2, and i and j share the
 /// opposite of it in proportion to where the foot of m lies.
-SHAPE_VECTORISED void corner_gradients(int count, const Corners& at, const Vectors& normal,
-                                       const double* inverse_squares, const Vectors& lengths,
-                                       const Vectors& moments, const Vectors& pulls,
-                                       Corners& __restrict gradient)
+SHAPE_VECTORISED void corner_lifts(int count, const double* inverse_squares, const Vectors& lengths,
+                                   const Vectors& moments, Vectors& __restrict lifts)
 {
-    const auto& [p, q, r] = at;
-    auto& [gp, gq, gr] = gradient;
     for (int i = 0; i < count; ++i) {
         const double a = lengths.x[i], b = lengths.y[i], c = lengths.z[i];
         const double u = moments.x[i], v = moments.y[i], w = moments.z[i];
@@ -131,21 +121,38 @@ SHAPE_VECTORISED void corner_gradients(int count, const Corners& at, const Vecto
         const double foot_a = a > 0.0 ? 0.5 * (aa + cc - bb) / a : 0.0;
         const double foot_b = b > 0.0 ? 0.5 * (bb + aa - cc) / b : 0.0;
         const double foot_c = c > 0.0 ? 0.5 * (cc + bb - aa) / c : 0.0;
-        const double mp = inverse_squares[i] * (u * (a - foot_a) - v * b + w * foot_c);
-        const double mq = inverse_squares[i] * (v * (b - foot_b) - w * c + u * foot_a);
-        const double mr = inverse_squares[i] * (w * (c - foot_c) - u * a + v * foot_b);
-        const auto along = [&](double np, const Row& x, const Row& y, const Row& z, Row& gx,
-                               Row& gy, Row& gz) {
-            const double xy = pulls.x[i] * (x[i] - y[i]);
-            const double yz = pulls.y[i] * (y[i] - z[i]);
-            const double zx = pulls.z[i] * (z[i] - x[i]);
-            gx[i] = mp * np + xy - zx;
-            gy[i] = mq * np + yz - xy;
-            gz[i] = mr * np + zx - yz;
-        };
-        along(normal.x[i], p.x, q.x, r.x, gp.x, gq.x, gr.x);
-        along(normal.y[i], p.y, q.y, r.y, gp.y, gq.y, gr.y);
-        along(normal.z[i], p.z, q.z, r.z, gp.z, gq.z, gr.z);
+        lifts.x[i] = inverse_squares[i] * (u * (a - foot_a) - v * b + w * foot_c);
+        lifts.y[i] = inverse_squares[i] * (v * (b - foot_b) - w * c + u * foot_a);
+        lifts.z[i] = inverse_squares[i] * (w * (c - foot_c) - u * a + v * foot_b);
+    }
+}
+
+/// The gradient at vertices [begin, end), from lifts of corners and pulls of edges.
+SHAPE_VECTORISED void gather_gradient(int begin, int end, const Topology& topology,
+                                      const double* points, const double* normals,
+                                      const double* lifts, const double* pulls,
+                                      double* __restrict gradient)
+{
+    for (int v = begin; v < end; ++v) {
+        const double* const here = points + 3 * v;
+        double x = 0.0, y = 0.0, z = 0.0;
+        for (const Topology::Spoke& spoke : topology.spokes(v)) {
+            const double* const there = points + 3 * spoke.vertex;
+            const double pull = pulls[spoke.edge];
+            x += pull * (here[0] - there[0]);
+            y += pull * (here[1] - there[1]);
+            z += pull * (here[2] - there[2]);
+            if (spoke.halfedge < 0)
+                break;
+            const double* const normal = normals + 3 * (spoke.halfedge / 3);
+            const double lift = lifts[spoke.halfedge];
+            x += lift * normal[0];
+            y += lift * normal[1];
+            z += lift * normal[2];
+        }
+        gradient[3 * v] = x;
+        gradient[3 * v + 1] = y;
+        gradient[3 * v + 2] = z;
     }
 }
 
@@ -186,27 +193,22 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
     const Topology& t = topology_;
     const int* const faces = t.faces().data();
     const int* const face_edges = t.face_edges().data();
-    const auto gather_corners = [&](int first, int count, Corners& at) {
-        for (int i = 0; i < count; ++i) {
-            const int* const face = faces + 3 * (first + i);
-            at.a.set(i, points.data() + 3 * face[0]);
-            at.b.set(i, points.data() + 3 * face[1]);
-            at.c.set(i, points.data() + 3 * face[2]);
-        }
-    };
-
     normals_.resize(t.face_count(), 3);
     inverse_squares_.resize(t.face_count());
     for_blocks(t.face_count(), [&](int first, int count) {
-        Corners at;
-        gather_corners(first, count, at);
-        Vectors normal{};
-        normals_of(count, at.a, at.b, at.c, normal, inverse_squares_.data() + first);
+        Vectors p{}, q{}, r{}, normal{};
+        for (int i = 0; i < count; ++i) {
+            const int* const face = faces + 3 * (first + i);
+            p.set(i, points.data() + 3 * face[0]);
+            q.set(i, points.data() + 3 * face[1]);
+            r.set(i, points.data() + 3 * face[2]);
+        }
+        normals_of(count, p, q, r, normal, inverse_squares_.data() + first);
         for (int i = 0; i < count; ++i)
             normal.get(i, normals_.data() + 3 * (first + i));
     });
 
-    for (VectorXd* const of_edges : {&lengths_, &energies_, &half_pulls_, &moments_})
+    for (VectorXd* const of_edges : {&lengths_, &energies_, &pulls_, &moments_})
         of_edges->resize(t.edge_count());
     for_blocks(t.edge_count(), [&](int first, int count) {
         Vectors p{}, q{}, left{}, right{};
@@ -225,44 +227,28 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
         double* const angles = moments_.data() + first;
         vector_angles(sines, cosines, static_cast<std::size_t>(count), angles);
         edge_terms(count, smoothness_, lengths_.data() + first, inverse_lengths_.data() + first,
-                   energies_.data() + first, half_pulls_.data() + first, angles);
-        for (int e = first; e < first + count; ++e)
-            if (t.is_boundary_edge(e))
-                half_pulls_[e] *= 2.0; // it has one face
+                   energies_.data() + first, pulls_.data() + first, angles);
     });
 
-    at_corners_.resize(t.halfedge_count(), 3);
+    lifts_.resize(t.halfedge_count());
     for_blocks(t.face_count(), [&](int first, int count) {
-        Corners at, sum;
-        Vectors normal{}, length{}, moment{}, pull{};
-        gather_corners(first, count, at);
+        Vectors length{}, moment{}, lift{};
         for (int i = 0; i < count; ++i) {
             const int* const e = face_edges + 3 * (first + i);
-            normal.set(i, normals_.data() + 3 * (first + i));
             length.set(i, lengths_[e[0]], lengths_[e[1]], lengths_[e[2]]);
             moment.set(i, moments_[e[0]], moments_[e[1]], moments_[e[2]]);
-            pull.set(i, half_pulls_[e[0]], half_pulls_[e[1]], half_pulls_[e[2]]);
         }
-        corner_gradients(count, at, normal, inverse_squares_.data() + first, length, moment, pull,
-                         sum);
-        for (int i = 0; i < count; ++i) {
-            double* const corners = at_corners_.data() + 9 * (first + i);
-            sum.a.get(i, corners);
-            sum.b.get(i, corners + 3);
-            sum.c.get(i, corners + 6);
-        }
+        corner_lifts(count, inverse_squares_.data() + first, length, moment, lift);
+        for (int i = 0; i < count; ++i)
+            lift.get(i, lifts_.data() + 3 * (first + i));
     });
 
     gradient.resize(points.size());
-    parallel_for(static_cast<std::size_t>(t.vertex_count()), 2048,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
-                         Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-                         for (const int h : t.outgoing(v))
-                             sum += at_corners_.row(h);
-                         gradient.segment<3>(3 * v) = sum.transpose();
-                     }
-                 });
+    parallel_for(
+        static_cast<std::size_t>(t.vertex_count()), 2048, [&](std::size_t begin, std::size_t end) {
+            gather_gradient(static_cast<int>(begin), static_cast<int>(end), t, points.data(),
+                            normals_.data(), lifts_.data(), pulls_.data(), gradient.data());
+        });
     return parallel_sum(static_cast<std::size_t>(t.edge_count()), 16 * block,
                         [&](std::size_t begin, std::size_t end) {
                             return std::accumulate(energies_.data() + begin, energies_.data() + end,

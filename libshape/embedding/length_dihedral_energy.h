@@ -47,6 +47,11 @@ public:
     /// Cost: O(#E). Works in memory that is kept: not safe to call concurrently.
     [[nodiscard]] double evaluate(const Eigen::VectorXd& points, Eigen::VectorXd& gradient);
 
+    // Of the last evaluate():
+    [[nodiscard]] const Eigen::VectorXd& lengths() const { return lengths_; }
+    [[nodiscard]] const Points& normals() const { return normals_; } ///< As long as twice the area.
+    [[nodiscard]] const Eigen::VectorXd& inverse_squares() const { return inverse_squares_; }
+
     [[nodiscard]] const Topology& topology() const { return topology_; }
     [[nodiscard]] const ShapePoint& target() const { return target_; }
     [[nodiscard]] double smoothness() const { return smoothness_; }
@@ -61,12 +66,12 @@ private:
 
     // What evaluate() works in. Pages that are asked for anew at every step cost more than the work.
     Points normals_;                  // of the faces, as long as twice the area
-    Eigen::VectorXd inverse_squares_; // of the normals
+    Eigen::VectorXd inverse_squares_; // of the normals; 0 where there is no area
     Eigen::VectorXd lengths_;
-    Eigen::VectorXd energies_;   // of the edges
-    Eigen::VectorXd half_pulls_; // dE/dl / 2 l; twice that on the boundary
-    Eigen::VectorXd moments_;    // dE/dtheta
-    Points at_corners_;          // what every half-edge adds to the gradient at its source
+    Eigen::VectorXd energies_; // of the edges
+    Eigen::VectorXd pulls_;    // dE/dl / l
+    Eigen::VectorXd moments_;  // dE/dtheta
+    Eigen::VectorXd lifts_;    // what angles add to the gradient at every corner, over the normal
 };
 
 } // namespace shape

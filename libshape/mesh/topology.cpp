@@ -137,19 +137,34 @@ Topology::Topology(const Faces& faces, int vertex_count)
         }
     tables->ring_begins.reserve(static_cast<std::size_t>(vertex_count) + 1);
     tables->rings.reserve(static_cast<std::size_t>(3 * faces.rows()));
+    tables->spoke_begins.reserve(static_cast<std::size_t>(vertex_count) + 1);
+    tables->spokes.reserve(2 * static_cast<std::size_t>(tables->edges.rows()));
+    const auto corner = [&](const Faces& of_halfedges, int h) {
+        return of_halfedges(h / 3, h % 3);
+    };
     for (int v = 0; v < vertex_count; ++v) {
         tables->ring_begins.push_back(static_cast<int>(tables->rings.size()));
+        tables->spoke_begins.push_back(static_cast<int>(tables->spokes.size()));
         int h = first[static_cast<std::size_t>(v)];
+        int in = 0;
         do {
             tables->rings.push_back(h);
-            h = tables->opposites[static_cast<std::size_t>(previous(h))];
+            tables->spokes.push_back({h, corner(tables->face_edges, h), corner(faces, next(h))});
+            in = previous(h);
+            h = tables->opposites[static_cast<std::size_t>(in)];
         } while (h >= 0 && h != first[static_cast<std::size_t>(v)]);
+        if (h < 0)
+            tables->spokes.push_back({-1, corner(tables->face_edges, in), corner(faces, in)});
     }
     tables->ring_begins.push_back(static_cast<int>(tables->rings.size()));
+    tables->spoke_begins.push_back(static_cast<int>(tables->spokes.size()));
     tables_ = std::move(tables);
 }
 
-int Topology::euler_characteristic() const { return vertex_count() - edge_count() + face_count(); }
+int Topology::euler_characteristic() const
+{
+    return vertex_count() - edge_count() + face_count();
+}
 
 int Topology::genus() const
 {
@@ -168,7 +183,8 @@ int Topology::find_edge(int a, int b) const
         else
             high = middle;
     }
-    const bool found = low < edge_count() && edges()(low, 0) == key.first && edges()(low, 1) == key.second;
+    const bool found =
+        low < edge_count() && edges()(low, 0) == key.first && edges()(low, 1) == key.second;
     return found ? low : -1;
 }
 

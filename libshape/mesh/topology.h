@@ -66,6 +66,22 @@ public:
                 tables_->rings.data() + begins[index(vertex) + 1]};
     }
 
+    /// An edge seen from one of its ends.
+    struct Spoke
+    {
+        int halfedge; ///< Away from that end; -1 where there is none.
+        int edge;
+        int vertex; ///< Its other end.
+    };
+    /// All edges at a vertex in the order of outgoing(); at a boundary vertex the last one is that
+    /// which has only a half-edge that comes in.
+    [[nodiscard]] std::span<const Spoke> spokes(int vertex) const
+    {
+        const std::vector<int>& begins = tables_->spoke_begins;
+        return {tables_->spokes.data() + begins[index(vertex)],
+                tables_->spokes.data() + begins[index(vertex) + 1]};
+    }
+
     [[nodiscard]] bool is_boundary_vertex(int vertex) const
     {
         return tables_->on_boundary[index(vertex)] != 0;
@@ -93,6 +109,8 @@ private:
         std::vector<int> opposites;    // per half-edge
         std::vector<int> ring_begins;  // per vertex + 1, into rings
         std::vector<int> rings;        // half-edges, see outgoing()
+        std::vector<int> spoke_begins; // per vertex + 1, into spokes
+        std::vector<Spoke> spokes;
         std::vector<char> on_boundary; // per vertex
         int boundary_loop_count = 0;
     };

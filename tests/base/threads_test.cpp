@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "libshape/base/error.h"
@@ -87,6 +89,42 @@ TEST(ParallelFor, RunsNestedCalls)
     });
     for (const auto& visit : visits)
         EXPECT_EQ(visit, 1);
+}
+
+TEST(ParallelFor, RunsLoopsOfSeveralThreadsAtOnce)
+{
+    const test::ThreadScope scope(3);
+    constexpr std::size_t callers = 4;
+    constexpr std::size_t rounds = 200;
+    constexpr std::size_t items = 50;
+    std::vector<std::atomic<std::size_t>> visits(callers * items);
+    std::vector<std::thread> threads;
+    for (std::size_t caller = 0; caller < callers; ++caller)
+        threads.emplace_back([&visits, caller] {
+            for (std::size_t round = 0; round < rounds; ++round)
+                parallel_for(items, 4, [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t i = begin; i < end; ++i)
+                        ++visits[caller * items + i];
+                });
+        });
+    for (std::thread& thread : threads)
+        thread.join();
+    for (const auto& visit : visits)
+        EXPECT_EQ(visit, rounds);
+}
+
+TEST(ParallelFor, WorksOnAfterAPauseAndWithAnotherNumberOfThreads)
+{
+    for (const int threads : {2, 5, 1, 3}) {
+        const test::ThreadScope scope(threads);
+        for (int round = 0; round < 3; ++round) {
+            std::atomic<std::size_t> visits = 0;
+            parallel_for(100, 3,
+                         [&](std::size_t begin, std::size_t end) { visits += end - begin; });
+            EXPECT_EQ(visits, 100u);
+            std::this_thread::sleep_for(std::chrono::milliseconds(2)); // helpers fall asleep
+        }
+    }
 }
 
 TEST(ParallelSum, HasTheSameBitsForAnyThreadCount)

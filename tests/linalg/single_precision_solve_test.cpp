@@ -64,21 +64,47 @@ TEST(SinglePrecisionSolve, SolvesAsExactlyAsFloatAllows)
             }
             const SinglePrecisionSolve solve{SparseCholesky(matrix, ordering)};
             LaneVectors found;
-            solve.solve(columns_of(rhs), found);
+            LaneVectors workspace;
+            const double product = solve.solve(columns_of(rhs), found, workspace);
             EXPECT_LT((found - columns_of(solution)).norm(), 1e-4 * solution.norm());
+            EXPECT_NEAR(product, rhs.dot(solution), 1e-4 * rhs.dot(solution));
 
             const test::ThreadScope threads(3);
             LaneVectors again;
-            solve.solve(columns_of(rhs), again);
+            EXPECT_EQ(solve.solve(columns_of(rhs), again, workspace), product);
             EXPECT_EQ(found, again);
         }
+}
+
+TEST(SinglePrecisionSolve, SolvesWhereTheGraphFallsIntoPieces)
+{
+    constexpr int side = 90; // each in subtrees of its own
+    const SparseMatrix one = grid_matrix(side, 5);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int c = 0; c < one.cols(); ++c)
+        for (SparseMatrix::InnerIterator i(one, c); i; ++i)
+            for (const int shift : {0, side * side})
+                entries.emplace_back(static_cast<int>(i.row()) + shift, c + shift, i.value());
+    SparseMatrix two(2 * side * side, 2 * side * side);
+    two.setFromTriplets(entries.begin(), entries.end());
+    Random random(6);
+    LaneVectors rhs = LaneVectors::NullaryExpr(
+        4, two.cols(), [&] { return static_cast<float>(random.uniform(-1.0, 1.0)); });
+    rhs.row(3).setZero();
+    LaneVectors found;
+    LaneVectors workspace;
+    SinglePrecisionSolve{SparseCholesky(two)}.solve(rhs, found, workspace);
+    const Eigen::MatrixXd back =
+        two.selfadjointView<Eigen::Lower>() * found.transpose().cast<double>();
+    EXPECT_LT((back.transpose() - rhs.cast<double>()).norm(), 1e-4 * rhs.norm());
 }
 
 TEST(SinglePrecisionSolve, RefusesAnotherSizeAndFactorsWithoutSupernodes)
 {
     const SinglePrecisionSolve solve{SparseCholesky(grid_matrix(3, 1))};
     LaneVectors found;
-    EXPECT_THROW(solve.solve(LaneVectors::Ones(4, 8), found), InvalidInput);
+    LaneVectors workspace;
+    EXPECT_THROW(solve.solve(LaneVectors::Ones(4, 8), found, workspace), InvalidInput);
     EXPECT_THROW(SinglePrecisionSolve(SparseCholesky(grid_matrix(3, 1), Ordering::MinimumDegree)),
                  InvalidInput);
 }

@@ -50,6 +50,26 @@ TEST(Topology, TablesAgreeWithEachOther)
     }
 }
 
+TEST(Topology, SpokesAreTheEdgesAtAVertex)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        SCOPED_TRACE(mesh.name);
+        const Topology& t = mesh.topology;
+        std::vector<int> ends(static_cast<std::size_t>(t.edge_count()), 0);
+        for (int v = 0; v < t.vertex_count(); ++v) {
+            const auto outgoing = t.outgoing(v);
+            const auto spokes = t.spokes(v);
+            ASSERT_EQ(spokes.size(), outgoing.size() + (t.is_boundary_vertex(v) ? 1 : 0));
+            for (std::size_t i = 0; i < spokes.size(); ++i) {
+                EXPECT_EQ(spokes[i].halfedge, i < outgoing.size() ? outgoing[i] : -1);
+                EXPECT_EQ(spokes[i].edge, t.find_edge(v, spokes[i].vertex));
+                ++ends[static_cast<std::size_t>(spokes[i].edge)];
+            }
+        }
+        EXPECT_EQ(ends, std::vector<int>(ends.size(), 2));
+    }
+}
+
 TEST(Topology, OutgoingTurnsCounterClockwiseSeenFromOutside)
 {
     const test::TestMesh mesh = test::icosphere(1);
