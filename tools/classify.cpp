@@ -172,8 +172,8 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_classify(CLI::App& command)
 {
     command.description(
-        "Can the groups be told apart in meshes that were not learnt from? Every mesh is assigned\n"
-        "to a group by linear discriminants of its scores in the leading modes; mean, modes and\n"
+        "Tell groups apart in meshes that were not learnt from. Every mesh is assigned to a group\n"
+        "by linear discriminants of its scores in the leading modes; mean, modes and\n"
         "discriminants are found anew without the meshes that are left out with it. (Alignment of\n"
         "--space procrustes and --area-weighted know all shapes, but no label.)");
     command.footer(

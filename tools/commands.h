@@ -33,6 +33,7 @@ using Run = std::function<void(const Session&)>;
 [[nodiscard]] Run set_up_reconstruct(CLI::App& command);
 [[nodiscard]] Run set_up_regress(CLI::App& command);
 [[nodiscard]] Run set_up_remove(CLI::App& command);
+[[nodiscard]] Run set_up_report(CLI::App& command);
 [[nodiscard]] Run set_up_stats(CLI::App& command);
 [[nodiscard]] Run set_up_synth(CLI::App& command);
 

@@ -183,11 +183,9 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_draw(CLI::App& command)
 {
     command.description(
-        "Draw meshes side by side in one picture, all from one side, at one scale, each moved "
-        "rigidly\n"
-        "onto the first. SVG has the names below the meshes and room for a plot of scores; PNG "
-        "has\n"
-        "the meshes alone.");
+        "Draw meshes side by side in one picture: all from one side, at one scale, each moved\n"
+        "rigidly onto the first. SVG has the names below the meshes and room for a plot of\n"
+        "scores; PNG has the meshes alone.");
     command.footer(
         "Example:\n  shape draw mean.ply mode1/ --columns 3 -o modes.svg\n"
         "  shape draw mode1/ mode2/ --scores scores.csv --color-by expression -o overview.svg\n"

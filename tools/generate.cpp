@@ -21,6 +21,7 @@ namespace shape::tools {
 namespace {
 
 constexpr std::int64_t most_meshes = 1'000'000;
+constexpr double most_sigma = 1000.0; ///< [standard deviations]
 
 struct Arguments
 {
@@ -58,12 +59,19 @@ double size_of(const ShapeModel& model, const Arguments& arguments)
 std::vector<double> sigma_values(const std::string& text)
 {
     const std::vector<std::string> parts = split(text, ':');
+    const auto sigma = [](const std::string& part) {
+        const double value = read_number(part, "--sigma");
+        if (std::abs(value) > most_sigma)
+            throw UsageError(
+                join("--sigma: ", part, " is out of range [-", most_sigma, ", ", most_sigma, "]"));
+        return value;
+    };
     if (parts.size() == 1)
-        return {read_number(parts[0], "--sigma")};
+        return {sigma(parts[0])};
     if (parts.size() != 3)
         throw UsageError(join("--sigma: '", text, "' must be A:B:N or one number"));
-    const double from = read_number(parts[0], "--sigma");
-    const double to = read_number(parts[1], "--sigma");
+    const double from = sigma(parts[0]);
+    const double to = sigma(parts[1]);
     const double count = read_number(parts[2], "--sigma");
     if (count != std::floor(count) || count < 2 || count > static_cast<double>(most_meshes))
         throw UsageError(join("--sigma: the number of steps ", parts[2],
@@ -223,11 +231,9 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_generate(CLI::App& command)
 {
     command.description(
-        "Make meshes from points of a model, in the space it was fitted in: its mean, points "
-        "along\n"
-        "a mode, given scores, or seeded samples. Points of Procrustes space are meshes already:\n"
-        "the embedding options do not touch them. Choose exactly one of --mean, --mode, --scores, "
-        "--scores-file, --sample.");
+        "Make meshes from points of a model, in the space it was fitted in: its mean, points\n"
+        "along a mode, given scores, or seeded samples. Points of Procrustes space are meshes\n"
+        "already: the embedding options do not touch them.");
     command.footer(
         "Examples:\n"
         "  shape generate model.h5 -o mean.ply --mean\n"

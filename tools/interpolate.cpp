@@ -154,9 +154,8 @@ Run set_up_interpolate(CLI::App& command)
 {
     command.description(
         "Blend two or more meshes in edge-length space, at single places or along a path. Each\n"
-        "blend is written as a mesh (frame_0000.ply, frame_0001.ply, ...); the first is turned "
-        "and\n"
-        "placed as the first mesh is, each further frame of a path as the one before it.");
+        "blend is written as a mesh (frame_0000.ply, frame_0001.ply, ...); the first is turned\n"
+        "and placed as the first mesh is, each further frame of a path as the one before it.");
     command.footer(
         "Examples:\n"
         "  shape interpolate a.ply b.ply -o frames/ --frames 11\n"

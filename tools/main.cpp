@@ -45,6 +45,7 @@ constexpr Command commands[] = {
     {"reconstruct", set_up_reconstruct},
     {"conformal", set_up_conformal},
     {"draw", set_up_draw},
+    {"report", set_up_report},
     {"synth", set_up_synth},
 };
 

@@ -229,9 +229,8 @@ Run set_up_quality(CLI::App& command)
         "meshes. Compactness: the share of the variance. Generalisation: the distance of meshes\n"
         "that were left out to their reconstructions by a model of the others. Specificity: the\n"
         "distance of random meshes of the model to the nearest mesh. Distances are RMS distances\n"
-        "of vertices after rigid alignment [unit of the input] and RMS differences of edge "
-        "lengths\n"
-        "over the mean length; for unit scale both meshes are brought to one size before.");
+        "of vertices after rigid alignment [unit of the input] and RMS differences of edge\n"
+        "lengths over the mean length; for unit scale both meshes are brought to one size before.");
     command.footer(
         "Example:\n"
         "  shape quality faces.h5 -o quality.csv --plot quality.svg --leave-out subject");

@@ -214,6 +214,7 @@ void measure_specificity(const Collection& collection, const Ruler& ruler,
                          const std::vector<Points>& meshes, Index counts, ModelQuality& quality)
 {
     std::vector<Measured> samples;
+    samples.reserve(meshes.size());
     for (const Points& points : meshes)
         samples.push_back(ruler(points));
     const auto total = static_cast<Index>(samples.size());

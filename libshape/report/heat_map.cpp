@@ -94,7 +94,8 @@ struct Legend
 
     [[nodiscard]] double height() const
     {
-        return legend_row * static_cast<double>((values.size() + columns - 1) / columns);
+        const std::size_t rows = (values.size() + columns - 1) / columns;
+        return legend_row * static_cast<double>(rows);
     }
 };
 
@@ -123,8 +124,9 @@ void draw_labels(Svg& svg, const HeatMap& map, const Legend& legend, double left
                       category_colour(category(map.label_values[thing])));
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::size_t row = i / legend.columns;
         const double x = left + legend.pitch * static_cast<double>(i % legend.columns);
-        const double y = bottom + legend_row * static_cast<double>(i / legend.columns);
+        const double y = bottom + legend_row * static_cast<double>(row);
         svg.rectangle(x, y - 5.0, 10.0, 10.0, category_colour(i));
         svg.text(x + 16.0, y + 4.0, values[i]);
     }

@@ -69,7 +69,7 @@ void draw_colour_bar(Svg& svg, const Picture::ColourBar& bar, double middle, dou
     for (int y = 0; y < swatch.height; ++y)
         swatch.paste(colours, 0, y);
     const auto number = [](double value) {
-        std::array<char, 32> digits;
+        std::array<char, 32> digits{};
         const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
                                        std::chars_format::general, 3);
         return std::string(digits.data(), end.ptr);
@@ -107,7 +107,7 @@ Picture draw_collection(const Collection& collection, const PictureOptions& opti
         const Points moved = best_rigid_motion(points, onto)(points);
         if (options.is_sequence)
             onto = moved;
-        seen.push_back(moved * rotation.transpose());
+        seen.emplace_back(moved * rotation.transpose());
         low = low.cwiseMin(seen.back().colwise().minCoeff());
         high = high.cwiseMax(seen.back().colwise().maxCoeff());
     }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -20,7 +21,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using std::numbers::pi;
 
-constexpr int samples = 3; ///< A pixel is the mean of samples by samples.
+constexpr int samples = 3;           ///< A pixel is the mean of samples by samples.
+constexpr int buffer_size = 1 << 22; ///< Samples at once; images of more are made in bands.
 
 Eigen::Matrix3d rotation_towards(const Vector3d& viewer, const Vector3d& right)
 {
@@ -78,24 +80,31 @@ std::vector<Light> studio()
 
 // --- Rasterisation --------------------------------------------------------------------------------
 
-/// Calls hit(x, y, weights) for every sample of the grid whose centre lies in the triangle.
+/// Rows of samples, from the upper edge of an image.
+struct Rows
+{
+    int begin = 0;
+    int end = 0;
+};
+
+/// Calls hit(x, y, weights) for every sample in these rows whose centre lies in the triangle.
 template <class Hit>
-void rasterise(const std::array<Vector3f, 3>& corners, int width, int height, const Hit& hit)
+void rasterise(const std::array<Vector3f, 3>& corners, int width, Rows rows, const Hit& hit)
 {
     const auto& [a, b, c] = corners;
     const float area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
     if (area == 0.0F)
         return;
-    const auto first = [](float value) {
-        return std::max(0, static_cast<int>(std::ceil(value - 0.5F)));
+    const auto first = [](float value, int begin) {
+        return std::max(begin, static_cast<int>(std::ceil(value - 0.5F)));
     };
-    const auto last = [](float value, int size) {
-        return std::min(size - 1, static_cast<int>(std::floor(value - 0.5F)));
+    const auto last = [](float value, int end) {
+        return std::min(end - 1, static_cast<int>(std::floor(value - 0.5F)));
     };
-    const int x0 = first(std::min({a.x(), b.x(), c.x()}));
+    const int x0 = first(std::min({a.x(), b.x(), c.x()}), 0);
     const int x1 = last(std::max({a.x(), b.x(), c.x()}), width);
-    const int y0 = first(std::min({a.y(), b.y(), c.y()}));
-    const int y1 = last(std::max({a.y(), b.y(), c.y()}), height);
+    const int y0 = first(std::min({a.y(), b.y(), c.y()}), rows.begin);
+    const int y1 = last(std::max({a.y(), b.y(), c.y()}), rows.end);
     const float scale = 1.0F / area;
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
@@ -115,9 +124,9 @@ void rasterise(const std::array<Vector3f, 3>& corners, int width, int height, co
 class ShadowMap
 {
 public:
-    ShadowMap(const Faces& faces, const std::vector<Vector3f>& points, const Vector3f& centre,
-              float reach, const Vector3f& direction)
-        : centre_(centre),
+    ShadowMap(const Faces& faces, const std::vector<Vector3f>& points, Vector3f centre, float reach,
+              const Vector3f& direction)
+        : centre_(std::move(centre)),
           direction_(direction),
           scale_(0.5F * size / reach),
           depth_(size * size, nothing)
@@ -133,7 +142,7 @@ public:
                                                   seen[static_cast<std::size_t>(face[1])],
                                                   seen[static_cast<std::size_t>(face[2])]};
             const Vector3f depths(corners[0].z(), corners[1].z(), corners[2].z());
-            rasterise(corners, size, size, [&](int x, int y, const Vector3f& weights) {
+            rasterise(corners, size, {0, size}, [&](int x, int y, const Vector3f& weights) {
                 float& texel = depth_[static_cast<std::size_t>(y * size + x)];
                 texel = std::max(texel, weights.dot(depths));
             });
@@ -191,7 +200,7 @@ std::vector<Vector3f> corner_normals(const Faces& faces, const Points& points, d
                 if (own.dot(other) >= smooth * own.norm() * other.norm())
                     sum += other;
             }
-            normals.push_back(sum.normalized().cast<float>());
+            normals.emplace_back(sum.normalized().cast<float>());
         }
     }
     return normals;
@@ -298,7 +307,7 @@ Image render_mesh(const Faces& faces, const Points& points, const RenderOptions&
     std::vector<Vector3f> places; // view coordinates
     std::vector<Vector3f> seen;   // in samples from the upper left corner
     for (const auto& p : points.rowwise()) {
-        places.push_back(p.transpose().cast<float>());
+        places.emplace_back(p.transpose().cast<float>());
         const double step = options.pixel_size / samples;
         seen.emplace_back(static_cast<float>(0.5 * width + (p.x() - options.centre.x()) / step),
                           static_cast<float>(0.5 * height - (p.y() - options.centre.y()) / step),
@@ -310,18 +319,24 @@ Image render_mesh(const Faces& faces, const Points& points, const RenderOptions&
                                        of[static_cast<std::size_t>(faces(f, 2))]};
     };
 
-    std::vector<Sample> buffer(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        const std::array<Vector3f, 3> corners = corners_of(seen, f);
-        const Vector3f depths(corners[0].z(), corners[1].z(), corners[2].z());
-        rasterise(corners, width, height, [&](int x, int y, const Vector3f& weights) {
-            Sample& sample = buffer[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                    static_cast<std::size_t>(x)];
-            const float depth = weights.dot(depths);
-            if (depth > sample.depth)
-                sample = {depth, static_cast<int>(f), weights};
-        });
-    }
+    /// What is seen in some rows.
+    const auto sampled = [&](Rows rows) {
+        std::vector<Sample> buffer(static_cast<std::size_t>(width) *
+                                   static_cast<std::size_t>(rows.end - rows.begin));
+        for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+            const std::array<Vector3f, 3> corners = corners_of(seen, f);
+            const Vector3f depths(corners[0].z(), corners[1].z(), corners[2].z());
+            rasterise(corners, width, rows, [&](int x, int y, const Vector3f& weights) {
+                Sample& sample = buffer[static_cast<std::size_t>(y - rows.begin) *
+                                            static_cast<std::size_t>(width) +
+                                        static_cast<std::size_t>(x)];
+                const float depth = weights.dot(depths);
+                if (depth > sample.depth)
+                    sample = {depth, static_cast<int>(f), weights};
+            });
+        }
+        return buffer;
+    };
 
     const Eigen::RowVector3d low = points.colwise().minCoeff();
     const Eigen::RowVector3d high = points.colwise().maxCoeff();
@@ -378,12 +393,19 @@ Image render_mesh(const Faces& faces, const Points& points, const RenderOptions&
 
     Image image(options.width, options.height, options.background);
     const Vector3f background = decoded(options.background);
+    std::vector<Sample> buffer;
+    Rows rows; // in the buffer
     std::vector<Patch> patches;
-    for (int y = 0; y < options.height; ++y)
+    for (int y = 0; y < options.height; ++y) {
+        if (samples * y >= rows.end) {
+            rows = {samples * y,
+                    std::min(height, samples * (y + std::max(1, buffer_size / (width * samples))))};
+            buffer = sampled(rows);
+        }
         for (int x = 0; x < options.width; ++x) {
             patches.clear();
             for (int i = 0; i < samples * samples; ++i) {
-                const auto row = static_cast<std::size_t>(samples * y + i / samples);
+                const auto row = static_cast<std::size_t>(samples * y + i / samples - rows.begin);
                 const auto column = static_cast<std::size_t>(samples * x + i % samples);
                 const Sample& sample = buffer[row * static_cast<std::size_t>(width) + column];
                 if (sample.face >= 0)
@@ -414,6 +436,7 @@ Image render_mesh(const Faces& faces, const Points& points, const RenderOptions&
             sum = (sum + (all - count) * background) / all;
             image.at(x, y) = {encoded(sum.x()), encoded(sum.y()), encoded(sum.z())};
         }
+    }
     return image;
 }
 

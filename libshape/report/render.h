@@ -46,7 +46,7 @@ struct RenderOptions
 ///
 /// @param points  In view coordinates (see view_rotation).
 /// @throws InvalidInput if an option is out of its range or vertex_colours has another size.
-/// Cost: about 50 rasterisations of the mesh and 9 samples a pixel.
+/// Cost: about 50 rasterisations of the mesh and 9 samples a pixel; at most 100 MB beside the image.
 /// Determinism: pure function.
 [[nodiscard]] Image render_mesh(const Faces& faces, const Points& points,
                                 const RenderOptions& options);

@@ -57,6 +57,7 @@ RowMatrix bootstrap(const Resampling& resampling,
     const std::vector<std::vector<int>> strata = blocks_of_strata(blocks, resampling.strata);
     Random seeds(options.seed);
     std::vector<Random> random;
+    random.reserve(static_cast<std::size_t>(options.replicates));
     for (int r = 0; r < options.replicates; ++r)
         random.emplace_back(seeds.bits());
     std::vector<VectorXd> rows(random.size());
@@ -117,6 +118,7 @@ std::vector<Interval> variance_intervals(const RowMatrix& coordinates, int modes
         [&](const VectorXd& times) { return largest_variances(coordinates, times, modes); },
         options);
     std::vector<Interval> intervals;
+    intervals.reserve(static_cast<std::size_t>(modes));
     for (int k = 0; k < modes; ++k)
         intervals.push_back(percentile_interval(replicates.col(k), options.confidence));
     return intervals;

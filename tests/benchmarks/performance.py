@@ -242,7 +242,8 @@ class Bench:
             for i in (0, 2, 4, 6, 8):
                 axis.annotate(f"{smoothness[i]:.2g}", (drifts[i], errors[i]), textcoords="offset points",
                               xytext=(4, 4), fontsize=7)
-            axis.set(title=name, xlabel="drift RMS [deg]", ylabel="edge RMS [%]", xlim=(0, None), ylim=(0, None))
+            axis.set(title=name, xlabel="drift RMS [deg]", ylabel="edge RMS [%]",
+                     xlim=(0, 1.25 * max(drifts)), ylim=(0, 1.1 * max(errors))) # room for the numbers
             axis.grid(alpha=0.3)
         figure.savefig(self.work / "smoothness.svg", metadata={"Date": None})
 

@@ -15,20 +15,10 @@
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
-#include "tests/support/meshes.h"
+#include "tests/embedding/multiscale_meshes.h"
 
 namespace shape {
 namespace {
-
-/// Sample meshes, and larger ones that are split into several subtrees.
-std::vector<test::TestMesh> meshes()
-{
-    std::vector<test::TestMesh> all = test::sample_meshes();
-    all.push_back(test::bumpy_sphere(4, 0.3, 5));
-    all.push_back(test::torus(30, 50));
-    all.push_back(test::open_cylinder(30, 60));
-    return all;
-}
 
 /// Another mesh of the same topology: bent by one radian, with no stretch along its middle if it is
 /// slender, and widened.
@@ -65,7 +55,7 @@ double rigid_distance(const Points& points, const Points& expected)
 
 TEST(MultiscaleEmbedding, ReproducesTheReferenceAndAnyOtherMesh)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const MultiscaleEmbedder embedder(mesh.topology, mesh.points);
         for (const Points& points : {mesh.points, bent(mesh.points)}) {
@@ -78,7 +68,7 @@ TEST(MultiscaleEmbedding, ReproducesTheReferenceAndAnyOtherMesh)
 
 TEST(MultiscaleEmbedding, FromTheIdentityReproducesTheReferenceInPlace)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const MultiscaleEmbedder embedder(
             mesh.topology, mesh.points,
@@ -91,7 +81,7 @@ TEST(MultiscaleEmbedding, FromTheIdentityReproducesTheReferenceInPlace)
 
 TEST(MultiscaleEmbedding, GivesTheMirrorImageOfNegatedAngles)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const MultiscaleEmbedder embedder(mesh.topology, mesh.points);
         ShapePoint target = own_point(mesh.topology, mesh.points);

@@ -11,20 +11,10 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/threads.h"
-#include "tests/support/meshes.h"
+#include "tests/embedding/multiscale_meshes.h"
 
 namespace shape {
 namespace {
-
-/// Sample meshes, and larger ones that are split into several subtrees.
-std::vector<test::TestMesh> meshes()
-{
-    std::vector<test::TestMesh> all = test::sample_meshes();
-    all.push_back(test::bumpy_sphere(4, 0.3, 5));
-    all.push_back(test::torus(30, 50));
-    all.push_back(test::open_cylinder(30, 60));
-    return all;
-}
 
 template <class Value>
 std::span<const Value> part(const std::vector<Value>& values, Slice slice)
@@ -60,7 +50,7 @@ std::size_t reached_faces(const Topology& topology, const std::set<int>& faces)
 
 TEST(MultiscaleHierarchy, RootIsTheWholeMesh)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const MultiscaleHierarchy h = build_hierarchy(mesh.topology, mesh.points);
         const auto counts = [](std::set<int> set, int size) {
@@ -79,7 +69,7 @@ TEST(MultiscaleHierarchy, RootIsTheWholeMesh)
 
 TEST(MultiscaleHierarchy, ChildrenAreSmallerConnectedAndCoverTheirParent)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const MultiscaleHierarchy h = build_hierarchy(mesh.topology, mesh.points);
         for (std::size_t i = 0; i < h.nodes.size(); ++i) {
@@ -104,7 +94,7 @@ TEST(MultiscaleHierarchy, ChildrenAreSmallerConnectedAndCoverTheirParent)
 
 TEST(MultiscaleHierarchy, ChildrenOverlapInStripsOfOneTriangle)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const Topology& t = mesh.topology;
         const MultiscaleHierarchy h = build_hierarchy(t, mesh.points);
@@ -145,7 +135,7 @@ TEST(MultiscaleHierarchy, ChildrenOverlapInStripsOfOneTriangle)
 
 TEST(MultiscaleHierarchy, RowsOfVerticesAndEdgesAgreeWithTheMesh)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const Topology& t = mesh.topology;
         const MultiscaleHierarchy h = build_hierarchy(t, mesh.points);
@@ -183,7 +173,7 @@ TEST(MultiscaleHierarchy, RowsOfVerticesAndEdgesAgreeWithTheMesh)
 
 TEST(MultiscaleHierarchy, OverlapsListAllCommonVertices)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const MultiscaleHierarchy h = build_hierarchy(mesh.topology, mesh.points);
         for (const PatchNode& node : h.nodes) {
@@ -223,7 +213,7 @@ TEST(MultiscaleHierarchy, OverlapsListAllCommonVertices)
 
 TEST(MultiscaleHierarchy, GluingPlacesEveryVertexOfALeafOnce)
 {
-    for (const test::TestMesh& mesh : meshes()) {
+    for (const test::TestMesh& mesh : test::multiscale_meshes()) {
         SCOPED_TRACE(mesh.name);
         const Topology& t = mesh.topology;
         const MultiscaleHierarchy h = build_hierarchy(t, mesh.points);

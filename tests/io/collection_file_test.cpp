@@ -222,13 +222,7 @@ TEST(CollectionFile, NamesFileDatasetAndRuleOfWhatItRefuses)
 {
     if (test::python_with_h5py().empty())
         GTEST_SKIP() << "no Python with h5py";
-    struct Case
-    {
-        std::string edit;
-        const char* place;
-        const char* rule;
-    };
-    const std::vector<Case> cases = {
+    const std::vector<test::BadEdit> cases = {
         {"f.attrs['format'] = np.bytes_('other')", "attribute format", "'libshape collection'"},
         {"f.attrs['format'] = np.bytes_('libshape model')", "attribute format", "'libshape model'"},
         {"f.attrs['format'] = 'text'", "attribute format", "fixed length"},
@@ -320,18 +314,8 @@ TEST(CollectionFile, NamesFileDatasetAndRuleOfWhatItRefuses)
     };
     const test::TemporaryDirectory directory;
     write_collection(directory / "c.h5", bumpy_collection());
-    std::vector<std::string> edits;
-    for (const Case& c : cases)
-        edits.push_back(c.edit);
-    const std::vector<std::filesystem::path> files =
-        test::edit_with_h5py(directory / "c.h5", edits);
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-        SCOPED_TRACE(cases[i].edit);
-        const std::string message =
-            test::message_of<InvalidInput>([&] { (void)read_collection(files[i]); });
-        EXPECT_EQ(message.find(files[i].string() + ": " + cases[i].place + ": "), 0u) << message;
-        EXPECT_NE(message.find(cases[i].rule), std::string::npos) << message;
-    }
+    test::expect_refused(directory / "c.h5", cases,
+                         [](const std::filesystem::path& file) { (void)read_collection(file); });
 }
 
 TEST(CollectionFile, IsReadFromDatasetsWithoutChunksAndWithoutLabels)

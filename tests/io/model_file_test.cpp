@@ -215,13 +215,7 @@ TEST(ModelFile, NamesFileDatasetAndRuleOfWhatItRefuses)
 {
     if (test::python_with_h5py().empty())
         GTEST_SKIP() << "no Python with h5py";
-    struct Case
-    {
-        std::string edit;
-        const char* place;
-        const char* rule;
-    };
-    const std::vector<Case> cases = {
+    const std::vector<test::BadEdit> cases = {
         {"f.attrs['scale'] = np.bytes_('log')", "attribute scale", "'unit' or 'none'"},
         {"del f.attrs['scale']", "attribute scale", "missing"},
         {"del f['mean']", "/mean/edge_lengths", "missing"},
@@ -248,18 +242,8 @@ TEST(ModelFile, NamesFileDatasetAndRuleOfWhatItRefuses)
     };
     const test::TemporaryDirectory directory;
     write_model(directory / "m.h5", fit_model(paired_collection(), {.modes = 2}));
-    std::vector<std::string> edits;
-    for (const Case& c : cases)
-        edits.push_back(c.edit);
-    const std::vector<std::filesystem::path> files =
-        test::edit_with_h5py(directory / "m.h5", edits);
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-        SCOPED_TRACE(cases[i].edit);
-        const std::string message =
-            test::message_of<InvalidInput>([&] { (void)read_model(files[i]); });
-        EXPECT_EQ(message.find(files[i].string() + ": " + cases[i].place + ": "), 0u) << message;
-        EXPECT_NE(message.find(cases[i].rule), std::string::npos) << message;
-    }
+    test::expect_refused(directory / "m.h5", cases,
+                         [](const std::filesystem::path& file) { (void)read_model(file); });
 }
 
 TEST(ModelFile, HasTheCoordinatesOfItsSpaceUnderTheirName)

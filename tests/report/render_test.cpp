@@ -55,6 +55,20 @@ TEST(RenderMesh, FillsTheTriangleAndNothingElse)
         }
 }
 
+TEST(RenderMesh, HasNoSeamsWhereALargeImageIsMadeInBands)
+{
+    RenderOptions options = small_picture(); // more samples than are made at once
+    options.width = 4000;
+    options.height = 130;
+    const Faces faces{{0, 1, 2}};
+    const Image image =
+        render_mesh(faces, rows({{-1000, -1000, 0}, {1000, -1000, 0}, {0, 1000, 0}}), options);
+    ASSERT_NE(image.at(0, 0), white);
+    for (int x = 0; x < options.width; x += 100)
+        for (int y = 0; y < options.height; ++y)
+            EXPECT_EQ(image.at(x, y), image.at(x, 0)) << x << " " << y;
+}
+
 TEST(RenderMesh, CoversEdgePixelsByTheirShare)
 {
     // The left edge runs through the middle of column 10.

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "libshape/base/error.h"
 #include "tests/support/files.h"
 
 namespace shape::test {
@@ -62,6 +63,22 @@ std::vector<std::filesystem::path> edit_with_h5py(const std::filesystem::path& f
     if (!printed.empty())
         throw std::runtime_error(printed);
     return copies;
+}
+
+void expect_refused(const std::filesystem::path& file, const std::vector<BadEdit>& edits,
+                    const std::function<void(const std::filesystem::path&)>& read)
+{
+    std::vector<std::string> statements;
+    for (const BadEdit& bad : edits)
+        statements.push_back(bad.edit);
+    const std::vector<std::filesystem::path> copies = edit_with_h5py(file, statements);
+    for (std::size_t i = 0; i < edits.size(); ++i) {
+        SCOPED_TRACE(edits[i].edit);
+        const std::string message = message_of<InvalidInput>([&] { read(copies[i]); });
+        EXPECT_TRUE(message.starts_with(copies[i].string() + ": " + edits[i].place + ": "))
+            << message;
+        EXPECT_NE(message.find(edits[i].rule), std::string::npos) << message;
+    }
 }
 
 } // namespace shape::test

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,5 +22,17 @@ namespace shape::test {
 /// @throws std::runtime_error with what Python says if one fails.
 [[nodiscard]] std::vector<std::filesystem::path> edit_with_h5py(
     const std::filesystem::path& file, const std::vector<std::string>& edits);
+
+/// An edit that makes a file one to be refused, and what the message says.
+struct BadEdit
+{
+    std::string edit;
+    std::string place; ///< Stands behind the name of the file.
+    std::string rule;  ///< Somewhere in the message.
+};
+
+/// Expects InvalidInput, with such a message, from reading a copy of the file after each edit.
+void expect_refused(const std::filesystem::path& file, const std::vector<BadEdit>& edits,
+                    const std::function<void(const std::filesystem::path&)>& read);
 
 } // namespace shape::test

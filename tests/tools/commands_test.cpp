@@ -277,12 +277,11 @@ TEST_F(Commands, EmbeddingsHaveTheFieldsOfTheContract)
     std::set<std::string> fields;
     for (const auto& [field, value] : embedding.items())
         fields.insert(field);
-    EXPECT_EQ(fields,
-              (std::set<std::string>{"name", "method", "vertices", "status", "edge_rms", "edge_max",
-                                     "edge_p999", "edge_p99", "dihedral_rms_deg",
-                                     "dihedral_p99_deg", "dihedral_max_deg", "inverted_faces",
-                                     "closure_energy", "iterations", "converged", "seconds",
-                                     "setup_seconds"}));
+    EXPECT_EQ(fields, (std::set<std::string>{
+                          "name", "method", "vertices", "status", "edge_rms", "edge_max",
+                          "edge_p999", "edge_p99", "dihedral_rms_deg", "dihedral_p99_deg",
+                          "dihedral_max_deg", "inverted_faces", "closure_energy", "iterations",
+                          "converged", "seconds", "setup_seconds"}));
     EXPECT_EQ(embedding["name"], "mean");
     EXPECT_EQ(embedding["method"], "dihedral");
     EXPECT_EQ(embedding["vertices"], 42);
@@ -382,6 +381,33 @@ TEST_F(Commands, DifferenceAppliedToItsOnlyPairGivesTheOtherMesh)
                "mood=glad", "--scale", "none", "-o", "again.h5", "--apply", "--amount", "0",
                "--mesh", "calm.ply"});
     EXPECT_LT(difference(lengths("calm.ply"), lengths("a.ply")), 1e-6);
+}
+
+TEST_F(Commands, ReportPutsAModelOnOnePage)
+{
+    fit();
+    const Arguments report{"report",  "model.h5", "--color-by", "mood", "--modes", "5",
+                           "--steps", "3",        "--sigma",    "0.5",  "-o"};
+    const Json figures = run(report + Arguments{"page.html"});
+    EXPECT_EQ(figures["outputs"], Json({"page.html"}));
+    EXPECT_EQ(figures["modes"], 2); // the model has no more
+    ASSERT_EQ(figures["embeddings"].size(), 6U);
+    EXPECT_EQ(figures["embeddings"][0]["name"], "mode 1 at -0.5");
+    const std::string page = folder_.read("page.html");
+    for (const char* part : {"<title>Shape model of 3 meshes</title>", ">calm</text>",
+                             ">glad</text>", "<option value=\"1\">mode 2</option>", "<canvas>"})
+        EXPECT_NE(page.find(part), std::string::npos) << part;
+    (void)run(report + Arguments{"again.html", "--threads", "1"});
+    EXPECT_TRUE(folder_.read("again.html") == page);
+}
+
+TEST_F(Commands, ReportTakesModelsOfPositionsAndOfOneMode)
+{
+    (void)run({"stats", "a.ply", "b.ply", "--space", "procrustes", "-o", "model.h5"});
+    const Json figures = run({"report", "model.h5", "-o", "page.html"});
+    EXPECT_EQ(figures["modes"], 1);
+    for (const Json& embedding : figures["embeddings"])
+        EXPECT_EQ(embedding["method"], "procrustes");
 }
 
 TEST_F(Commands, SynthMakesADirectoryThatCanBeCollected)

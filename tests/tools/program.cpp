@@ -110,41 +110,27 @@ Outcome run_shape(const fs::path& folder, const std::vector<std::string>& argume
             seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime)};
 }
 
-Folder::Folder()
-{
-    std::string pattern = (fs::temp_directory_path() / "shape_test_XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr)
-        throw std::runtime_error("cannot make a temporary folder");
-    path_ = pattern;
-}
-
-Folder::~Folder()
-{
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-}
-
 void Folder::write(const std::string& name, std::string_view content) const
 {
-    fs::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name, std::ios::binary) << content;
+    fs::create_directories((path() / name).parent_path());
+    write_bytes(path() / name, content);
 }
 
 std::string Folder::read(const std::string& name) const
 {
-    return read_file(path_ / name);
+    return read_file(path() / name);
 }
 
 bool Folder::has(const std::string& name) const
 {
-    return fs::exists(path_ / name);
+    return fs::exists(path() / name);
 }
 
 std::map<std::string, std::string> Folder::content() const
 {
     std::map<std::string, std::string> content;
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path_))
-        content[fs::relative(entry.path(), path_).string()] =
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path()))
+        content[fs::relative(entry.path(), path()).string()] =
             entry.is_regular_file() ? read_file(entry.path()) : "(no file)";
     return content;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libshape/mesh/collection.h"
+#include "tests/support/files.h"
 
 namespace shape::test {
 
@@ -46,28 +47,16 @@ struct Launch
                                 const Launch& launch = {});
 
 /// A new empty folder that goes when the object does.
-class Folder
+class Folder : public TemporaryDirectory
 {
 public:
-    Folder();
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-    [[nodiscard]] std::filesystem::path operator/(const std::string& name) const
-    {
-        return path_ / name;
-    }
+    /// Makes the directories on the way as well.
     void write(const std::string& name, std::string_view content) const;
     [[nodiscard]] std::string read(const std::string& name) const;
     [[nodiscard]] bool has(const std::string& name) const;
 
     /// Every file and directory below, and what is in the files.
     [[nodiscard]] std::map<std::string, std::string> content() const;
-
-private:
-    std::filesystem::path path_;
 };
 
 /// Three spheres with different bumps and 42 vertices, as a.ply, b.ply and c.ply; and labels.csv

@@ -10,7 +10,7 @@ namespace {
 const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
                          "generate",  "distance", "quality",    "groups",      "classify",
                          "regress",   "remove",   "difference", "interpolate", "reconstruct",
-                         "conformal", "draw",     "synth"};
+                         "conformal", "draw",     "report",     "synth"};
 
 /// A wrong command line and what its error must name.
 struct WrongUsage
@@ -173,11 +173,15 @@ std::vector<WrongUsage> wrong_usages()
         {"SigmaWithoutMode", "--mode", mean + Arguments{"--sigma", "1"}},
         {"SigmaOfTwoParts", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "1:2"}},
         {"SigmaOfOneStep", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "1:2:1"}},
+        {"HugeSigma", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "0:1e300:3"}},
         {"NanSigma", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "nan"}},
         {"FromWithoutValue", "--from",
          difference + Arguments{"--from", "mood", "--to", "mood=glad"}},
         {"ApplyWithoutMesh", "--mesh",
          difference + Arguments{"--from", "k=1", "--to", "k=2", "--apply"}},
+        {"ReportOfAnotherEnding", ".html", {"report", "model.h5", "-o", "page.pdf"}},
+        {"ReportOfOneStep", "--steps", {"report", "model.h5", "-o", "page.html", "--steps", "1"}},
+        {"ReportOfNoWidth", "--sigma", {"report", "model.h5", "-o", "page.html", "--sigma", "0"}},
         {"SynthWithoutName", "NAME", {"synth", "-o", "new"}},
     };
 }
@@ -236,11 +240,14 @@ TEST(Help, OfEveryCommandHasItsOptionsAndAnExample)
 TEST(Help, FitsATerminal)
 {
     const Folder folder;
-    for (const std::string& command : commands) {
-        std::istringstream help(run_shape(folder.path(), {command, "--help"}).out);
+    const auto expect_narrow = [&](const Arguments& arguments) {
+        std::istringstream help(run_shape(folder.path(), arguments).out);
         for (std::string line; std::getline(help, line);)
-            EXPECT_LE(line.size(), 120U) << command << ": " << line;
-    }
+            EXPECT_LE(line.size(), 120U) << arguments.front() << ": " << line;
+    };
+    expect_narrow({"--help"});
+    for (const std::string& command : commands)
+        expect_narrow({command, "--help"});
 }
 
 TEST(Version, IsPrintedOnStdout)

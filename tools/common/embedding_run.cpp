@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -132,36 +131,6 @@ Json animation_figures(const Session& session, const GlbAnimation& animation, st
             {"seconds", animation.seconds}};
 }
 
-/// Embeds shapes as they come; the embedder is made for the first that needs it.
-class Decoder
-{
-public:
-    Decoder(const Topology& topology, std::vector<Points> references,
-            const EmbeddingOptions& options)
-        : topology_(topology), references_(std::move(references)), options_(options)
-    {
-    }
-
-    /// The mesh of a target, with its figures.
-    FinishedMesh operator()(const EmbeddingTarget& target, const DecodedShape& shape)
-    {
-        if (const Points* points = std::get_if<Points>(&shape))
-            return finish(target.name, "procrustes",
-                          [&] { return as_embedding(topology_, *points); });
-        return finish(target.name, name(options_.method), [&] {
-            if (!embedder_)
-                embedder_.emplace(topology_, std::move(references_), options_);
-            return embedder_->embed(std::get<ShapePoint>(shape));
-        });
-    }
-
-private:
-    const Topology& topology_;
-    std::vector<Points> references_;
-    EmbeddingOptions options_;
-    std::optional<Embedder> embedder_;
-};
-
 } // namespace
 
 void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
@@ -218,7 +187,7 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
     prepare_output(arguments, topology, targets, output);
     Decoder decoder(topology, std::move(references), embedding_options(session, arguments));
     const auto make = [&](std::size_t i, const DecodedShape& shape) {
-        return decoder(targets[i], shape);
+        return decoder(targets[i].name, shape);
     };
     return make_and_write(session, arguments, topology, targets, make, output, order);
 }
@@ -247,9 +216,7 @@ Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
         FinishedMesh mesh = make(i, shape);
         if (targets[i].place)
             mesh.points = best_rigid_motion(mesh.points, *targets[i].place)(mesh.points);
-        if (!mesh.reason.empty())
-            session.warn(join(targets[i].name, ": infeasible target, ", mesh.reason,
-                              "; the nearest mesh is written"));
+        warn_if_infeasible(session, targets[i].name, mesh);
         output.write(i, mesh.points, topology.faces());
         if (arguments.residuals)
             write_residuals(output.staged_companion(i), topology, mesh.points, shape);
@@ -284,6 +251,30 @@ FinishedMesh finish(const std::string& target, const std::string& method,
     } catch (const NumericalError& error) {
         throw NumericalError(join(target, ": ", error.what()));
     }
+}
+
+Decoder::Decoder(const Topology& topology, std::vector<Points> references,
+                 const EmbeddingOptions& options)
+    : topology_(topology), references_(std::move(references)), options_(options)
+{
+}
+
+FinishedMesh Decoder::operator()(const std::string& target, const DecodedShape& shape)
+{
+    if (const Points* points = std::get_if<Points>(&shape))
+        return finish(target, "procrustes", [&] { return as_embedding(topology_, *points); });
+    return finish(target, name(options_.method), [&] {
+        if (!embedder_)
+            embedder_.emplace(topology_, std::move(references_), options_);
+        return embedder_->embed(std::get<ShapePoint>(shape));
+    });
+}
+
+void warn_if_infeasible(const Session& session, const std::string& target, const FinishedMesh& mesh)
+{
+    if (!mesh.reason.empty())
+        session.warn(
+            join(target, ": infeasible target, ", mesh.reason, "; the nearest mesh is written"));
 }
 
 const char* name(EmbeddingMethod method)

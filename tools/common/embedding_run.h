@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,6 +85,28 @@ void prepare_output(const EmbeddingArguments& arguments, const Topology& topolog
 /// What `embed` makes of a target, with its figures; errors name the target.
 [[nodiscard]] FinishedMesh finish(const std::string& target, const std::string& method,
                                   const std::function<Embedding()>& embed);
+
+/// Makes meshes of shapes as they come; the embedder is made for the first that needs it.
+class Decoder
+{
+public:
+    /// @param references  As Embedder takes them.
+    Decoder(const Topology& topology, std::vector<Points> references,
+            const EmbeddingOptions& options);
+
+    /// The mesh of a target, with its figures; errors name the target.
+    [[nodiscard]] FinishedMesh operator()(const std::string& target, const DecodedShape& shape);
+
+private:
+    const Topology& topology_;
+    std::vector<Points> references_;
+    EmbeddingOptions options_;
+    std::optional<Embedder> embedder_;
+};
+
+/// Warns if the target of a mesh is infeasible.
+void warn_if_infeasible(const Session& session, const std::string& target,
+                        const FinishedMesh& mesh);
 
 /// "dihedral", "closure" or "multiscale".
 [[nodiscard]] const char* name(EmbeddingMethod method);
