@@ -24,11 +24,16 @@ struct DihedralEmbeddingOptions
     double decrease_tolerance = 2e-4; ///< Of descent.h.
 };
 
-/// What --quality preview does: 12 back-substitutions, and folds stay.
-inline constexpr DihedralEmbeddingOptions dihedral_preview{.local_global_steps = 2,
-                                                           .max_iterations = 9,
-                                                           .first_linear_steps = 4,
-                                                           .steps_before_repair = 9};
+/// What --quality preview does: 12 back-substitutions, and a light repair of folds.
+inline constexpr DihedralEmbeddingOptions dihedral_preview{
+    .local_global_steps = 2,
+    .max_iterations = 9,
+    .first_linear_steps = 5,
+    .steps_before_repair = 4,
+    .folds = {.regions = {.fold_angle = 2.0, .suspect_angle = 0.7},
+              .filling_sweeps = 5,
+              .shaken_starts = 0,
+              .descent = {.newton_steps = 5, .linear_steps = 8}}};
 
 struct DihedralEmbedding
 {

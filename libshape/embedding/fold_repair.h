@@ -17,7 +17,7 @@ struct FoldRepairOptions
     FoldRegionOptions regions = {};
     int largest_region = 2000; ///< Larger regions are left alone [vertices].
     int filling_sweeps = 15;   ///< Of rigid_filling.h, for every reference.
-    int shaken_starts = 4;     ///< At least; as many as fill the last eight. >= 0.
+    int shaken_starts = 4;     ///< At least: what is left of the last eight is shaken too; >= 0.
     EightfoldDescentOptions descent = {};
 };
 
