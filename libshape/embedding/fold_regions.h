@@ -12,7 +12,7 @@ namespace shape {
 struct FoldRegionOptions
 {
     double fold_angle = 1.0;    ///< An edge is folded where |theta - theta*| exceeds this [rad],
-    double suspect_angle = 0.5; ///< and suspect where it exceeds this [rad]; <= fold_angle.
+    double suspect_angle = 0.4; ///< and suspect where it exceeds this [rad]; <= fold_angle.
     int rings = 3;              ///< Rings of vertices around suspect wedges; >= 0.
 };
 
