@@ -30,7 +30,7 @@ inline constexpr DihedralEmbeddingOptions dihedral_preview{
     .max_iterations = 9,
     .first_linear_steps = 5,
     .steps_before_repair = 4,
-    .folds = {.regions = {.fold_angle = 2.0, .suspect_angle = 0.7},
+    .folds = {.regions = {.fold_angle = 2.0, .suspect_angle = 0.7, .rings = 3},
               .filling_sweeps = 5,
               .shaken_starts = 0,
               .descent = {.newton_steps = 5, .linear_steps = 8}}};

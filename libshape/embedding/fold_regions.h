@@ -13,7 +13,7 @@ struct FoldRegionOptions
 {
     double fold_angle = 1.0;    ///< An edge is folded where |theta - theta*| exceeds this [rad],
     double suspect_angle = 0.4; ///< and suspect where it exceeds this [rad]; <= fold_angle.
-    int rings = 3;              ///< Rings of vertices around suspect wedges; >= 0.
+    int rings = 4;              ///< Rings of vertices around suspect wedges; >= 0.
 };
 
 /// Where a mesh is folded over: vertices of suspect wedges and the rings around them, as connected
