@@ -11,7 +11,7 @@ namespace shape {
 
 struct EightfoldDescentOptions
 {
-    int newton_steps = 10;
+    int newton_steps = 8;
     int linear_steps = 12; ///< In each of them.
     int halvings = 3;      ///< Times that a Newton step is halved if E does not fall.
 };

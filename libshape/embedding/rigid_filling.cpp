@@ -29,8 +29,10 @@ inline EightfoldMatrix plus_outer(const EightfoldMatrix& m, const Eightfold& sca
 
 /// Steps from a rotation towards the one that maximises trace(R^T m): about the axis of the torque
 /// that pulls the columns together (Mueller et al. 2016).
-inline EightfoldMatrix turned_towards(EightfoldMatrix r, const EightfoldMatrix& m, int steps)
+inline EightfoldMatrix turned_towards(const EightfoldMatrix& start, const EightfoldMatrix& m,
+                                      int steps)
 {
+    EightfoldMatrix r = start;
     for (int step = 0; step < steps; ++step) {
         const Eightfold trace = dot(r.x, m.x) + dot(r.y, m.y) + dot(r.z, m.z);
         const Eightfold bound = sqrt(trace * trace) + Eightfold::all(nothing);
