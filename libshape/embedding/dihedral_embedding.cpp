@@ -15,6 +15,7 @@
 #include "libshape/embedding/hot_spots.h"
 #include "libshape/embedding/length_dihedral_energy.h"
 #include "libshape/embedding/linear_start.h"
+#include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/renumbering.h"
 
@@ -143,7 +144,8 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
         descend_to(options.max_iterations);
     result.back_substitutions += result.iterations;
     const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
-    result.points = restored(s.renumbering, vertices.rowwise() - vertices.colwise().mean());
+    result.points = restored(s.renumbering, vertices);
+    result.points.rowwise() -= centroid(result.points);
     return result;
 }
 

@@ -37,7 +37,7 @@ double closure_energy(const Topology& topology, const ShapePoint& target)
 
 Embedding as_embedding(const Topology& topology, Points points)
 {
-    points.rowwise() -= Eigen::RowVector3d(points.colwise().mean());
+    points.rowwise() -= centroid(points);
     const ShapePoint target{edge_lengths(topology, points), dihedral_angles(topology, points)};
     Embedding embedding{std::move(points), {}};
     embedding.report = measure_embedding(topology, embedding.points, target);
@@ -119,7 +119,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
         }
     }
     points = best_rigid_motion(points, s.reference)(points);
-    points.rowwise() -= Eigen::RowVector3d(points.colwise().mean());
+    points.rowwise() -= centroid(points);
     const double seconds = seconds_since(start);
 
     Embedding embedding{points, measure_embedding(s.topology, points, target), multiscale};

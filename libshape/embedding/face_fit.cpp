@@ -187,14 +187,14 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
         const Vector2d along = layout.halfedge(face, c);
         const Vector2d out = layout.halfedge(other, next[corner]);
         const int edge = face_edges[h];
-        const bool left = topology.edge_halfedges()(edge, 0) == h;
+        const double way = 2.0 * (topology.edge_halfedges()(edge, 0) == h) - 1.0;
         side.u[i] = along.x();
         side.v[i] = along.y();
         side.weight[i] = (alone ? 1.0 : 1.5) * weights[edge]; // half of it the neighbour's
         side.apex.set(i, position(faces[far]));
         side.out_u[i] = out.x();
         side.out_v[i] = out.y();
-        side.turn.set(i, layout.transitions[static_cast<std::size_t>(edge)], left ? 1.0 : -1.0);
+        side.turn.set(i, layout.transitions[static_cast<std::size_t>(edge)], way);
         side.near_w[i] = alone ? 0.0 : 0.5 * weights[face_edges[near]];
         side.far_w[i] = alone ? 0.0 : 0.5 * weights[face_edges[far]];
     };

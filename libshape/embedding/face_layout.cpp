@@ -138,11 +138,9 @@ VectorXd closure_angles(const Topology& topology, const Rotations& transitions)
             if (!topology.is_boundary_vertex(first + i))
                 for (const int h : topology.outgoing(first + i)) {
                     const int e = topology.face_edges().data()[h];
-                    // From right to left: the faces come counter-clockwise.
-                    const double way = h == topology.edge_halfedges()(e, 0) ? -1.0 : 1.0;
-                    const Quaterniond& across = transitions[static_cast<std::size_t>(e)];
-                    walk *= Quaterniond(across.w(), way * across.x(), way * across.y(),
-                                        way * across.z());
+                    // The faces come counter-clockwise: from right to left.
+                    const bool forward = h != topology.edge_halfedges()(e, 0);
+                    walk = followed_by(walk, transitions[static_cast<std::size_t>(e)], forward);
                 }
             sines[i] = walk.vec().norm();
             cosines[i] = std::abs(walk.w());

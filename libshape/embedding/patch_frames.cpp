@@ -27,13 +27,6 @@ std::size_t index(int i)
     return static_cast<std::size_t>(i);
 }
 
-/// The frame behind an edge, seen from the face on its left or from that on its right.
-Quaterniond across(const Rotations& transitions, int edge, bool from_left)
-{
-    const Quaterniond& t = transitions[index(edge)];
-    return from_left ? t : t.conjugate();
-}
-
 /// Half-edges by the weight of their edges: the heaviest first, those of about the same weight first
 /// in, first out, so that trees stay shallow.
 class Front
@@ -169,7 +162,8 @@ void PatchFrames::grow_trees(const Rotations& transitions, const VectorXd& weigh
             for (int h = front.pop(); h >= 0; h = front.pop()) {
                 const auto [face, edge, from_left] = ways[h];
                 if (trust[index(face)] == none)
-                    place(face, frame[index(h / 3)] * across(transitions, edge, from_left),
+                    place(face,
+                          followed_by(frame[index(h / 3)], transitions[index(edge)], from_left),
                           std::min(trust[index(h / 3)], weights[edge]));
             }
             for (int i = 0; i < patches.size(p); ++i) {
@@ -195,9 +189,9 @@ void PatchFrames::connect(const Rotations& transitions, const VectorXd& weights,
                 const auto [edge, lower, higher, from_left] = patches.bridges[b];
                 // A frame that hangs by an edge of little trust has no say about other patches.
                 const double weight = weights[edge] * trust_[lower] * trust_[higher];
-                const Quaterniond turn = frames[index(lower)] *
-                                         across(transitions, edge, from_left) *
-                                         frames[index(higher)].conjugate();
+                const Quaterniond turn = followed_by(
+                    followed_by(frames[index(lower)], transitions[index(edge)], from_left),
+                    frames[index(higher)], false);
                 block -= weight * turn.toRotationMatrix().transpose();
                 pair_weights[k] += weight;
             }

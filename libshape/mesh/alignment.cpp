@@ -36,15 +36,6 @@ Value sum_over_rows(Index rows, const Term& term)
     return sum;
 }
 
-RowVector3d centre(const Points& points)
-{
-    return sum_over_rows<RowVector3d>(points.rows(),
-                                      [&](Index first, Index count) {
-                                          return points.middleRows(first, count).colwise().sum();
-                                      }) /
-           static_cast<double>(points.rows());
-}
-
 } // namespace
 
 Matrix3d nearest_rotation(const Matrix3d& m)
@@ -83,13 +74,22 @@ Matrix3d nearest_rotation(const Matrix3d& m)
     return nearest_rotation(m, Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix());
 }
 
+RowVector3d centroid(const Points& points)
+{
+    return sum_over_rows<RowVector3d>(points.rows(),
+                                      [&](Index first, Index count) {
+                                          return points.middleRows(first, count).colwise().sum();
+                                      }) /
+           static_cast<double>(points.rows());
+}
+
 RigidMotion best_rigid_motion(const Points& moving, const Points& fixed)
 {
     if (moving.rows() != fixed.rows() || moving.rows() == 0)
         throw InvalidInput(join("alignment of ", moving.rows(), " points with ", fixed.rows(),
                                 ": the counts must be equal and not 0"));
-    const RowVector3d moving_centre = centre(moving);
-    const RowVector3d fixed_centre = centre(fixed);
+    const RowVector3d moving_centre = centroid(moving);
+    const RowVector3d fixed_centre = centroid(fixed);
     const Matrix3d covariance =
         sum_over_rows<Matrix3d>(moving.rows(), [&](Index first, Index count) {
             Matrix3d sum = Matrix3d::Zero();

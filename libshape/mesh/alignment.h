@@ -17,6 +17,9 @@ struct RigidMotion
     [[nodiscard]] Points operator()(const Points& points) const;
 };
 
+/// Mean of the points [length]; there must be one.
+[[nodiscard]] Eigen::RowVector3d centroid(const Points& points);
+
 /// The rigid motion, reflections excluded, that takes `moving` closest to `fixed` in the sum of
 /// squared distances (Arun, Huang, Blostein 1987).
 /// @throws InvalidInput if the shapes differ or are empty.

@@ -67,7 +67,7 @@ Points renumbered(const Renumbering& renumbering, const Points& points)
     return points(renumbering.vertices, Eigen::all);
 }
 
-Points restored(const Renumbering& renumbering, const Points& points)
+Points restored(const Renumbering& renumbering, const Eigen::Ref<const Points>& points)
 {
     Points before(points.rows(), 3);
     for_entries(renumbering.vertices,

@@ -26,7 +26,8 @@ struct Renumbering
 
 /// Points in the new order, and back.
 [[nodiscard]] Points renumbered(const Renumbering& renumbering, const Points& points);
-[[nodiscard]] Points restored(const Renumbering& renumbering, const Points& points);
+[[nodiscard]] Points restored(const Renumbering& renumbering,
+                              const Eigen::Ref<const Points>& points);
 
 /// Values of edges in the new order, #E.
 [[nodiscard]] Eigen::VectorXd renumbered(const Renumbering& renumbering,
