@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 template <class Work>
 void for_columns(Index columns, const Work& work)
 {
-    constexpr std::size_t grain = 8192;
+    constexpr std::size_t grain = 2048;
     parallel_for(static_cast<std::size_t>(columns), grain, work);
 }
 

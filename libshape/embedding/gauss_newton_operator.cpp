@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr std::size_t grain = 4096;
+constexpr std::size_t grain = 1024;
 
 using Order = int __attribute__((vector_size(16)));
 

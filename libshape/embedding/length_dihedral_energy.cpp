@@ -45,7 +45,7 @@ struct alignas(64) Vectors
 template <class Work>
 void for_blocks(int total, const Work& work)
 {
-    parallel_for(static_cast<std::size_t>(total), 16 * block,
+    parallel_for(static_cast<std::size_t>(total), 8 * block,
                  [&](std::size_t begin, std::size_t end) {
                      for (int i = static_cast<int>(begin); i < static_cast<int>(end); i += block)
                          work(i, std::min(block, static_cast<int>(end) - i));
@@ -245,11 +245,11 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
 
     gradient.resize(points.size());
     parallel_for(
-        static_cast<std::size_t>(t.vertex_count()), 2048, [&](std::size_t begin, std::size_t end) {
+        static_cast<std::size_t>(t.vertex_count()), 512, [&](std::size_t begin, std::size_t end) {
             gather_gradient(static_cast<int>(begin), static_cast<int>(end), t, points.data(),
                             normals_.data(), lifts_.data(), pulls_.data(), gradient.data());
         });
-    return parallel_sum(static_cast<std::size_t>(t.edge_count()), 16 * block,
+    return parallel_sum(static_cast<std::size_t>(t.edge_count()), 8 * block,
                         [&](std::size_t begin, std::size_t end) {
                             return std::accumulate(energies_.data() + begin, energies_.data() + end,
                                                    0.0);

@@ -17,24 +17,33 @@ using Block = SinglePrecisionSolve::Block;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr int widest = 16; // columns of a block: its vectors stay in registers
+// How a block is worked on. Of a block with columns L (a triangle) over B, solving upwards means
+//
+//     own = L^-1 own,   x -= B own (the new one),      that is   own, x += (L^-1, -B L^-1) own (the old one),
+//
+// and solving downwards the same transposed. So both ways are one product with a dense matrix of few
+// columns, row by row, and no row waits for the one before. The vectors of all columns stay in
+// registers, two in each; the matrix is read once, from its first entry to the last one or back,
+// which is what memory does fastest.
+
+constexpr int widest = 16; // columns of a block, for which there are registers
 constexpr int step = 4;    // rows of the triangle that are stored equally long
+constexpr int ahead = 256; // entries: how far before its use the matrix is fetched
 
 std::size_t index(int i)
 {
     return static_cast<std::size_t>(i);
 }
 
-constexpr int ahead = 256; // of what is read, in entries: what is fetched from memory meanwhile
 /// Two vectors in one register, at any address of Lanes.
 using Pair = float __attribute__((vector_size(32), aligned(16)));
 
-/// As many vectors as a block has columns.
+/// As many vectors as a block has columns, two by two.
 template <int columns>
 struct Vectors
 {
-    Pair pairs[columns / 2 + 1]; // the last one is not used
-    Lanes odd;
+    Pair pairs[columns / 2 + 1]; // one more than there are: not all blocks have any
+    Lanes odd;                   // the last one of an odd number
 };
 
 /// Row times vectors.
@@ -71,8 +80,9 @@ template <int columns, class All>
         vectors.odd += row[columns - 1] * x;
 }
 
-/// Calls work for the rows of a triangle, of which the first `step` have entries in as many columns,
-/// the next ones in twice as many...
+/// Calls work for the rows of a triangle from `first` on: `step` rows are stored as long as the last of
+/// them, and so on.
+/// @param values  Those of the first row; ends behind the last one.
 template <int columns, int first, class Work>
 [[gnu::always_inline]] inline void for_triangle(const float*& values, const Work& work)
 {
@@ -83,6 +93,8 @@ template <int columns, int first, class Work>
         for_triangle<columns, filled>(values, work);
 }
 
+/// The same in the opposite order, from the end of the values.
+/// @tparam first  Of the last `step` rows.
 template <int columns, int first, class Work>
 [[gnu::always_inline]] inline void for_triangle_down(const float*& values, const Work& work)
 {
