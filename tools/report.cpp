@@ -75,9 +75,12 @@ Tracks decode_modes(const Session& session, const Arguments& arguments, const Sh
     return result;
 }
 
-std::string print_percent(double share)
+/// With two decimals.
+std::string print_fixed(double value)
 {
-    return join(std::round(1e4 * share) / 100.0, " %");
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f", value);
+    return text;
 }
 
 std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& arguments,
@@ -97,14 +100,15 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& argum
 std::vector<std::vector<std::string>> table_of(const ShapeModel& model)
 {
     std::vector<std::vector<std::string>> table{
-        {"Mode", "Variance", "Share", "Cumulative", "Feasible from", "to [std. dev.]"}};
+        {"Mode", "Variance", "Share [%]", "Cumulative [%]", "Feasible from", "to [std. dev.]"}};
     for (const Json& mode : mode_figures(model)) {
         if (static_cast<Eigen::Index>(table.size()) > most_rows)
             break;
         const auto number = [&](const char* field) { return mode[field].get<double>(); };
-        table.push_back({join(mode["mode"].get<int>()), join(number("variance")),
-                         print_percent(number("share")), print_percent(number("cumulative")),
-                         join(number("feasible_low")), join(number("feasible_high"))});
+        table.push_back(
+            {join(mode["mode"].get<int>()), join(number("variance")),
+             print_fixed(100.0 * number("share")), print_fixed(100.0 * number("cumulative")),
+             print_fixed(number("feasible_low")), print_fixed(number("feasible_high"))});
     }
     return table;
 }
