@@ -128,11 +128,8 @@ std::string draw_variance(const ShapeModel& model)
                     plot_width, plot_height);
 }
 
-std::string draw_scores(const Arguments& arguments, const ShapeModel& model)
+std::string draw_scores(const ShapeModel& model, const std::vector<std::string>& values)
 {
-    const std::vector<std::string> values =
-        arguments.color_by.empty() ? std::vector<std::string>()
-                                   : find_label(model.labels, arguments.color_by).values;
     Plot plot =
         score_plot(model.scores, model.names, values, model.variances / model.total_variance);
     plot.title = "Scores";
@@ -144,6 +141,9 @@ void run(const Session& session, const Arguments& arguments)
     check_ending("-o", arguments.output, ".html");
     check_output(session, arguments.output, {arguments.model});
     const ShapeModel model = read_model(arguments.model);
+    const std::vector<std::string> values =
+        arguments.color_by.empty() ? std::vector<std::string>()
+                                   : find_label(model.labels, arguments.color_by).values;
     Page page{.title = join("Shape model of ", model.names.size(), " meshes"),
               .facts = facts_of(arguments, model),
               .faces = model.topology.faces(),
@@ -152,7 +152,7 @@ void run(const Session& session, const Arguments& arguments)
               .drawings = {},
               .table = table_of(model)};
     if (model.mode_count() > 1)
-        page.drawings.push_back(draw_scores(arguments, model));
+        page.drawings.push_back(draw_scores(model, values));
     page.drawings.push_back(draw_variance(model));
     Tracks tracks = decode_modes(session, arguments, model);
     page.tracks = std::move(tracks.tracks);
