@@ -75,9 +75,12 @@ Tracks decode_modes(const Session& session, const Arguments& arguments, const Sh
     return result;
 }
 
-std::string print_percent(double share)
+/// With two decimals.
+std::string print_fixed(double value)
 {
-    return join(std::round(1e4 * share) / 100.0, " %");
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f", value);
+    return text;
 }
 
 std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& arguments,
@@ -97,14 +100,15 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& argum
 std::vector<std::vector<std::string>> table_of(const ShapeModel& model)
 {
     std::vector<std::vector<std::string>> table{
-        {"Mode", "Variance", "Share", "Cumulative", "Feasible from", "to [std. dev.]"}};
+        {"Mode", "Variance", "Share [%]", "Cumulative [%]", "Feasible from", "to [std. dev.]"}};
     for (const Json& mode : mode_figures(model)) {
         if (static_cast<Eigen::Index>(table.size()) > most_rows)
             break;
         const auto number = [&](const char* field) { return mode[field].get<double>(); };
-        table.push_back({join(mode["mode"].get<int>()), join(number("variance")),
-                         print_percent(number("share")), print_percent(number("cumulative")),
-                         join(number("feasible_low")), join(number("feasible_high"))});
+        table.push_back(
+            {join(mode["mode"].get<int>()), join(number("variance")),
+             print_fixed(100.0 * number("share")), print_fixed(100.0 * number("cumulative")),
+             print_fixed(number("feasible_low")), print_fixed(number("feasible_high"))});
     }
     return table;
 }
@@ -124,11 +128,8 @@ std::string draw_variance(const ShapeModel& model)
                     plot_width, plot_height);
 }
 
-std::string draw_scores(const Arguments& arguments, const ShapeModel& model)
+std::string draw_scores(const ShapeModel& model, const std::vector<std::string>& values)
 {
-    const std::vector<std::string> values =
-        arguments.color_by.empty() ? std::vector<std::string>()
-                                   : find_label(model.labels, arguments.color_by).values;
     Plot plot =
         score_plot(model.scores, model.names, values, model.variances / model.total_variance);
     plot.title = "Scores";
@@ -140,6 +141,9 @@ void run(const Session& session, const Arguments& arguments)
     check_ending("-o", arguments.output, ".html");
     check_output(session, arguments.output, {arguments.model});
     const ShapeModel model = read_model(arguments.model);
+    const std::vector<std::string> values =
+        arguments.color_by.empty() ? std::vector<std::string>()
+                                   : find_label(model.labels, arguments.color_by).values;
     Page page{.title = join("Shape model of ", model.names.size(), " meshes"),
               .facts = facts_of(arguments, model),
               .faces = model.topology.faces(),
@@ -148,7 +152,7 @@ void run(const Session& session, const Arguments& arguments)
               .drawings = {},
               .table = table_of(model)};
     if (model.mode_count() > 1)
-        page.drawings.push_back(draw_scores(arguments, model));
+        page.drawings.push_back(draw_scores(model, values));
     page.drawings.push_back(draw_variance(model));
     Tracks tracks = decode_modes(session, arguments, model);
     page.tracks = std::move(tracks.tracks);
