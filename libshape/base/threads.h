@@ -19,8 +19,7 @@ void set_thread_count(int count);
 /// The chunks have `grain` items (the last one fewer) whatever the number of threads, so a body
 /// that writes only to its own items, or to a slot of its own chunk (begin / grain), gives the
 /// same bits with any thread count. An exception of the body is rethrown (that of the lowest
-/// chunk) after all chunks have ended. Nested calls, and calls while a loop of another thread runs,
-/// run in the calling thread.
+/// chunk) after all chunks have ended. Nested calls run in the calling thread.
 void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 

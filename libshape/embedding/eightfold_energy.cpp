@@ -51,7 +51,7 @@ SHAPE_VECTORISED void edge_terms(int count, const int* ends, const int* sides,
                                  Eightfold* __restrict strains, Eightfold* __restrict bend_sines,
                                  Eightfold* __restrict bend_cosines, Eightfold* __restrict energies)
 {
-    constexpr float onset = 0.06F * 0.06F; // of stretch_term()
+    constexpr auto onset = static_cast<float>(stretch_onset * stretch_onset);
     for (int e = 0; e < count; ++e) {
         const EightfoldPoint along = points[ends[2 * e + 1]] - points[ends[2 * e]];
         const Eightfold length2 = dot(along, along);

@@ -22,7 +22,7 @@ struct GaussNewtonOptions
     double least_damping = 1e-9; ///< Of any step.
     int halvings =
         0; ///< Times that a step is halved if E does not fall, before it is damped; >= 0.
-    /// phi(c s) / c^2 takes the place of phi(s) in E: edges grow stiffer from 0.04 / c on; > 0.
+    /// phi(c s) / c^2 takes the place of phi(s) in E: edges grow stiffer from stretch_onset / c on; > 0.
     double stiffness = 1.0;
 };
 

@@ -11,7 +11,10 @@
 
 namespace shape {
 
-/// phi(s) = s^2 + s^4 / (s0^2 + s^2 / 8) with s0 = 0.06: the square of a relative edge error s,
+/// s0 of phi.
+inline constexpr double stretch_onset = 0.06;
+
+/// phi(s) = s^2 + s^4 / (s0^2 + s^2 / 8): the square of a relative edge error s,
 /// stiffer by up to 9 times beyond a few per cent, so that no edge pays for all others.
 struct StretchTerm
 {
@@ -20,7 +23,7 @@ struct StretchTerm
 };
 [[nodiscard]] constexpr StretchTerm stretch_term(double strain)
 {
-    constexpr double onset = 0.06 * 0.06;
+    constexpr double onset = stretch_onset * stretch_onset;
     const double square = strain * strain;
     const double scale = onset + 0.125 * square;
     return {square + square * square / scale,

@@ -20,7 +20,7 @@ struct PathFollowerOptions
     double haste = 6.0;
     double guidance = 1e-2;   ///< mu of length_dihedral_energy.h with those angles; > 0.
     double smoothness = 1e-3; ///< mu with the angles that resulted, and between steps; > 0.
-    double stiffness = 8.0;   ///< Of gauss_newton.h with that mu; > 0.
+    double stiffness = 12.0;  ///< Of gauss_newton.h with that mu; > 0.
     int rounds = 4; ///< Times at most that a mesh is adjusted to the angles it has, with 0.3 times
                     ///< the mu each time; >= 0. Over once
     double edge_tolerance = 4e-3; ///< |l - l*| <= edge_tolerance * l* on every edge.

@@ -167,8 +167,11 @@ TEST(EightfoldEnergy, AppliesTheGaussNewtonMatrixOfTheMesh)
         EightfoldPoints product;
         s.eightfold.apply(v, product);
         for (int k = 0; k < lanes; ++k) {
+            const Eigen::VectorXd whole = s.whole(s.points, k);
+            Eigen::VectorXd gradient;
+            (void)s.energy.evaluate(whole, gradient);
             GaussNewtonOperator matrix(s.energy);
-            matrix.linearise(s.whole(s.points, k));
+            matrix.linearise(whole);
             LaneVectors motion = LaneVectors::Zero(4, mesh.points.rows());
             for (std::size_t i = 0; i < product.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)
