@@ -47,6 +47,11 @@ std::vector<std::vector<int>> hot_spots(const LengthDihedralEnergy& energy, cons
     std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
                      by_strain);
     order.resize(count);
+    const double mean =
+        std::accumulate(strain.begin(), strain.end(), 0.0) / static_cast<double>(vertices);
+    std::erase_if(order, [&](int v) {
+        return !(strain[static_cast<std::size_t>(v)] > options.contrast * mean);
+    });
     return regions_around(t, order, options.rings);
 }
 
