@@ -18,7 +18,7 @@ using Row = double[block_size];
 template <class Work>
 void for_blocks(int total, const Work& work)
 {
-    constexpr std::size_t grain = 16 * block_size;
+    constexpr std::size_t grain = 8 * block_size;
     parallel_for(static_cast<std::size_t>(total), grain, [&](std::size_t begin, std::size_t end) {
         for (int i = static_cast<int>(begin); i < static_cast<int>(end); i += block_size)
             work(i, std::min(block_size, static_cast<int>(end) - i));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "libshape/base/blocks.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
@@ -18,18 +19,16 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// Edges are worked on by blocks, one array a coordinate, which the compiler vectorises.
-constexpr int block = 128;
-using Row = std::array<double, block>;
+using Values = std::array<double, block_size>; // of a block of edges
 struct Vectors
 {
-    Row x, y, z;
+    Values x, y, z;
 };
 
 /// Vectors in the direction of the dihedral angles of wedges: edges a-b, c on the left, d on the
 /// right.
 SHAPE_VECTORISED void bends(int count, const Vectors& a, const Vectors& b, const Vectors& c,
-                            const Vectors& d, Row& __restrict sines, Row& __restrict cosines)
+                            const Vectors& d, Values& __restrict sines, Values& __restrict cosines)
 {
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         const double ux = b.x[i] - a.x[i], uy = b.y[i] - a.y[i], uz = b.z[i] - a.z[i];
@@ -54,8 +53,8 @@ std::vector<Suspect> suspects_among(const Topology& t, const VectorXd& points,
                                     int begin, int end)
 {
     std::vector<Suspect> suspects;
-    for (int first = begin; first < end; first += block) {
-        const int count = std::min(block, end - first);
+    for (int first = begin; first < end; first += block_size) {
+        const int count = std::min(block_size, end - first);
         std::array<Vectors, 4> wedge;
         for (int i = 0; i < count; ++i) {
             const int left = t.edge_halfedges()(first + i, 0);
@@ -71,7 +70,7 @@ std::vector<Suspect> suspects_among(const Topology& t, const VectorXd& points,
                 wedge[k].z[static_cast<std::size_t>(i)] = point[2];
             }
         }
-        Row sines, cosines, angles;
+        Values sines, cosines, angles;
         bends(count, wedge[0], wedge[1], wedge[2], wedge[3], sines, cosines);
         vector_angles(sines.data(), cosines.data(), static_cast<std::size_t>(count), angles.data());
         for (int e = first; e < first + count; ++e) {
@@ -93,7 +92,7 @@ std::vector<std::vector<int>> folded_regions(const Topology& t, const VectorXd& 
                                              const VectorXd& dihedral_angles,
                                              const FoldRegionOptions& options)
 {
-    constexpr std::size_t grain = 64 * block;
+    constexpr std::size_t grain = 64 * block_size;
     const auto edges = static_cast<std::size_t>(t.edge_count());
     std::vector<std::vector<Suspect>> suspects((edges + grain - 1) / grain);
     parallel_for(edges, grain, [&](std::size_t begin, std::size_t end) {

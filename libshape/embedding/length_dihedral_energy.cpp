@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
@@ -18,10 +19,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Edges or faces are worked on by blocks, one array a coordinate, which the compiler vectorises and
-/// the first cache holds.
-constexpr int block = 128;
-using Row = double[block];
 struct alignas(64) Vectors
 {
     Row x, y, z;
@@ -40,17 +37,6 @@ struct alignas(64) Vectors
         to[2] = z[i];
     }
 };
-
-/// Calls work(first, count) for consecutive blocks of [0, total).
-template <class Work>
-void for_blocks(int total, const Work& work)
-{
-    parallel_for(static_cast<std::size_t>(total), 8 * block,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (int i = static_cast<int>(begin); i < static_cast<int>(end); i += block)
-                         work(i, std::min(block, static_cast<int>(end) - i));
-                 });
-}
 
 /// Normals as long as twice the area, and their inverse squares (0 where there is no area).
 SHAPE_VECTORISED void normals_of(int count, const Vectors& a, const Vectors& b, const Vectors& c,
@@ -249,7 +235,7 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
             gather_gradient(static_cast<int>(begin), static_cast<int>(end), t, points.data(),
                             normals_.data(), lifts_.data(), pulls_.data(), gradient.data());
         });
-    return parallel_sum(static_cast<std::size_t>(t.edge_count()), 8 * block,
+    return parallel_sum(static_cast<std::size_t>(t.edge_count()), 8 * block_size,
                         [&](std::size_t begin, std::size_t end) {
                             return std::accumulate(energies_.data() + begin, energies_.data() + end,
                                                    0.0);
