@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/vectorised.h"
 
@@ -198,6 +200,10 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
 {
     const Topology& t = energy_.topology();
     const VectorXd& lengths = energy_.lengths();
+    if (lengths.size() != t.edge_count() || points.size() != 3 * t.vertex_count())
+        throw InvalidInput(join("linearise: there are ", points.size(), " coordinates and ",
+                                lengths.size(), " evaluated edges, the topology has ",
+                                t.vertex_count(), " vertices and ", t.edge_count(), " edges"));
     Lanes* const directions = shape::lanes(directions_);
     for_blocks(t.edge_count(), [&](int first, int count) {
         Row scales{};

@@ -25,6 +25,7 @@ public:
 
     /// Sets the mesh. A face without area bends nothing.
     /// @param points  Those of the last evaluate() of the energy, which keeps lengths and normals.
+    /// @throws InvalidInput if there was none, or points has another size.
     /// Cost: O(#E).
     void linearise(const Eigen::VectorXd& points);
 

@@ -22,11 +22,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-ShapePoint shape_of(const Topology& topology, const Points& points)
-{
-    return {edge_lengths(topology, points), dihedral_angles(topology, points)};
-}
-
 /// Largest distance after the best rigid motion, over the diagonal of the bounding box.
 double rigid_distance(const Points& points, const Points& wanted)
 {
@@ -55,7 +50,7 @@ TEST(Embedder, EveryMethodFindsAMeshFromItsOwnShape)
         for (const test::TestMesh& mesh : test::sample_meshes()) {
             SCOPED_TRACE(mesh.name);
             const Embedder embedder(mesh.topology, {mesh.points}, {.method = method});
-            const Embedding embedding = embedder.embed(shape_of(mesh.topology, mesh.points));
+            const Embedding embedding = embedder.embed(test::shape_of(mesh.topology, mesh.points));
             EXPECT_LT(rigid_distance(embedding.points, mesh.points), 1e-9);
             EXPECT_EQ(embedding.report.status, EmbeddingStatus::Exact);
             EXPECT_EQ(embedding.report.inverted_faces, 0);
@@ -68,15 +63,15 @@ TEST(Embedder, FindsAMeshFarFromItsReference)
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
     const test::TestMesh other = test::bumpy_sphere(3, 0.4, 2);
     const Embedder embedder(mesh.topology, {other.points});
-    EXPECT_LT(
-        rigid_distance(embedder.embed(shape_of(mesh.topology, mesh.points)).points, mesh.points),
-        1e-9);
+    EXPECT_LT(rigid_distance(embedder.embed(test::shape_of(mesh.topology, mesh.points)).points,
+                             mesh.points),
+              1e-9);
 }
 
 TEST(Embedder, GivesTheMirrorImageForNegatedAngles)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
-    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
     target.dihedral_angles *= -1.0;
     const Points mirror = mesh.points * Eigen::Vector3d(-1, 1, 1).asDiagonal();
     EXPECT_LT(rigid_distance(Embedder(mesh.topology, {mesh.points}).embed(target).points, mirror),
@@ -87,7 +82,7 @@ TEST(Embedder, ScalesWithTheUnitOfLength)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
     const test::TestMesh other = test::bumpy_sphere(3, 0.4, 2);
-    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
     target.edge_lengths = 0.5 * (target.edge_lengths + edge_lengths(mesh.topology, other.points));
     const Points small = Embedder(mesh.topology, {mesh.points}).embed(target).points;
     target.edge_lengths *= 1024.0; // a power of two: rounding scales too
@@ -101,8 +96,8 @@ TEST(Embedder, UnwindsFarBeyondAFullTurn)
     test::TestMesh straight = cylinder;
     straight.points.col(2) *= 40.0;
     const Points coil = wound(straight, 4.0 * 2.0 * std::numbers::pi);
-    const ShapePoint a = shape_of(straight.topology, straight.points);
-    const ShapePoint b = shape_of(straight.topology, coil);
+    const ShapePoint a = test::shape_of(straight.topology, straight.points);
+    const ShapePoint b = test::shape_of(straight.topology, coil);
     const Embedder embedder(straight.topology, {straight.points, coil});
     const ShapePoint half{0.5 * (a.edge_lengths + b.edge_lengths),
                           0.5 * (a.dihedral_angles + b.dihedral_angles)};
@@ -116,8 +111,8 @@ TEST(Embedder, HasTheSameBitsForAnyThreadCount)
 {
     const test::TestMesh mesh = test::bumpy_sphere(4, 0.4, 1);
     const test::TestMesh other = test::bumpy_sphere(4, 0.4, 2);
-    const ShapePoint a = shape_of(mesh.topology, mesh.points);
-    const ShapePoint b = shape_of(mesh.topology, other.points);
+    const ShapePoint a = test::shape_of(mesh.topology, mesh.points);
+    const ShapePoint b = test::shape_of(mesh.topology, other.points);
     const ShapePoint half{0.5 * (a.edge_lengths + b.edge_lengths),
                           0.5 * (a.dihedral_angles + b.dihedral_angles)};
     const int threads = thread_count();
@@ -132,7 +127,7 @@ TEST(Embedder, HasTheSameBitsForAnyThreadCount)
 TEST(Embedder, AnInfeasibleTargetComesOutWholeAndSaysSo)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.2, 1);
-    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
     const int edge = mesh.topology.face_edges()(77, 0);
     target.edge_lengths[edge] *= 2.5;
     const Embedding embedding = Embedder(mesh.topology, {mesh.points}).embed(target);
@@ -148,7 +143,7 @@ TEST(Embedder, AnInfeasibleTargetComesOutWholeAndSaysSo)
 TEST(Embedder, LengthsBelowZeroAreInfeasibleAndTheRestOfTheMeshKeepsItsShape)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.2, 1);
-    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
     const int edge = mesh.topology.face_edges()(77, 0);
     for (const double length : {0.0, -0.01, -1.0}) {
         SCOPED_TRACE(length);
@@ -169,8 +164,8 @@ TEST(Embedder, PreviewIsNoBetterThanFineAndBothReportTheirSteps)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
     const test::TestMesh other = test::bumpy_sphere(3, 0.4, 2);
-    const ShapePoint a = shape_of(mesh.topology, mesh.points);
-    const ShapePoint b = shape_of(mesh.topology, other.points);
+    const ShapePoint a = test::shape_of(mesh.topology, mesh.points);
+    const ShapePoint b = test::shape_of(mesh.topology, other.points);
     const ShapePoint half{0.5 * (a.edge_lengths + b.edge_lengths),
                           0.5 * (a.dihedral_angles + b.dihedral_angles)};
     const Embedding fine = Embedder(mesh.topology, {mesh.points}).embed(half);
@@ -193,7 +188,7 @@ TEST(Embedder, RefusesBadInput)
     EXPECT_THROW(Embedder(mesh.topology, {Points::Zero(4, 3)}), InvalidInput);
     EXPECT_THROW(Embedder(mesh.topology, {mesh.points}, {.smoothness = 0.0}), InvalidInput);
     const Embedder embedder(mesh.topology, {mesh.points});
-    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
     target.edge_lengths[3] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW((void)embedder.embed(target), InvalidInput);
     target.edge_lengths.conservativeResize(3);
@@ -203,7 +198,7 @@ TEST(Embedder, RefusesBadInput)
 TEST(EmbeddingReport, MeasuresWhatItSays)
 {
     const test::TestMesh mesh = test::icosphere(1);
-    const ShapePoint own = shape_of(mesh.topology, mesh.points);
+    const ShapePoint own = test::shape_of(mesh.topology, mesh.points);
     EXPECT_EQ(measure_embedding(mesh.topology, mesh.points, own).status, EmbeddingStatus::Exact);
 
     // Twice as large: every length is off by its half, no angle is.

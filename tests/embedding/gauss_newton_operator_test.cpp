@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "libshape/base/error.h"
 #include "libshape/base/random.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -121,6 +122,16 @@ TEST(GaussNewtonOperator, IgnoresRigidMotions)
         matrix.apply(v, product);
         EXPECT_LT(product.norm(), 1e-4 * v.norm());
     }
+}
+
+TEST(GaussNewtonOperator, LinearisesOnlyWhatTheEnergyEvaluated)
+{
+    const test::TestMesh mesh = test::icosphere(1);
+    LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), mu);
+    GaussNewtonOperator matrix(energy);
+    EXPECT_THROW(matrix.linearise(mesh.points.reshaped<Eigen::RowMajor>()), InvalidInput);
+    linearise(matrix, energy, mesh.points);
+    EXPECT_THROW(matrix.linearise(VectorXd::Zero(6)), InvalidInput);
 }
 
 } // namespace

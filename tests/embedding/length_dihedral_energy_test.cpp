@@ -19,11 +19,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-ShapePoint shape_of(const Topology& topology, const Points& points)
-{
-    return {edge_lengths(topology, points), dihedral_angles(topology, points)};
-}
-
 VectorXd flat(const Points& points)
 {
     return points.reshaped<Eigen::RowMajor>();
@@ -53,7 +48,7 @@ TEST(LengthDihedralEnergy, VanishesAtTheMeshItself)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
-        LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
         VectorXd gradient;
         EXPECT_LT(energy.evaluate(flat(test::moved(mesh.points, 3)), gradient), 1e-24);
         EXPECT_LT(gradient.norm(), 1e-11);
@@ -64,9 +59,9 @@ TEST(LengthDihedralEnergy, IsTheSumOfItsDefinition)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
-        const ShapePoint target = shape_of(mesh.topology, mesh.points);
+        const ShapePoint target = test::shape_of(mesh.topology, mesh.points);
         const Points points = shaken(mesh, 0.2, 5);
-        const ShapePoint found = shape_of(mesh.topology, points);
+        const ShapePoint found = test::shape_of(mesh.topology, points);
         const double mu = 0.03;
         double sum = 0.0;
         for (int e = 0; e < mesh.topology.edge_count(); ++e) {
@@ -85,7 +80,7 @@ TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferences)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
-        LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.7);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.7);
         VectorXd x = flat(shaken(mesh, 0.1, 7));
         VectorXd gradient;
         VectorXd unused;
@@ -109,7 +104,7 @@ TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferences)
 TEST(LengthDihedralEnergy, HasTheSameBitsForAnyThreadCount)
 {
     const test::TestMesh mesh = test::bumpy_sphere(4, 0.3, 1);
-    LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
+    LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
     const VectorXd x = flat(shaken(mesh, 0.1, 2));
     const int threads = thread_count();
     VectorXd one;
@@ -126,7 +121,7 @@ TEST(LengthDihedralEnergy, HasTheSameBitsForAnyThreadCount)
 TEST(LengthDihedralEnergy, RefusesBadTargets)
 {
     const test::TestMesh mesh = test::tetrahedron();
-    const ShapePoint good = shape_of(mesh.topology, mesh.points);
+    const ShapePoint good = test::shape_of(mesh.topology, mesh.points);
     ShapePoint bad = good;
     bad.edge_lengths[2] = 0.0;
     EXPECT_THROW(LengthDihedralEnergy(mesh.topology, bad, 1.0), InvalidInput);
@@ -143,7 +138,7 @@ TEST(GaussNewton, FindsAShakenMeshAgain)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
-        LengthDihedralEnergy energy(mesh.topology, shape_of(mesh.topology, mesh.points), 0.1);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
         std::vector<int> all;
         for (int v = 0; v < mesh.topology.vertex_count(); ++v)
             all.push_back(v);
@@ -159,7 +154,7 @@ TEST(GaussNewton, FindsAShakenMeshAgain)
 TEST(GaussNewton, MovesTheNamedVerticesOnlyAndEndsWhereTheirGradientVanishes)
 {
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
-    ShapePoint target = shape_of(mesh.topology, mesh.points);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
     Random random(3);
     for (double& length : target.edge_lengths)
         length *= random.uniform(0.97, 1.03);

@@ -32,11 +32,6 @@ Points horn(const Points& sphere, double steepness)
     return points;
 }
 
-ShapePoint point_of(const Topology& topology, const Points& points)
-{
-    return {edge_lengths(topology, points), dihedral_angles(topology, points)};
-}
-
 double worst_edge(const Topology& topology, const Points& points, const VectorXd& lengths)
 {
     return (edge_lengths(topology, points).array() / lengths.array() - 1.0).abs().maxCoeff();
@@ -70,7 +65,7 @@ TEST(Continuation, FindsTheMeshThatHasTheTargetExactly)
     const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
     const Points bent = test::bumpy_sphere(3, 0.35, 1).points;
     const ContinuedMesh found = Continuation(mesh.topology, edge_lengths(mesh.topology, bent))
-                                    .move(mesh.points, point_of(mesh.topology, bent),
+                                    .move(mesh.points, test::shape_of(mesh.topology, bent),
                                           {.decrease_tolerance = 1e-6, .max_iterations = 30});
     EXPECT_LE(worst_edge(mesh.topology, found.points, edge_lengths(mesh.topology, bent)), 1e-6);
 }
@@ -79,7 +74,7 @@ TEST(Continuation, MeetsLengthsOverEightOrdersOfMagnitude)
 {
     const test::TestMesh mesh = test::icosphere(4);
     const Points from = horn(mesh.points, 9.0);
-    const ShapePoint target = point_of(mesh.topology, horn(mesh.points, 8.7));
+    const ShapePoint target = test::shape_of(mesh.topology, horn(mesh.points, 8.7));
     ASSERT_LE(target.edge_lengths.minCoeff(), 1e-7 * target.edge_lengths.maxCoeff());
     const ContinuedMesh found =
         Continuation(mesh.topology, target.edge_lengths)
@@ -90,7 +85,7 @@ TEST(Continuation, MeetsLengthsOverEightOrdersOfMagnitude)
 TEST(Continuation, RefusesWhatDoesNotFit)
 {
     const test::TestMesh mesh = test::icosphere(1);
-    const ShapePoint target = point_of(mesh.topology, mesh.points);
+    const ShapePoint target = test::shape_of(mesh.topology, mesh.points);
     EXPECT_THROW(Continuation(mesh.topology, VectorXd::Ones(2)), InvalidInput);
     EXPECT_THROW(Continuation(mesh.topology, 0.0 * target.edge_lengths), InvalidInput);
     Continuation continuation(mesh.topology, target.edge_lengths);

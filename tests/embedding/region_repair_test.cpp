@@ -19,11 +19,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-ShapePoint shape_of(const Topology& topology, const Points& points)
-{
-    return {edge_lengths(topology, points), dihedral_angles(topology, points)};
-}
-
 VectorXd rows_of(const Points& points)
 {
     return points.reshaped<Eigen::RowMajor>();
@@ -34,7 +29,7 @@ struct Folded
 {
     test::FoldedPatch patch = test::folded_patch();
     LengthDihedralEnergy energy{patch.mesh.topology,
-                                shape_of(patch.mesh.topology, patch.mesh.points), 5e-3};
+                                test::shape_of(patch.mesh.topology, patch.mesh.points), 5e-3};
     VectorXd points = rows_of(patch.folded);
     VectorXd wanted = rows_of(patch.mesh.points);
 
@@ -78,8 +73,9 @@ TEST(RegionRepair, HoldsAllElse)
     const RegionRepair repair = f.repaired({region});
     ASSERT_EQ(repair.replaced, 1);
     for (int v = 0; v < f.patch.mesh.topology.vertex_count(); ++v)
-        if (std::find(region.begin(), region.end(), v) == region.end())
+        if (std::find(region.begin(), region.end(), v) == region.end()) {
             EXPECT_EQ(repair.points.segment<3>(3 * v), f.points.segment<3>(3 * v)) << v;
+        }
 }
 
 TEST(RegionRepair, LeavesAloneWhatIsAsWanted)
@@ -106,7 +102,7 @@ TEST(RegionRepair, NeverRaisesTheEnergyWhateverTheReferences)
         const test::FoldedPatch patch = test::folded_patch();
         const Topology& t = patch.mesh.topology;
         Random random(seed);
-        ShapePoint target = shape_of(t, patch.mesh.points);
+        ShapePoint target = test::shape_of(t, patch.mesh.points);
         for (int e = 0; e < t.edge_count(); ++e)
             target.dihedral_angles[e] += random.uniform(-0.3, 0.3);
         LengthDihedralEnergy energy(t, target, 5e-3);

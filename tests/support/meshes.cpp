@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "libshape/base/random.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
 
 namespace shape::test {
 namespace {
@@ -191,6 +193,11 @@ std::vector<TestMesh> sample_meshes()
 {
     return {tetrahedron(), bumpy_sphere(2, 0.3, 1), torus(9, 16), open_patch(10, 2),
             open_cylinder(10, 8)};
+}
+
+ShapePoint shape_of(const Topology& topology, const Points& points)
+{
+    return {edge_lengths(topology, points), dihedral_angles(topology, points)};
 }
 
 Points moved(const Points& points, unsigned seed)

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "libshape/edge_space/shape_vectors.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -45,6 +46,9 @@ struct FoldedPatch
 
 /// One of each kind: closed, open with one and two loops, genus 1.
 [[nodiscard]] std::vector<TestMesh> sample_meshes();
+
+/// Edge lengths and dihedral angles of a mesh.
+[[nodiscard]] ShapePoint shape_of(const Topology& topology, const Points& points);
 
 /// Positions in another pose: a seeded rotation and translation.
 [[nodiscard]] Points moved(const Points& points, unsigned seed);
