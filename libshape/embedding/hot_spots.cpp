@@ -38,8 +38,8 @@ std::vector<std::vector<int>> hot_spots(const LengthDihedralEnergy& energy, cons
 
     std::vector<int> order(vertices);
     std::iota(order.begin(), order.end(), 0);
-    const auto count = static_cast<std::size_t>(
-        std::min(options.seeds * std::sqrt(static_cast<double>(vertices)), 1.0 * vertices));
+    const auto all = static_cast<double>(vertices);
+    const auto count = static_cast<std::size_t>(std::min(options.seeds * std::sqrt(all), all));
     const auto by_strain = [&](int a, int b) {
         return std::pair(-strain[static_cast<std::size_t>(a)], a) <
                std::pair(-strain[static_cast<std::size_t>(b)], b);
@@ -47,8 +47,7 @@ std::vector<std::vector<int>> hot_spots(const LengthDihedralEnergy& energy, cons
     std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
                      by_strain);
     order.resize(count);
-    const double mean =
-        std::accumulate(strain.begin(), strain.end(), 0.0) / static_cast<double>(vertices);
+    const double mean = std::accumulate(strain.begin(), strain.end(), 0.0) / all;
     std::erase_if(order, [&](int v) {
         return !(strain[static_cast<std::size_t>(v)] > options.contrast * mean);
     });
