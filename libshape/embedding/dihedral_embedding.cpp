@@ -112,12 +112,13 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     // Rounding: strains of 1e-12 an edge are none.
     const double nothing = 1e-24 * topology.edge_count();
     VectorXd points = linear.reshaped<Eigen::RowMajor>();
+    Descender descender(energy, s.preconditioner);
     const auto descend_to = [&](int iterations) {
-        Descent descent = descend(energy, s.preconditioner, std::move(points),
-                                  {.max_linear_steps = iterations - result.iterations,
-                                   .first_linear_steps = options.first_linear_steps,
-                                   .decrease_tolerance = options.decrease_tolerance,
-                                   .value_tolerance = nothing});
+        Descent descent = descender.descend(std::move(points),
+                                            {.max_linear_steps = iterations - result.iterations,
+                                             .first_linear_steps = options.first_linear_steps,
+                                             .decrease_tolerance = options.decrease_tolerance,
+                                             .value_tolerance = nothing});
         points = std::move(descent.points);
         result.iterations += descent.linear_steps;
         result.energy = descent.energy;
@@ -134,14 +135,19 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     if (options.relax_start)
         repair(hot_spots(energy, points));
     // Folds show once what is rough about the start is gone.
+    const auto repair_folds = [&] {
+        repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
+    };
     for (const int iterations : options.repairs)
         if (iterations <= options.max_iterations && !result.converged) {
             descend_to(iterations);
-            repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
+            repair_folds();
         }
     if (result.iterations == 0 ||
-        (result.iterations < options.max_iterations && !result.converged))
+        (result.iterations < options.max_iterations && !result.converged)) {
+        energy.keep_areas();
         descend_to(options.max_iterations);
+    }
     result.back_substitutions += result.iterations;
     const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
     result.points = restored(s.renumbering, vertices);

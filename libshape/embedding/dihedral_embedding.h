@@ -16,12 +16,12 @@ namespace shape {
 
 struct DihedralEmbeddingOptions
 {
-    double smoothness = 5e-3;   ///< mu of length_dihedral_energy.h; > 0.
-    int local_global_steps = 3; ///< Face steps after the linear start; >= 0.
-    bool relax_start = false;   ///< Whether hot spots are solved before the descent.
-    int max_iterations = 160;   ///< Linear steps of descent.h; 0 leaves out what follows.
-    int first_linear_steps = 8;          ///< Of descent.h.
-    std::vector<int> repairs = {24, 48}; ///< Linear steps before folds are repaired; ascending.
+    double smoothness = 5e-3;            ///< mu of length_dihedral_energy.h; > 0.
+    int local_global_steps = 3;          ///< Face steps after the linear start; >= 0.
+    bool relax_start = false;            ///< Whether hot spots are solved before the descent.
+    int max_iterations = 120;            ///< Linear steps of descent.h; 0 leaves out what follows.
+    int first_linear_steps = 12;         ///< Of descent.h.
+    std::vector<int> repairs = {24, 60}; ///< Linear steps before folds are repaired; ascending.
     FoldRegionOptions folds = {};
     RegionRepairOptions repair = {};
     double decrease_tolerance = 1e-4; ///< Of descent.h.

@@ -13,10 +13,10 @@ namespace {
 constexpr float nothing = 1e-18F; // keeps 0 / 0 out: a length or area squared
 
 /// Unit normals (0 without area); and of moving faces, for each edge i-j with opposite corner m at
-/// height h over the foot: root / h, and that in proportion to where the foot lies from i to j.
+/// height h over the foot: 1 / h, and that in proportion to where the foot lies from i to j.
 SHAPE_VECTORISED void face_terms(int count, int moving, const int* corners,
-                                 const EightfoldPoint* points, float root,
-                                 EightfoldPoint* __restrict normals, Eightfold* __restrict hinges)
+                                 const EightfoldPoint* points, EightfoldPoint* __restrict normals,
+                                 Eightfold* __restrict hinges)
 {
     for (int f = 0; f < count; ++f) {
         const EightfoldPoint& a = points[corners[3 * f]];
@@ -31,7 +31,7 @@ SHAPE_VECTORISED void face_terms(int count, int moving, const int* corners,
             continue;
         const auto hinge = [&](int j, const EightfoldPoint& side, const EightfoldPoint& before) {
             const Eightfold length2 = dot(side, side) + Eightfold::all(nothing);
-            const Eightfold inverse_height = root * (sqrt(length2) * inverse);
+            const Eightfold inverse_height = sqrt(length2) * inverse;
             hinges[6 * f + 2 * j] = inverse_height;
             hinges[6 * f + 2 * j + 1] =
                 inverse_height * (Eightfold::all(0.0F) - dot(side, before)) / length2;
@@ -76,15 +76,15 @@ SHAPE_VECTORISED void edge_terms(int count, const int* ends, const int* sides,
     }
 }
 
-/// Turns bends into residuals. Adds their squares to the energies of edges, and sums those.
-SHAPE_VECTORISED void bend_terms(int count, float root, Eightfold* __restrict bends,
+/// Adds squares of bends, weighted, to the energies of edges, and sums those; weights the bends.
+SHAPE_VECTORISED void bend_terms(int count, const float* weights, Eightfold* __restrict bends,
                                  Eightfold* __restrict energies, Eightfold* __restrict total)
 {
     Eightfold sum{};
     for (int e = 0; e < count; ++e) {
-        const Eightfold residual = root * bends[e];
-        bends[e] = residual;
-        energies[e] = energies[e] + residual * residual;
+        const Eightfold weighted = weights[e] * bends[e];
+        energies[e] = energies[e] + weighted * bends[e];
+        bends[e] = weighted;
         sum = sum + energies[e];
     }
     *total = sum;
@@ -106,14 +106,14 @@ SHAPE_VECTORISED void bend_faces(int moving, const int* corners, const Eightfold
     }
 }
 
-SHAPE_VECTORISED void couple_edges(int count, const int* ends, const int* sides, const float* inner,
-                                   const EightfoldPoint* v, const EightfoldPoint* directions,
-                                   const Eightfold* bends, Eightfold* __restrict tensions,
-                                   Eightfold* __restrict moments)
+SHAPE_VECTORISED void couple_edges(int count, const int* ends, const int* sides,
+                                   const float* bend_weights, const EightfoldPoint* v,
+                                   const EightfoldPoint* directions, const Eightfold* bends,
+                                   Eightfold* __restrict tensions, Eightfold* __restrict moments)
 {
     for (int e = 0; e < count; ++e) {
         tensions[e] = dot(directions[e], v[ends[2 * e + 1]] - v[ends[2 * e]]);
-        moments[e] = inner[e] * (bends[sides[2 * e]] + bends[sides[2 * e + 1]]);
+        moments[e] = bend_weights[e] * (bends[sides[2 * e]] + bends[sides[2 * e + 1]]);
     }
 }
 
@@ -158,7 +158,6 @@ SHAPE_VECTORISED void gather(int moving, const int* halfedge_begins, const int* 
 EightfoldEnergy::EightfoldEnergy(const LengthDihedralEnergy& energy, const RegionMesh& region)
     : region_(region),
       unit_(energy.target().edge_lengths(region.edges).mean()),
-      smoothness_(static_cast<float>(energy.smoothness())),
       normals_(static_cast<std::size_t>(region.face_count())),
       hinges_(6 * static_cast<std::size_t>(region.moving_faces)),
       directions_(region.edges.size()),
@@ -175,23 +174,22 @@ EightfoldEnergy::EightfoldEnergy(const LengthDihedralEnergy& energy, const Regio
         inverse_lengths_.push_back(static_cast<float>(unit_ / energy.target().edge_lengths[e]));
         sines_.push_back(static_cast<float>(std::sin(angle)));
         cosines_.push_back(static_cast<float>(std::cos(angle)));
-        inner_.push_back(inner ? 1.0F : 0.0F);
+        bend_weights_.push_back(static_cast<float>(energy.bend_weights()[e]));
     }
 }
 
 std::array<float, Eightfold::lanes> EightfoldEnergy::linearise(const EightfoldPoints& points)
 {
     const RegionMesh& r = region_;
-    const float root = std::sqrt(smoothness_);
     Eightfold total;
-    face_terms(r.face_count(), r.moving_faces, r.corners.data(), points.data(), root,
-               normals_.data(), hinges_.data());
+    face_terms(r.face_count(), r.moving_faces, r.corners.data(), points.data(), normals_.data(),
+               hinges_.data());
     edge_terms(r.edge_count(), r.ends.data(), r.sides.data(), points.data(), normals_.data(),
                inverse_lengths_.data(), sines_.data(), cosines_.data(), directions_.data(),
                strains_.data(), tensions_.data(), moments_.data(), energies_.data());
     vector_angles(tensions_.data()->of, moments_.data()->of, Eightfold::lanes * bends_.size(),
                   bends_.data()->of);
-    bend_terms(r.edge_count(), root, bends_.data(), energies_.data(), &total);
+    bend_terms(r.edge_count(), bend_weights_.data(), bends_.data(), energies_.data(), &total);
     return std::to_array(total.of);
 }
 
@@ -217,7 +215,7 @@ void EightfoldEnergy::apply(const EightfoldPoints& v, EightfoldPoints& product)
     const RegionMesh& r = region_;
     bend_faces(r.moving_faces, r.corners.data(), v.data(), normals_.data(), hinges_.data(),
                halfedge_terms_.data());
-    couple_edges(r.edge_count(), r.ends.data(), r.sides.data(), inner_.data(), v.data(),
+    couple_edges(r.edge_count(), r.ends.data(), r.sides.data(), bend_weights_.data(), v.data(),
                  directions_.data(), halfedge_terms_.data(), tensions_.data(), moments_.data());
     transpose(tensions_, moments_, product);
 }

@@ -43,16 +43,15 @@ private:
 
     const RegionMesh& region_;
     double unit_;
-    float smoothness_;
     std::vector<float> inverse_lengths_; // of the target
     std::vector<float> sines_, cosines_; // of its dihedral angles
-    std::vector<float> inner_;           // 1 where an edge has two faces, 0 on the boundary
+    std::vector<float> bend_weights_;    // mu of edges
 
     EightfoldPoints normals_;         // of faces, unit length
     std::vector<Eightfold> hinges_;   // six a moving face, see face_terms()
     EightfoldPoints directions_;      // strain of an edge is directions . (v_b - v_a), weighted
     std::vector<Eightfold> strains_;  // residuals of edges, times the roots of their weights
-    std::vector<Eightfold> bends_;    // theta - theta*, likewise
+    std::vector<Eightfold> bends_;    // theta - theta*, times mu
     std::vector<Eightfold> energies_; // of edges
     std::vector<Eightfold> tensions_, moments_; // J v
     std::vector<Eightfold> halfedge_terms_;     // what apply() works in: bends, then lifts

@@ -126,7 +126,6 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
                              double stiffness, Linearisation* linearisation) const
 {
     const ShapePoint& target = energy.target();
-    const double mu = energy.smoothness();
     const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
     // Adds J^T J of one residual of a wedge whose derivatives by the wedge's vertices are g.
     std::vector<Vector3d> by_part;
@@ -182,7 +181,8 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         Vector3d right = d.cross(axis);
         const double angle = std::atan2(axis.dot(left.cross(right)), length * left.dot(right));
         const double bend = wrapped_angle(angle - target.dihedral_angles[e]);
-        sum += mu * bend * bend;
+        const double bend_weight = energy.bend_weights()[e];
+        sum += bend_weight * bend * bend;
         if (linearisation == nullptr || left.squaredNorm() == 0.0 || right.squaredNorm() == 0.0)
             continue;
         left /= left.squaredNorm();
@@ -192,7 +192,7 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         add(i,
             {(length - left_foot) * left + (length - right_foot) * right,
              left_foot * left + right_foot * right, -length * left, -length * right},
-            mu, bend);
+            bend_weight, bend);
     }
     return sum;
 }

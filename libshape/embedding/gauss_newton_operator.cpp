@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
@@ -45,20 +46,6 @@ inline Lanes lanes_of(double scale, double x, double y, double z)
                  static_cast<float>(scale * z), 0.0F};
 }
 
-/// Edges or faces are linearised by blocks, one array a number, which the compiler vectorises.
-constexpr int block = 128;
-using Row = double[block];
-
-/// Calls work(first, count) for consecutive blocks of [0, total).
-template <class Work>
-void for_blocks(int total, const Work& work)
-{
-    parallel_for(static_cast<std::size_t>(total), grain, [&](std::size_t begin, std::size_t end) {
-        for (int i = static_cast<int>(begin); i < static_cast<int>(end); i += block)
-            work(i, std::min(block, static_cast<int>(end) - i));
-    });
-}
-
 /// What makes the vectors along edges directions_.
 SHAPE_VECTORISED void edge_scales(int count, double unit, const double* lengths,
                                   const double* wanted, double* __restrict scales)
@@ -71,9 +58,10 @@ SHAPE_VECTORISED void edge_scales(int count, double unit, const double* lengths,
 
 /// Cotangents of the angles at the corners of faces, and stiffness of the edges 0-1, 1-2, 2-0.
 /// @param squares  Of the lengths of these.
+/// @param weights  mu of these.
 /// @param inverse_areas  1 / twice the areas; 0 where there is none.
-SHAPE_VECTORISED void face_shapes(int count, double scale, const double* inverse_squares,
-                                  const Row* squares, double* __restrict inverse_areas,
+SHAPE_VECTORISED void face_shapes(int count, const double* inverse_squares, const Row* squares,
+                                  const Row* weights, double* __restrict inverse_areas,
                                   Row* __restrict cotangents, Row* __restrict stiffness)
 {
     for (int i = 0; i < count; ++i) {
@@ -83,9 +71,9 @@ SHAPE_VECTORISED void face_shapes(int count, double scale, const double* inverse
         cotangents[0][i] = 0.5 * (a + c - b) * inverse;
         cotangents[1][i] = 0.5 * (a + b - c) * inverse;
         cotangents[2][i] = 0.5 * (b + c - a) * inverse;
-        stiffness[0][i] = a > 0.0 ? scale / a : 0.0;
-        stiffness[1][i] = b > 0.0 ? scale / b : 0.0;
-        stiffness[2][i] = c > 0.0 ? scale / c : 0.0;
+        stiffness[0][i] = a > 0.0 ? weights[0][i] / a : 0.0;
+        stiffness[1][i] = b > 0.0 ? weights[1][i] / b : 0.0;
+        stiffness[2][i] = c > 0.0 ? weights[2][i] / c : 0.0;
     }
 }
 
@@ -216,22 +204,26 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
                 lanes_of(scales[i], to[0] - from[0], to[1] - from[1], to[2] - from[2]);
         }
     });
+    collapses_ = energy_.collapses();
     Lanes* const normals = shape::lanes(normals_);
     Lanes* const cotangents = shape::lanes(cotangents_);
     Lanes* const stiffness = shape::lanes(stiffness_);
-    const double scale = energy_.smoothness() * unit_ * unit_;
+    const double scale = unit_ * unit_;
+    const double* const bend_weights = energy_.bend_weights().data();
     for_blocks(t.face_count(), [&](int first, int count) {
         Row squares[3]{};
+        Row weights[3]{};
         Row inverse_areas{};
         Row cot[3]{};
         Row stiff[3]{};
         for (int i = 0; i < count; ++i)
             for (int k = 0; k < 3; ++k) {
-                const double length = lengths[t.face_edges()(first + i, k)];
-                squares[k][i] = length * length;
+                const int e = t.face_edges()(first + i, k);
+                squares[k][i] = lengths[e] * lengths[e];
+                weights[k][i] = scale * bend_weights[e];
             }
-        face_shapes(count, scale, energy_.inverse_squares().data() + first, squares, inverse_areas,
-                    cot, stiff);
+        face_shapes(count, energy_.inverse_squares().data() + first, squares, weights,
+                    inverse_areas, cot, stiff);
         for (int i = 0; i < count; ++i) {
             const int f = first + i;
             const double* const n = energy_.normals().data() + 3 * f;
@@ -240,12 +232,6 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
             stiffness[f] = lanes_of(1.0, stiff[0][i], stiff[1][i], stiff[2][i]);
         }
     });
-    if (!t.is_closed())
-        for (int e = 0; e < t.edge_count(); ++e)
-            if (t.is_boundary_edge(e)) {
-                const int h = t.edge_halfedges()(e, 0);
-                stiffness[h / 3][h % 3] = 0.0F;
-            }
 }
 
 double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
@@ -264,12 +250,23 @@ double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
         lift_faces(begin, end, t.opposites().data(), shape::lanes(stiffness_),
                    shape::lanes(cotangents_), shape::lanes(bends_), shape::lanes(lifts_));
     });
-    return parallel_sum(static_cast<std::size_t>(t.vertex_count()), grain / 2,
-                        [&](std::size_t begin, std::size_t end) {
-                            return gather_forces(begin, end, t, normals, shape::lanes(lifts_),
-                                                 shape::lanes(directions_), motion,
-                                                 shape::lanes(product));
-                        });
+    double square = parallel_sum(static_cast<std::size_t>(t.vertex_count()), grain / 2,
+                                 [&](std::size_t begin, std::size_t end) {
+                                     return gather_forces(
+                                         begin, end, t, normals, shape::lanes(lifts_),
+                                         shape::lanes(directions_), motion, shape::lanes(product));
+                                 });
+    for (const auto& [face, residual, gradients] : collapses_) {
+        double change = 0.0;
+        for (int k = 0; k < 3; ++k)
+            change += unit_ * gradients[static_cast<std::size_t>(k)].dot(
+                                  v.col(t.faces()(face, k)).head<3>().cast<double>());
+        for (int k = 0; k < 3; ++k)
+            product.col(t.faces()(face, k)).head<3>() +=
+                (unit_ * change * gradients[static_cast<std::size_t>(k)]).cast<float>();
+        square += change * change;
+    }
+    return square;
 }
 
 } // namespace shape

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "libshape/embedding/length_dihedral_energy.h"
 #include "libshape/linalg/lanes.h"
@@ -46,6 +47,8 @@ private:
     LaneVectors stiffness_;  // of their edges: mu over the square of the length; 0 on the boundary
     LaneVectors bends_;      // of the faces at their edges, times the lengths
     LaneVectors lifts_;      // of the faces at their corners
+
+    std::vector<LengthDihedralEnergy::Collapse> collapses_;
 };
 
 } // namespace shape

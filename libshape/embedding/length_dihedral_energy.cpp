@@ -2,6 +2,7 @@
 
 #include "libshape/embedding/length_dihedral_energy.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -15,6 +16,7 @@
 
 namespace shape {
 
+using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 namespace {
@@ -38,7 +40,8 @@ struct alignas(64) Vectors
     }
 };
 
-/// Normals as long as twice the area, and their inverse squares (0 where there is no area).
+/// Normals as long as twice the area, and their inverse squares, bounded for heights below 1e-3 of
+/// the sides: angles change abruptly where such a face turns over, and no other edge must starve.
 SHAPE_VECTORISED void normals_of(int count, const Vectors& a, const Vectors& b, const Vectors& c,
                                  Vectors& __restrict normal, double* __restrict inverse_squares)
 {
@@ -52,7 +55,10 @@ SHAPE_VECTORISED void normals_of(int count, const Vectors& a, const Vectors& b, 
         normal.x[i] = x;
         normal.y[i] = y;
         normal.z[i] = z;
-        inverse_squares[i] = square > 0.0 ? 1.0 / square : 0.0;
+        const double p2 = px * px + py * py + pz * pz;
+        const double q2 = qx * qx + qy * qy + qz * qz;
+        const double bounded = std::max(square, 1e-6 * p2 * q2);
+        inverse_squares[i] = bounded > 0.0 ? 1.0 / bounded : 0.0;
     }
 }
 
@@ -78,16 +84,16 @@ SHAPE_VECTORISED void bends(int count, const Vectors& p, const Vectors& q, const
 }
 
 /// What every edge adds to the energy, dE/dl / l, and dE/dtheta in the place of theta - theta*.
-SHAPE_VECTORISED void edge_terms(int count, double smoothness, const double* lengths,
+SHAPE_VECTORISED void edge_terms(int count, const double* bend_weights, const double* lengths,
                                  const double* inverse_lengths, double* __restrict energies,
                                  double* __restrict pulls, double* __restrict angles)
 {
     for (int i = 0; i < count; ++i) {
         const double strain = lengths[i] * inverse_lengths[i] - 1.0;
         const auto [value, weight] = stretch_term(strain);
-        energies[i] = value + smoothness * angles[i] * angles[i];
+        energies[i] = value + bend_weights[i] * angles[i] * angles[i];
         pulls[i] = lengths[i] > 0.0 ? 2.0 * weight * strain * inverse_lengths[i] / lengths[i] : 0.0;
-        angles[i] *= 2.0 * smoothness;
+        angles[i] *= 2.0 * bend_weights[i];
     }
 }
 
@@ -142,11 +148,41 @@ SHAPE_VECTORISED void gather_gradient(int begin, int end, const Topology& topolo
     }
 }
 
+/// 16 A^2 of a triangle, < 0 where its lengths break the triangle inequality.
+double sixteen_squares(double a, double b, double c)
+{
+    return (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c);
+}
+
+/// bend_weights().
+VectorXd trusted_bends(const Topology& topology, const VectorXd& lengths, double smoothness)
+{
+    constexpr double least = 0.01;
+    VectorXd of_faces(topology.face_count());
+    for_blocks(topology.face_count(), [&](int first, int count) {
+        for (int f = first; f < first + count; ++f) {
+            const int* const e = topology.face_edges().data() + 3 * f;
+            const double a = lengths[e[0]], b = lengths[e[1]], c = lengths[e[2]];
+            const double longest = std::max({a, b, c});
+            const double q2 = 0.25 * sixteen_squares(a / longest, b / longest, c / longest);
+            of_faces[f] = smoothness * std::clamp(q2 / (sliver_shape * sliver_shape), least, 1.0);
+        }
+    });
+    VectorXd weights(topology.edge_count());
+    for_blocks(topology.edge_count(), [&](int first, int count) {
+        for (int e = first; e < first + count; ++e) {
+            const int* const h = topology.edge_halfedges().data() + 2 * e;
+            weights[e] = h[1] < 0 ? 0.0 : std::min(of_faces[h[0] / 3], of_faces[h[1] / 3]);
+        }
+    });
+    return weights;
+}
+
 } // namespace
 
 LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const ShapePoint& target,
                                            double smoothness)
-    : topology_(topology), target_(target), smoothness_(smoothness)
+    : topology_(topology), target_(target)
 {
     const int edges = topology.edge_count();
     if (target.edge_lengths.size() != edges || target.dihedral_angles.size() != edges)
@@ -162,6 +198,7 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
                                     "; lengths must be > 0, both finite"));
     if (!(smoothness > 0.0 && std::isfinite(smoothness)))
         throw InvalidInput(join("smoothness is ", smoothness, ", must be > 0 and finite"));
+    bend_weights_ = trusted_bends(topology, target.edge_lengths, smoothness);
     inverse_lengths_ = target.edge_lengths.cwiseInverse();
     sines_.resize(edges);
     cosines_.resize(edges);
@@ -172,6 +209,49 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
             sines_[e] = 0.0;
             cosines_[e] = 1.0;
         }
+}
+
+void LengthDihedralEnergy::keep_areas()
+{
+    const Topology& t = topology_;
+    const VectorXd& l = target_.edge_lengths;
+    areas_kept_ = true;
+    least_squares_.resize(t.face_count());
+    for (int f = 0; f < t.face_count(); ++f) {
+        const auto e = t.face_edges().row(f);
+        least_squares_[f] = 0.25 * 0.25 * std::max(0.0, sixteen_squares(l[e[0]], l[e[1]], l[e[2]]));
+    }
+}
+
+/// Faces below half of their areas: what they add to E, to the energies of one of their edges, and to
+/// its gradient, to the pulls of all three; d|n| / dl = l cot(opposite angle), n as long as 2 A.
+void LengthDihedralEnergy::add_collapses(const VectorXd& points)
+{
+    constexpr double beta = 0.01;
+    const Topology& t = topology_;
+    collapses_.clear();
+    for (int f = 0; f < t.face_count(); ++f) {
+        if (!(inverse_squares_[f] * least_squares_[f] > 1.0))
+            continue;
+        const Vector3d normal = normals_.row(f);
+        const double square = normal.squaredNorm();
+        if (!(square > 1e-30 * least_squares_[f]))
+            continue; // nothing says which way it would grow
+        const double residual = 0.5 * std::sqrt(beta) * std::log(least_squares_[f] / square);
+        const double pull = std::sqrt(beta) / square;
+        const auto corner = [&](int k) -> Vector3d {
+            return points.segment<3>(3 * t.faces()(f, k % 3));
+        };
+        const auto by_corner = [&](int k) -> Vector3d {
+            return pull * normal.cross(corner(k + 1) - corner(k + 2));
+        };
+        collapses_.push_back({f, residual, {by_corner(0), by_corner(1), by_corner(2)}});
+        energies_[t.face_edges()(f, 0)] += residual * residual;
+        for (int k = 0; k < 3; ++k)
+            pulls_[t.face_edges()(f, k)] -=
+                2.0 * residual * pull *
+                (corner(k) - corner(k + 2)).dot(corner(k + 1) - corner(k + 2));
+    }
 }
 
 double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient)
@@ -212,9 +292,13 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
               lengths_.data() + first, sines, cosines);
         double* const angles = moments_.data() + first;
         vector_angles(sines, cosines, static_cast<std::size_t>(count), angles);
-        edge_terms(count, smoothness_, lengths_.data() + first, inverse_lengths_.data() + first,
-                   energies_.data() + first, pulls_.data() + first, angles);
+        edge_terms(count, bend_weights_.data() + first, lengths_.data() + first,
+                   inverse_lengths_.data() + first, energies_.data() + first, pulls_.data() + first,
+                   angles);
     });
+
+    if (areas_kept_)
+        add_collapses(points);
 
     lifts_.resize(t.halfedge_count());
     for_blocks(t.face_count(), [&](int first, int count) {

@@ -121,7 +121,7 @@ double energy_of(const LengthDihedralEnergy& energy, const RegionMesh& region,
         const double angle = dihedral_angle(a, b, point(t.source(Topology::previous(left))),
                                             point(t.source(Topology::previous(right))));
         const double bend = wrapped_angle(angle - energy.target().dihedral_angles[e]);
-        sum += energy.smoothness() * bend * bend;
+        sum += energy.bend_weights()[e] * bend * bend;
     }
     return sum;
 }

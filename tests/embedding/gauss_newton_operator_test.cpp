@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "tests/support/lane_vectors.h"
 #include "tests/support/meshes.h"
 #include "tests/support/thread_scope.h"
 
@@ -40,14 +42,6 @@ void linearise(GaussNewtonOperator& matrix, LengthDihedralEnergy& energy, const 
     matrix.linearise(points);
 }
 
-LaneVectors random_vectors(Eigen::Index count, Random& random)
-{
-    LaneVectors v = LaneVectors::NullaryExpr(
-        4, count, [&] { return static_cast<float>(random.uniform(-1.0, 1.0)); });
-    v.row(3).setZero();
-    return v;
-}
-
 TEST(GaussNewtonOperator, IsTheSquareOfTheResidualsDerivatives)
 {
     for (const test::TestMesh& mesh : test::sample_meshes())
@@ -58,7 +52,7 @@ TEST(GaussNewtonOperator, IsTheSquareOfTheResidualsDerivatives)
             LengthDihedralEnergy energy(mesh.topology, target, mu);
             GaussNewtonOperator matrix(energy);
             linearise(matrix, energy, mesh.points);
-            const LaneVectors v = random_vectors(mesh.points.rows(), random);
+            const LaneVectors v = test::random_lane_vectors(mesh.points.rows(), random);
             LaneVectors product;
             const double found = matrix.apply(v, product);
 
@@ -81,12 +75,12 @@ TEST(GaussNewtonOperator, IsTheSquareOfTheResidualsDerivatives)
                 if (mesh.topology.is_boundary_edge(e))
                     continue;
                 const double bend = wrapped_angle(ahead_angles[e] - behind_angles[e]) / (2.0 * h);
-                square += mu * bend * bend;
+                square += energy.bend_weights()[e] * bend * bend;
             }
             EXPECT_NEAR(v.cwiseProduct(product).cast<double>().sum(), square, 1e-4 * square);
             EXPECT_NEAR(found, square, 1e-4 * square);
 
-            const LaneVectors w = random_vectors(mesh.points.rows(), random);
+            const LaneVectors w = test::random_lane_vectors(mesh.points.rows(), random);
             LaneVectors other;
             matrix.apply(w, other);
             const double one = w.cwiseProduct(product).cast<double>().sum();
@@ -101,14 +95,46 @@ TEST(GaussNewtonOperator, IsTheSquareOfTheResidualsDerivatives)
         }
 }
 
+TEST(GaussNewtonOperator, AddsTheSquaresOfAreasThatAreKept)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        SCOPED_TRACE(mesh.name);
+        Random random(4);
+        ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+        for (double& length : target.edge_lengths)
+            length *= random.uniform(1.4, 1.7);
+        LengthDihedralEnergy energy(mesh.topology, target, mu);
+        energy.keep_areas();
+        GaussNewtonOperator matrix(energy);
+        linearise(matrix, energy, mesh.points);
+        EXPECT_FALSE(energy.collapses().empty());
+        const LaneVectors v = test::random_lane_vectors(mesh.points.rows(), random);
+        LaneVectors product;
+        const double square = matrix.apply(v, product);
+        const VectorXd motion = test::flat(v);
+        LengthDihedralEnergy without(mesh.topology, target, mu);
+        GaussNewtonOperator matrix_without(without);
+        linearise(matrix_without, without, mesh.points);
+        LaneVectors product_without;
+        matrix_without.apply(v, product_without);
+        VectorXd sum = test::flat(product_without);
+        for (const auto& collapse : energy.collapses()) {
+            VectorXd row = VectorXd::Zero(motion.size());
+            for (int k = 0; k < 3; ++k)
+                row.segment<3>(3 * mesh.topology.faces()(collapse.face, k)) =
+                    matrix.unit() * collapse.gradients[static_cast<std::size_t>(k)];
+            sum += row.dot(motion) * row;
+        }
+        EXPECT_LT((sum - test::flat(product)).norm(), 2e-6 * sum.norm());
+        EXPECT_NEAR(square, motion.dot(sum), 1e-5 * square);
+    }
+}
+
 TEST(GaussNewtonOperator, IgnoresRigidMotions)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
-        LengthDihedralEnergy energy(
-            mesh.topology,
-            {edge_lengths(mesh.topology, mesh.points), dihedral_angles(mesh.topology, mesh.points)},
-            mu);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), mu);
         GaussNewtonOperator matrix(energy);
         linearise(matrix, energy, mesh.points);
         const Eigen::RowVector3d spin(0.3, -0.2, 0.5);

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "tests/support/lane_vectors.h"
 #include "tests/support/thread_scope.h"
 
 namespace shape {
@@ -38,13 +39,6 @@ SparseMatrix grid_matrix(int side, std::uint64_t seed)
     return matrix;
 }
 
-LaneVectors columns_of(const Eigen::VectorXd& rows_of_three)
-{
-    LaneVectors columns = LaneVectors::Zero(4, rows_of_three.size() / 3);
-    columns.topRows<3>() = rows_of_three.reshaped(3, columns.cols()).cast<float>();
-    return columns;
-}
-
 TEST(SinglePrecisionSolve, SolvesAsExactlyAsFloatAllows)
 {
     for (const int side : {1, 2, 5, 17, 60, 150}) // the last one in subtrees
@@ -65,13 +59,13 @@ TEST(SinglePrecisionSolve, SolvesAsExactlyAsFloatAllows)
             const SinglePrecisionSolve solve{SparseCholesky(matrix, ordering)};
             LaneVectors found;
             LaneVectors workspace;
-            const double product = solve.solve(columns_of(rhs), found, workspace);
-            EXPECT_LT((found - columns_of(solution)).norm(), 1e-4 * solution.norm());
+            const double product = solve.solve(test::lane_vectors(rhs), found, workspace);
+            EXPECT_LT((found - test::lane_vectors(solution)).norm(), 1e-4 * solution.norm());
             EXPECT_NEAR(product, rhs.dot(solution), 1e-4 * rhs.dot(solution));
 
             const test::ThreadScope threads(3);
             LaneVectors again;
-            EXPECT_EQ(solve.solve(columns_of(rhs), again, workspace), product);
+            EXPECT_EQ(solve.solve(test::lane_vectors(rhs), again, workspace), product);
             EXPECT_EQ(found, again);
         }
 }
@@ -88,9 +82,7 @@ TEST(SinglePrecisionSolve, SolvesWhereTheGraphFallsIntoPieces)
     SparseMatrix two(2 * side * side, 2 * side * side);
     two.setFromTriplets(entries.begin(), entries.end());
     Random random(6);
-    LaneVectors rhs = LaneVectors::NullaryExpr(
-        4, two.cols(), [&] { return static_cast<float>(random.uniform(-1.0, 1.0)); });
-    rhs.row(3).setZero();
+    const LaneVectors rhs = test::random_lane_vectors(two.cols(), random);
     LaneVectors found;
     LaneVectors workspace;
     SinglePrecisionSolve{SparseCholesky(two)}.solve(rhs, found, workspace);
