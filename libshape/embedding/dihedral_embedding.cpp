@@ -135,13 +135,10 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     if (options.relax_start)
         repair(hot_spots(energy, points));
     // Folds show once what is rough about the start is gone.
-    const auto repair_folds = [&] {
-        repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
-    };
     for (const int iterations : options.repairs)
         if (iterations <= options.max_iterations && !result.converged) {
             descend_to(iterations);
-            repair_folds();
+            repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
         }
     if (result.iterations == 0 ||
         (result.iterations < options.max_iterations && !result.converged)) {

@@ -101,7 +101,7 @@ private:
 
     // What evaluate() works in. Pages that are asked for anew at every step cost more than the work.
     Points normals_;                  // of the faces, as long as twice the area
-    Eigen::VectorXd inverse_squares_; // of the normals; 0 where there is no area
+    Eigen::VectorXd inverse_squares_; // of the normals, bounded; see normals_of()
     Eigen::VectorXd lengths_;
     Eigen::VectorXd energies_; // of the edges
     Eigen::VectorXd pulls_;    // dE/dl / l
