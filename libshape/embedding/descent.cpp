@@ -69,7 +69,7 @@ public:
         int small_steps = 0;
         while (solution.steps < max_steps && small_steps < 3) {
             const double last_square =
-                std::exchange(square, preconditioner.solve(b, preconditioned_, workspace_));
+                std::exchange(square, preconditioner.precondition(b, preconditioned_, workspace_));
             zero_at(held, preconditioned_);
             if (++solution.steps == 1)
                 first_square = square;

@@ -47,9 +47,9 @@ const Points& LinearStart::points(const ShapePoint& target, int face_steps)
     layout_ =
         lay_out_faces(topology_, target.edge_lengths, target.dihedral_angles, std::move(layout_));
     set_transition_weights(topology_, layout_.transitions, trust_);
-    // Where every walk closes there may be a mesh with all lengths and angles as wanted, and single
-    // precision would lose it.
-    closes_ = trust_.minCoeff() > 0.999;
+    // Where every walk closes (r < 3e-6) there may be a mesh with all lengths and angles as wanted, and
+    // single precision would lose it.
+    closes_ = trust_.minCoeff() > 1.0 - 1e-9;
     frames_ = patch_frames_.face_frames(layout_.transitions, trust_, std::move(frames_));
     solve_for_points();
     for (int step = 0; step < face_steps; ++step) {

@@ -3,6 +3,9 @@
 #include "libshape/linalg/single_precision_solve.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "libshape/base/error.h"
@@ -14,6 +17,7 @@ namespace shape {
 namespace {
 
 using Block = SinglePrecisionSolve::Block;
+using FloatHalf = SinglePrecisionSolve::FloatHalf;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
@@ -26,9 +30,9 @@ using Eigen::MatrixXd;
 // registers, two in each; the matrix is read once, from its first entry to the last one or back,
 // which is what memory does fastest.
 
-constexpr int widest = 16; // columns of a block, for which there are registers
-constexpr int step = 4;    // rows of the triangle that are stored equally long
-constexpr int ahead = 256; // entries: how far before its use the matrix is fetched
+constexpr int widest = 16;  // columns of a block, for which there are registers
+constexpr int step = 4;     // rows of the triangle that are stored equally long
+constexpr int ahead = 1024; // bytes: how far before its use the matrix is fetched
 
 std::size_t index(int i)
 {
@@ -46,45 +50,67 @@ struct Vectors
     Lanes odd;                   // the last one of an odd number
 };
 
+[[gnu::always_inline]] inline float value_of(float entry)
+{
+    return entry;
+}
+[[gnu::always_inline]] inline float value_of(FloatHalf entry)
+{
+    return std::bit_cast<float>(static_cast<std::uint32_t>(entry) << 16);
+}
+
+/// Adds two entries times a vector each.
+[[gnu::always_inline]] inline void add_products(const float* entries, const Pair& vectors,
+                                                Pair& sums)
+{
+    const float a = entries[0];
+    const float b = entries[1];
+    sums += Pair{a, a, a, a, b, b, b, b} * vectors;
+}
+/// The second entry ends in the first one instead of in zeros, which rounded() reckons with.
+[[gnu::always_inline]] inline void add_products(const FloatHalf* entries, const Pair& vectors,
+                                                Pair& sums)
+{
+    using Words = std::uint32_t __attribute__((vector_size(32)));
+    std::uint32_t w;
+    std::memcpy(&w, entries, sizeof w);
+    sums +=
+        reinterpret_cast<Pair>(Words{w, w, w, w, w, w, w, w} << Words{16, 16, 16, 16}) * vectors;
+}
+
 /// Row times vectors.
-template <int columns, class All>
-[[gnu::always_inline]] inline Lanes product(const float* row, const All& vectors)
+template <int columns, class Entry, class All>
+[[gnu::always_inline]] inline Lanes product(const Entry* row, const All& vectors)
 {
     Lanes sum{};
     if constexpr (columns > 1) {
         Pair both{};
-        for (int k = 0; k < columns / 2; ++k) {
-            const float a = row[2 * k];
-            const float b = row[2 * k + 1];
-            both += Pair{a, a, a, a, b, b, b, b} * vectors.pairs[k];
-        }
+        for (int k = 0; k < columns / 2; ++k)
+            add_products(row + 2 * k, vectors.pairs[k], both);
         sum = __builtin_shufflevector(both, both, 0, 1, 2, 3) +
               __builtin_shufflevector(both, both, 4, 5, 6, 7);
     }
     if constexpr (columns % 2 == 1)
-        sum += row[columns - 1] * vectors.odd;
+        sum += value_of(row[columns - 1]) * vectors.odd;
     return sum;
 }
 
 /// Adds to the vectors their entries of a row times what the row belongs to.
-template <int columns, class All>
-[[gnu::always_inline]] inline void add_product(const float* row, const Lanes& x, All& vectors)
+template <int columns, class Entry, class All>
+[[gnu::always_inline]] inline void add_product(const Entry* row, const Lanes& x, All& vectors)
 {
     const Pair twice = __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3);
-    for (int k = 0; k < columns / 2; ++k) {
-        const float a = row[2 * k];
-        const float b = row[2 * k + 1];
-        vectors.pairs[k] += Pair{a, a, a, a, b, b, b, b} * twice;
-    }
+    for (int k = 0; k < columns / 2; ++k)
+        add_products(row + 2 * k, twice, vectors.pairs[k]);
     if constexpr (columns % 2 == 1)
-        vectors.odd += row[columns - 1] * x;
+        vectors.odd += value_of(row[columns - 1]) * x;
 }
 
 /// Calls work for the rows of a triangle from `first` on: `step` rows are stored as long as the last of
 /// them, and so on.
 /// @param values  Those of the first row; ends behind the last one.
-template <int columns, int first, class Work>
-[[gnu::always_inline]] inline void for_triangle(const float*& values, const Work& work)
+template <int columns, int first, class Entry, class Work>
+[[gnu::always_inline]] inline void for_triangle(const Entry*& values, const Work& work)
 {
     constexpr int filled = std::min(first + step, columns);
     for (int i = first; i < filled; ++i, values += filled)
@@ -95,8 +121,8 @@ template <int columns, int first, class Work>
 
 /// The same in the opposite order, from the end of the values.
 /// @tparam first  Of the last `step` rows.
-template <int columns, int first, class Work>
-[[gnu::always_inline]] inline void for_triangle_down(const float*& values, const Work& work)
+template <int columns, int first, class Entry, class Work>
+[[gnu::always_inline]] inline void for_triangle_down(const Entry*& values, const Work& work)
 {
     constexpr int filled = std::min(first + step, columns);
     for (int i = filled; i-- > first;)
@@ -115,8 +141,8 @@ constexpr int triangle_size(int columns)
 }
 
 /// own = inverse of L times own, x += B' own.
-template <int columns>
-[[gnu::always_inline]] inline void forward_block(int rows, const int* row, const float* values,
+template <int columns, class Entry>
+[[gnu::always_inline]] inline void forward_block(int rows, const int* row, const Entry* values,
                                                  Lanes* own, Lanes* x)
 {
     Vectors<columns> vectors;
@@ -124,27 +150,27 @@ template <int columns>
         vectors.pairs[k] = reinterpret_cast<const Pair*>(own)[k];
     vectors.odd = own[columns - 1];
     for_triangle<columns, 0>(
-        values, [&]<int filled>(int i, const float* entries)
+        values, [&]<int filled>(int i, const Entry* entries)
                     __attribute__((always_inline)) { own[i] = product<filled>(entries, vectors); });
     for (int i = 0; i < rows; ++i, values += columns) {
-        __builtin_prefetch(values + ahead);
+        __builtin_prefetch(values + ahead / sizeof(Entry));
         x[row[i]] += product<columns>(values, vectors);
     }
 }
 
 /// own = transposed inverse of L times own + transposed B' times x.
-template <int columns>
-[[gnu::always_inline]] inline void backward_block(int rows, const int* row, const float* values,
+template <int columns, class Entry>
+[[gnu::always_inline]] inline void backward_block(int rows, const int* row, const Entry* values,
                                                   Lanes* own, const Lanes* x)
 {
     Vectors<columns> vectors{};
     for (int i = rows; i-- > 0;) {
         values -= columns;
-        __builtin_prefetch(values - ahead);
+        __builtin_prefetch(values - ahead / sizeof(Entry));
         add_product<columns>(values, x[row[i]], vectors);
     }
     for_triangle_down<columns, (columns - 1) / step * step>(
-        values, [&]<int filled>(int i, const float* entries) __attribute__((always_inline)) {
+        values, [&]<int filled>(int i, const Entry* entries) __attribute__((always_inline)) {
             add_product<filled>(entries, own[i], vectors);
         });
     for (int k = 0; k < columns / 2; ++k)
@@ -163,9 +189,9 @@ template <int columns = 1, class Work>
         with_columns<columns + 1>(known, work);
 }
 
-/// All blocks of a part upwards. The rows above the part end as what is to be added to them.
-SHAPE_VECTORISED void forward_blocks(const Block* block, const Block* end, const int* row,
-                                     const float* values, Lanes* x)
+template <class Entry>
+[[gnu::always_inline]] inline void all_forward(const Block* block, const Block* end, const int* row,
+                                               const Entry* values, Lanes* x)
 {
     for (; block != end; row += block->rows, ++block)
         with_columns(
@@ -175,10 +201,9 @@ SHAPE_VECTORISED void forward_blocks(const Block* block, const Block* end, const
             });
 }
 
-/// All blocks of a part downwards.
-/// @param row, values  Behind the last one.
-SHAPE_VECTORISED void backward_blocks(const Block* first, const Block* block, const int* row,
-                                      const float* values, Lanes* x)
+template <class Entry>
+[[gnu::always_inline]] inline void all_backward(const Block* first, const Block* block,
+                                                const int* row, const Entry* values, Lanes* x)
 {
     while (block-- != first) {
         row -= block->rows;
@@ -188,6 +213,31 @@ SHAPE_VECTORISED void backward_blocks(const Block* first, const Block* block, co
                 values -= triangle_size(columns) + columns * block->rows;
             });
     }
+}
+
+/// All blocks of a part upwards. The rows above the part end as what is to be added to them.
+SHAPE_VECTORISED void forward_blocks(const Block* block, const Block* end, const int* row,
+                                     const float* values, Lanes* x)
+{
+    all_forward(block, end, row, values, x);
+}
+SHAPE_VECTORISED void forward_blocks(const Block* block, const Block* end, const int* row,
+                                     const FloatHalf* values, Lanes* x)
+{
+    all_forward(block, end, row, values, x);
+}
+
+/// All blocks of a part downwards.
+/// @param row, values  Behind the last one.
+SHAPE_VECTORISED void backward_blocks(const Block* first, const Block* block, const int* row,
+                                      const float* values, Lanes* x)
+{
+    all_backward(first, block, row, values, x);
+}
+SHAPE_VECTORISED void backward_blocks(const Block* first, const Block* block, const int* row,
+                                      const FloatHalf* values, Lanes* x)
+{
+    all_backward(first, block, row, values, x);
 }
 
 /// Parts of the elimination tree, the lower tiers first: each a subtree less the parts below.
@@ -248,6 +298,44 @@ Cut cut(const SupernodalFactor& f)
     return cut;
 }
 
+FloatHalf upper_half(double value)
+{
+    return static_cast<FloatHalf>(std::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 16);
+}
+
+/// The float nearest to value whose lower half is this one.
+float rounded(double value, std::uint32_t lower_half)
+{
+    // What a lower half alone makes is too small a number to calculate with at full speed.
+    constexpr double nothing = 0x1p-64;
+    const bool vanishes = lower_half != 0 && std::abs(value) < nothing;
+    const auto wanted = static_cast<float>(vanishes ? nothing : value);
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(wanted) - lower_half + 0x8000U;
+    return std::bit_cast<float>((bits & 0xffff0000U) | lower_half);
+}
+
+/// Rounds a matrix to halves of floats, as add_products() reads them. Every rounding error is passed on
+/// to the next smaller row, so that the sums of columns stay.
+void round_to_halves(MatrixXd& matrix)
+{
+    const Eigen::VectorXd sizes = matrix.rowwise().squaredNorm();
+    std::vector<Index> order(static_cast<std::size_t>(matrix.rows()));
+    std::iota(order.begin(), order.end(), Index{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](Index a, Index b) { return sizes[a] > sizes[b]; });
+    Eigen::VectorXd errors = Eigen::VectorXd::Zero(matrix.cols());
+    for (const Index r : order) {
+        std::uint32_t lower_half = 0;
+        for (Index c = 0; c < matrix.cols(); ++c) {
+            double& entry = matrix(r, c);
+            const float value = rounded(entry == 0.0 ? 0.0 : entry + errors[c], lower_half);
+            errors[c] += entry - value;
+            entry = value;
+            lower_half = c % 2 == 0 ? upper_half(value) : 0;
+        }
+    }
+}
+
 } // namespace
 
 SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
@@ -285,6 +373,7 @@ SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
         reached[p].erase(std::unique(reached[p].begin(), reached[p].end()), reached[p].end());
     }
     values_.reserve(index(f.first_values.back()));
+    halves_.reserve(index(f.first_values.back()));
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         Part& part = parts_[p];
         part.parent = parts.parent[p];
@@ -326,29 +415,37 @@ void SinglePrecisionSolve::add_blocks(const SupernodalFactor& f, std::size_t sup
     for (Index first = 0; first < columns; first += piece) {
         const Index width = std::min(piece, columns - first);
         const Index end = first + width;
-        const MatrixXd inverse = factor.block(first, first, width, width)
-                                     .triangularView<Eigen::Lower>()
-                                     .solve(MatrixXd::Identity(width, width));
-        const MatrixXd below = -factor.block(end, first, rows - end, width) * inverse;
+        MatrixXd inverse = factor.block(first, first, width, width)
+                               .triangularView<Eigen::Lower>()
+                               .solve(MatrixXd::Identity(width, width));
+        MatrixXd below = -factor.block(end, first, rows - end, width) * inverse;
+        const Eigen::Array<bool, Eigen::Dynamic, 1> filled = (below.array() != 0.0).rowwise().any();
         Block block{number(row[first]), static_cast<int>(width), 0};
-        const auto append = [&](const MatrixXd& from, Index r, Index filled) {
-            for (Index c = 0; c < filled; ++c)
-                values_.push_back(static_cast<float>(from(r, c)));
-        };
-        for (Index r = 0; r < width; ++r)
-            append(inverse, r, std::min(width, (r / step + 1) * step));
         for (Index r = 0; r < rows - end; ++r)
-            if ((factor.row(end + r).segment(first, width).array() != 0.0).any()) {
-                append(below, r, width);
+            if (filled[r]) {
                 rows_.push_back(number(row[end + r]));
                 ++block.rows;
             }
+        const auto append = [&](auto& values, const auto& stored) {
+            for (Index r = 0; r < width; ++r)
+                for (Index c = 0; c < std::min(width, (r / step + 1) * step); ++c)
+                    values.push_back(stored(inverse(r, c)));
+            for (Index r = 0; r < rows - end; ++r)
+                for (Index c = 0; filled[r] && c < width; ++c)
+                    values.push_back(stored(below(r, c)));
+        };
+        append(values_, [](double value) { return static_cast<float>(value); });
+        round_to_halves(inverse);
+        round_to_halves(below);
+        append(halves_, upper_half);
         blocks_.push_back(block);
     }
 }
 
 /// L y = b for the columns of a part.
-void SinglePrecisionSolve::forward(const Part& part, const Lanes* rhs, Lanes* workspace) const
+template <class Entry>
+void SinglePrecisionSolve::forward(const Part& part, const Entry* values, const Lanes* rhs,
+                                   Lanes* workspace) const
 {
     Lanes* const x = workspace + part.place;
     const int* const from = permutation_.data() + part.first_column;
@@ -363,13 +460,14 @@ void SinglePrecisionSolve::forward(const Part& part, const Lanes* rhs, Lanes* wo
             x[to[i]] += added[i];
     }
     forward_blocks(blocks_.data() + part.first_block, blocks_.data() + part.end_block,
-                   rows_.data() + part.first_row, values_.data() + part.first_value, x);
+                   rows_.data() + part.first_row, values + part.first_value, x);
 }
 
 /// L^T x = y for the columns of a part.
 /// @return Their part of the sum of products.
-double SinglePrecisionSolve::backward(const Part& part, const Lanes* rhs, Lanes* workspace,
-                                      Lanes* solution) const
+template <class Entry>
+double SinglePrecisionSolve::backward(const Part& part, const Entry* values, const Lanes* rhs,
+                                      Lanes* workspace, Lanes* solution) const
 {
     Lanes* const x = workspace + part.place;
     const Lanes* const above = workspace + parts_[part.parent].place;
@@ -377,7 +475,7 @@ double SinglePrecisionSolve::backward(const Part& part, const Lanes* rhs, Lanes*
     for (std::size_t i = 0; i < part.reached; ++i)
         x[part.columns + i] = above[from[i]];
     backward_blocks(blocks_.data() + part.first_block, blocks_.data() + part.end_block,
-                    rows_.data() + part.end_row, values_.data() + part.end_value, x);
+                    rows_.data() + part.end_row, values + part.end_value, x);
     const int* const to = permutation_.data() + part.first_column;
     double sum = 0.0;
     for (std::size_t begin = 0; begin < part.columns; begin += short_sum) {
@@ -391,8 +489,9 @@ double SinglePrecisionSolve::backward(const Part& part, const Lanes* rhs, Lanes*
     return sum;
 }
 
-double SinglePrecisionSolve::solve(const LaneVectors& rhs, LaneVectors& solution,
-                                   LaneVectors& workspace) const
+template <class Entry>
+double SinglePrecisionSolve::solve(const Entry* values, const LaneVectors& rhs,
+                                   LaneVectors& solution, LaneVectors& workspace) const
 {
     if (rhs.cols() != static_cast<Index>(permutation_.size()))
         throw InvalidInput(join("solve: the right-hand side has ", rhs.cols(), " rows, the matrix ",
@@ -409,10 +508,22 @@ double SinglePrecisionSolve::solve(const LaneVectors& rhs, LaneVectors& solution
                      [&](std::size_t begin, std::size_t) { body(first + begin); });
     };
     for (const std::size_t t : {0, 1, 2})
-        for_tier(t, [&](std::size_t p) { forward(parts_[p], b, work); });
+        for_tier(t, [&](std::size_t p) { forward(parts_[p], values, b, work); });
     for (const std::size_t t : {2, 1, 0})
-        for_tier(t, [&](std::size_t p) { sums[p] = backward(parts_[p], b, work, x); });
+        for_tier(t, [&](std::size_t p) { sums[p] = backward(parts_[p], values, b, work, x); });
     return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+double SinglePrecisionSolve::solve(const LaneVectors& rhs, LaneVectors& solution,
+                                   LaneVectors& workspace) const
+{
+    return solve(values_.data(), rhs, solution, workspace);
+}
+
+double SinglePrecisionSolve::precondition(const LaneVectors& rhs, LaneVectors& solution,
+                                          LaneVectors& workspace) const
+{
+    return solve(halves_.data(), rhs, solution, workspace);
 }
 
 } // namespace shape
