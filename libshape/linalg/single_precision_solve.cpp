@@ -32,7 +32,7 @@ using Eigen::MatrixXd;
 
 constexpr int widest = 16;  // columns of a block, for which there are registers
 constexpr int step = 4;     // rows of the triangle that are stored equally long
-constexpr int ahead = 1024; // bytes: how far before its use the matrix is fetched
+constexpr int ahead = 4096; // bytes: how far before its use the matrix is fetched
 
 std::size_t index(int i)
 {
@@ -304,12 +304,12 @@ FloatHalf upper_half(double value)
 }
 
 /// The float nearest to value whose lower half is this one.
-float rounded(double value, std::uint32_t lower_half)
+/// @param least  Takes the place of smaller values above a lower half, which alone would make a number
+///     too small to calculate with at full speed.
+float rounded(double value, std::uint32_t lower_half, double least)
 {
-    // What a lower half alone makes is too small a number to calculate with at full speed.
-    constexpr double nothing = 0x1p-64;
-    const bool vanishes = lower_half != 0 && std::abs(value) < nothing;
-    const auto wanted = static_cast<float>(vanishes ? nothing : value);
+    const bool vanishes = lower_half != 0 && std::abs(value) < least;
+    const auto wanted = static_cast<float>(vanishes ? least : value);
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(wanted) - lower_half + 0x8000U;
     return std::bit_cast<float>((bits & 0xffff0000U) | lower_half);
 }
@@ -323,12 +323,13 @@ void round_to_halves(MatrixXd& matrix)
     std::iota(order.begin(), order.end(), Index{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](Index a, Index b) { return sizes[a] > sizes[b]; });
+    const double least = 0x1p-40 * std::sqrt(sizes.size() > 0 ? sizes.maxCoeff() : 0.0);
     Eigen::VectorXd errors = Eigen::VectorXd::Zero(matrix.cols());
     for (const Index r : order) {
         std::uint32_t lower_half = 0;
         for (Index c = 0; c < matrix.cols(); ++c) {
             double& entry = matrix(r, c);
-            const float value = rounded(entry == 0.0 ? 0.0 : entry + errors[c], lower_half);
+            const float value = rounded(entry == 0.0 ? 0.0 : entry + errors[c], lower_half, least);
             errors[c] += entry - value;
             entry = value;
             lower_half = c % 2 == 0 ? upper_half(value) : 0;
@@ -341,6 +342,8 @@ void round_to_halves(MatrixXd& matrix)
 SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
 {
     const SupernodalFactor f = cholesky.factor();
+    // Entries of inverses of about 1, by a power of two: the same bits in any unit that is one.
+    scale_ = std::ldexp(1.0F, -2 * std::ilogb(f.values[0]));
     const Cut parts = cut(f);
     const auto part_of = [&](int column) { return parts.part_of_column[index(column)]; };
     tiers_ = parts.tiers;
@@ -419,6 +422,7 @@ void SinglePrecisionSolve::add_blocks(const SupernodalFactor& f, std::size_t sup
                                .triangularView<Eigen::Lower>()
                                .solve(MatrixXd::Identity(width, width));
         MatrixXd below = -factor.block(end, first, rows - end, width) * inverse;
+        inverse /= std::sqrt(scale_);
         const Eigen::Array<bool, Eigen::Dynamic, 1> filled = (below.array() != 0.0).rowwise().any();
         Block block{number(row[first]), static_cast<int>(width), 0};
         for (Index r = 0; r < rows - end; ++r)
@@ -450,7 +454,7 @@ void SinglePrecisionSolve::forward(const Part& part, const Entry* values, const 
     Lanes* const x = workspace + part.place;
     const int* const from = permutation_.data() + part.first_column;
     for (std::size_t i = 0; i < part.columns; ++i)
-        x[i] = rhs[from[i]];
+        x[i] = scale_ * rhs[from[i]];
     std::fill_n(x + part.columns, part.reached, Lanes{});
     for (const std::size_t p : part.children) {
         const Part& child = parts_[p];

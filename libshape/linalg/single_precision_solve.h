@@ -89,6 +89,7 @@ private:
     std::vector<float> values_;
     std::vector<FloatHalf> halves_; ///< The same, rounded.
     std::size_t places_ = 0;        ///< In all.
+    float scale_ = 1.0F;            ///< The inverse as stored times this is that of A.
 };
 
 } // namespace shape

@@ -9,7 +9,7 @@
 #include "libshape/base/format.h"
 
 extern "C" void openblas_set_num_threads(
-    int); // cblas.h of OpenBLAS declares it, that of others not
+    int);                                   // cblas.h of OpenBLAS declares it, that of others not
 extern "C" int omp_get_max_active_levels(); // omp.h
 extern "C" void omp_set_max_active_levels(int);
 

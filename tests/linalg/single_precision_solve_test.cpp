@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
 #include "tests/support/lane_vectors.h"
@@ -70,6 +73,57 @@ TEST(SinglePrecisionSolve, SolvesAsExactlyAsFloatAllows)
         }
 }
 
+/// What preconditions for a grid's Laplacian, column by column, times that Laplacian.
+Eigen::MatrixXd preconditioned(const SparseMatrix& matrix)
+{
+    const SinglePrecisionSolve solve{SparseCholesky(matrix)};
+    Eigen::MatrixXd columns(matrix.rows(), matrix.cols());
+    LaneVectors found;
+    LaneVectors workspace;
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+        LaneVectors unit = LaneVectors::Zero(4, matrix.cols());
+        unit(c % 3, c) = 1.0F;
+        const double product = solve.precondition(unit, found, workspace);
+        EXPECT_FLOAT_EQ(static_cast<float>(product), found(c % 3, c));
+        columns.col(c) = found.row(c % 3).cast<double>();
+    }
+    EXPECT_LT((columns - columns.transpose()).norm(), 1e-6 * columns.norm());
+    return columns * matrix.selfadjointView<Eigen::Lower>();
+}
+
+TEST(SinglePrecisionSolve, PreconditionsNearlyAsWellAsItSolves)
+{
+    for (const int side : {1, 2, 5, 17, 24}) {
+        SCOPED_TRACE(side);
+        const Eigen::VectorXcd values = preconditioned(grid_matrix(side, 7)).eigenvalues();
+        EXPECT_LT(values.imag().cwiseAbs().maxCoeff(), 1e-4);
+        EXPECT_GT(values.real().minCoeff(), 0.97);
+        EXPECT_LT(values.real().maxCoeff(), 1.03);
+    }
+}
+
+TEST(SinglePrecisionSolve, PreconditioningKeepsConstants)
+{
+    constexpr int side = 150;
+    SparseMatrix matrix = grid_matrix(side, 8);
+    // A Laplacian held at one vertex, pulled there: the solution is constant.
+    const Eigen::VectorXd sums =
+        matrix.selfadjointView<Eigen::Lower>() * Eigen::VectorXd::Ones(matrix.cols());
+    for (int c = 1; c < matrix.cols(); ++c)
+        matrix.coeffRef(c, c) -= sums[c];
+    LaneVectors pull = LaneVectors::Zero(4, matrix.cols());
+    pull(1, 0) = static_cast<float>(sums[0]);
+    LaneVectors found;
+    LaneVectors workspace;
+    (void)SinglePrecisionSolve{SparseCholesky(matrix)}.precondition(pull, found, workspace);
+    Eigen::ArrayXd solution = found.row(1).cast<double>();
+    EXPECT_NEAR(solution.mean(), 1.0, 0.01);
+    // Rounding of the last columns, which hold everything, and near the held vertex remains.
+    std::sort(solution.begin(), solution.end());
+    const Eigen::Index tenth = solution.size() / 10;
+    EXPECT_LT(solution[9 * tenth] - solution[tenth], 1e-3);
+}
+
 TEST(SinglePrecisionSolve, SolvesWhereTheGraphFallsIntoPieces)
 {
     constexpr int side = 90; // each in subtrees of its own
@@ -97,6 +151,7 @@ TEST(SinglePrecisionSolve, RefusesAnotherSizeAndFactorsWithoutSupernodes)
     LaneVectors found;
     LaneVectors workspace;
     EXPECT_THROW(solve.solve(LaneVectors::Ones(4, 8), found, workspace), InvalidInput);
+    EXPECT_THROW(solve.precondition(LaneVectors::Ones(4, 8), found, workspace), InvalidInput);
     EXPECT_THROW(SinglePrecisionSolve(SparseCholesky(grid_matrix(3, 1), Ordering::MinimumDegree)),
                  InvalidInput);
 }
