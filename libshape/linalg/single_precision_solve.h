@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
+#include "libshape/linalg/factor_blocks.h"
 #include "libshape/linalg/lanes.h"
 #include "libshape/linalg/sparse_cholesky.h"
 
@@ -38,18 +38,6 @@ public:
     /// weight of which is about the same: it preconditions as well as the factor itself.
     double precondition(const LaneVectors& rhs, LaneVectors& solution,
                         LaneVectors& workspace) const;
-
-    /// The upper half of a float: its sign, exponent and eight binary digits.
-    using FloatHalf = std::uint16_t;
-
-    /// Up to 16 columns of the factor, a triangle L on top of a matrix B. Stored are the inverse of L
-    /// and -B times it, so that no row waits for the row before.
-    struct Block
-    {
-        int first_column; ///< In its part.
-        int columns;
-        int rows; ///< Of B.
-    };
 
 private:
     struct Part
@@ -83,7 +71,7 @@ private:
     std::vector<int> permutation_;
     std::vector<Part> parts_;            ///< Branches, limbs, trunk.
     std::array<std::size_t, 3> tiers_{}; ///< Where each ends.
-    std::vector<Block> blocks_;
+    std::vector<FactorBlock> blocks_;
     std::vector<int> rows_; ///< Of all B, in the numbers of the part.
     std::vector<int> reached_rows_;
     std::vector<float> values_;
