@@ -12,6 +12,7 @@
 #include "libshape/base/format.h"
 #include "libshape/conformal/central_vertex.h"
 #include "libshape/conformal/flat_metric.h"
+#include "libshape/mesh/triangle_area.h"
 
 namespace shape {
 namespace {
@@ -24,8 +25,7 @@ Eigen::VectorXd face_areas(const Topology& topology, const Eigen::VectorXd& leng
         const double a = lengths[topology.face_edges()(f, 0)];
         const double b = lengths[topology.face_edges()(f, 1)];
         const double c = lengths[topology.face_edges()(f, 2)];
-        areas[f] =
-            0.25 * std::sqrt(std::max(0.0, (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c)));
+        areas[f] = 0.25 * std::sqrt(std::max(0.0, sixteen_squared_areas(a, b, c)));
     }
     return areas;
 }
