@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/central_vertex.h"
@@ -96,8 +97,7 @@ ConformalCertificate certify(const SphereMap& map, const FlatMetric& flat)
 std::string why_not_spherical(const Topology& topology)
 {
     if (!topology.is_closed())
-        return join("the mesh has ", topology.boundary_loop_count(),
-                    topology.boundary_loop_count() == 1 ? " boundary loop" : " boundary loops",
+        return join("the mesh has ", counted(topology.boundary_loop_count(), "boundary loop"),
                     ", a conformal map to the sphere needs a closed surface; close "
                     "the holes, or flatten the mesh as a disc if it has one");
     if (topology.genus() > 0)
