@@ -63,7 +63,7 @@ std::vector<double> amounts_of(const Arguments& arguments)
     const std::size_t count = std::max<std::size_t>(arguments.load.size(), 1);
     if (arguments.amounts.empty())
         return std::vector<double>(count, 1.0);
-    const std::vector<double> amounts = read_numbers(arguments.amounts, "--amount");
+    std::vector<double> amounts = read_numbers(arguments.amounts, "--amount");
     if (amounts.size() != count)
         throw UsageError(join("--amount: ", counted(amounts.size(), "number"), " for ",
                               counted(count, "difference"), "; give one for each"));

@@ -144,7 +144,7 @@ void run(const Session& session, const Arguments& arguments)
         throw UsageError("--scores needs text; let -o end in .svg");
     std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
     if (!arguments.scores.empty())
-        inputs.push_back(arguments.scores);
+        inputs.emplace_back(arguments.scores);
     check_output(session, output, inputs);
 
     PictureOptions options;
