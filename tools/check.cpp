@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/sphere_map.h"
@@ -204,7 +205,8 @@ void run(const Session& session, const Arguments& arguments)
     const auto first = std::find_if(checked.begin(), checked.end(), is_broken);
     const std::string& message = first->findings.front().message;
     const bool names_file = message.starts_with(first->path);
-    throw InvalidInput(join(broken, " of ", checked.size(), " meshes are broken, first ",
+    throw InvalidInput(join(broken, " of ", counted(checked.size(), "mesh", "meshes"),
+                            broken == 1 ? " is" : " are", " broken, first ",
                             names_file ? "" : first->path + ": ", message));
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
 #include "tools/commands.h"
@@ -26,8 +27,8 @@ void run(const Session& session, const Arguments& arguments)
     check_output(session, arguments.output, input_files(arguments.input.meshes));
     const Collection collection = read_labelled(session, arguments.input);
     write_collection(arguments.output, collection);
-    session.message(join(arguments.output, ": ", collection.size(), " meshes of ",
-                         collection.topology.vertex_count(), " vertices"));
+    session.message(join(arguments.output, ": ", counted(collection.size(), "mesh", "meshes"),
+                         " of ", collection.topology.vertex_count(), " vertices"));
     session.print_figures({{"outputs", {arguments.output}},
                            {"meshes", collection.size()},
                            {"vertices", collection.topology.vertex_count()},

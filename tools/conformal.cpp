@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/conformal_morph.h"
@@ -84,8 +85,9 @@ Points placed_sphere(const SphereMap& map, const Points& mesh)
 void tell(const Session& session, const std::string& mesh, const SphereMap& map)
 {
     session.message(join(mesh, ": certificate: ", name(map.certificate), ", ",
-                         map.edges.flipped.size(), " edges flipped, ", map.reversed_faces.size(),
-                         " faces reversed; residual of eq. (13) ", map.edges.worst));
+                         counted(map.edges.flipped.size(), "edge"), " flipped, ",
+                         counted(map.reversed_faces.size(), "face"),
+                         " reversed; residual of eq. (13) ", map.edges.worst));
 }
 
 /// Makes the frames of the morph: the mesh, meshes that follow from it, and the sphere.
@@ -149,9 +151,10 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
         const MorphFrame frame = morph_frame(morph, k);
         const std::string frame_name = numbered_name("frame", i);
         if (!frame.mended_faces.empty())
-            session.warn(join(frame_name, ": the factors break ", frame.mended_faces.size(),
-                              " faces, first face ", frame.mended_faces.front(),
-                              "; edges changed by up to ", 100.0 * frame.largest_mend, " %"));
+            session.warn(join(frame_name, ": the factors break ",
+                              counted(frame.mended_faces.size(), "face"), ", first face ",
+                              frame.mended_faces.front(), "; edges changed by up to ",
+                              100.0 * frame.largest_mend, " %"));
         frames.push_back({{"name", frame_name},
                           {"k", k},
                           {"mended_faces", frame.mended_faces.size()},

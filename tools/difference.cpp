@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
@@ -62,10 +63,10 @@ std::vector<double> amounts_of(const Arguments& arguments)
     const std::size_t count = std::max<std::size_t>(arguments.load.size(), 1);
     if (arguments.amounts.empty())
         return std::vector<double>(count, 1.0);
-    const std::vector<double> amounts = read_numbers(arguments.amounts, "--amount");
+    std::vector<double> amounts = read_numbers(arguments.amounts, "--amount");
     if (amounts.size() != count)
-        throw UsageError(join("--amount: ", amounts.size(), " numbers for ", count,
-                              " differences; give one for each"));
+        throw UsageError(join("--amount: ", counted(amounts.size(), "number"), " for ",
+                              counted(count, "difference"), "; give one for each"));
     return amounts;
 }
 
@@ -213,7 +214,7 @@ void run_found(const Session& session, const Arguments& arguments)
     figures["from_size"] = difference.from_size;
     figures["to_size"] = difference.to_size;
     session.message(
-        join(arguments.output, ": mean difference of ", difference.pairs.size(), " pairs"));
+        join(arguments.output, ": mean difference of ", counted(difference.pairs.size(), "pair")));
     if (effects)
         figures["effects"] = find_effects(session, arguments, difference, *effects);
     session.print_figures(figures);
@@ -253,7 +254,8 @@ void add_applying_options(CLI::App& command, Arguments& arguments)
                         "Instead of finding one, apply these saved differences, all at once")
             ->option_text("FILE ...")
             ->group(group);
-    for (const char* option : {"--pair-by", "--from", "--to", "--scale", "--labels", "--only", "--effects"})
+    for (const char* option :
+         {"--pair-by", "--from", "--to", "--scale", "--labels", "--only", "--effects"})
         load->excludes(command.get_option(option));
     CLI::Option* apply = command
                              .add_flag("--apply", arguments.apply,
@@ -262,9 +264,10 @@ void add_applying_options(CLI::App& command, Arguments& arguments)
                              ->group(group);
     CLI::Option* mesh =
         command
-            .add_option("--mesh", arguments.mesh.path,
-                        "Where the result goes: a file (.obj .ply .off .glb), or a directory if there\n"
-                        "are several")
+            .add_option(
+                "--mesh", arguments.mesh.path,
+                "Where the result goes: a file (.obj .ply .off .glb), or a directory if there\n"
+                "are several")
             ->option_text("PATH")
             ->group(group);
     apply->needs(mesh);

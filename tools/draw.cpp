@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/output_file.h"
@@ -143,7 +144,7 @@ void run(const Session& session, const Arguments& arguments)
         throw UsageError("--scores needs text; let -o end in .svg");
     std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
     if (!arguments.scores.empty())
-        inputs.push_back(arguments.scores);
+        inputs.emplace_back(arguments.scores);
     check_output(session, output, inputs);
 
     PictureOptions options;
@@ -165,7 +166,7 @@ void run(const Session& session, const Arguments& arguments)
                 : arguments.scores.empty()
                     ? picture_svg(picture)
                     : overview_svg(picture, read_score_plot(arguments.scores, arguments.color_by)));
-    session.message(join(arguments.output, ": ", collection.size(), " meshes"));
+    session.message(join(arguments.output, ": ", counted(collection.size(), "mesh", "meshes")));
     if (has_values)
         session.message(join(arguments.color_by, ": colours from ", options.value_low, " to ",
                              options.value_high));

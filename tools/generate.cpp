@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
@@ -122,7 +123,7 @@ ModelPoint point_of_scores(const ShapeModel& model, const Arguments& arguments)
     const auto count = static_cast<Eigen::Index>(sigmas.size());
     if (count > model.mode_count())
         throw InvalidInput(join("--scores: ", count, " scores, but ", arguments.model, " has ",
-                                model.mode_count(), " modes"));
+                                counted(model.mode_count(), "mode")));
     const Eigen::VectorXd scores = Eigen::Map<const Eigen::VectorXd>(sigmas.data(), count)
                                        .cwiseProduct(standard_deviations(model).head(count));
     return {"scores", scores, size_of(model, arguments)};

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
@@ -82,8 +83,9 @@ void run(const Session& session, const Arguments& arguments)
         write_file_atomically(arguments.plot, plot);
         outputs.push_back(arguments.plot);
     }
-    session.message(join(arguments.output, ": scores of ", projection.names.size(), " meshes in ",
-                         model.mode_count(), " modes, largest residual ",
+    session.message(join(arguments.output, ": scores of ",
+                         counted(projection.names.size(), "mesh", "meshes"), " in ",
+                         counted(model.mode_count(), "mode"), ", largest residual ",
                          projection.residuals.maxCoeff()));
     session.print_figures({{"outputs", outputs},
                            {"meshes", projection.names.size()},

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/output_file.h"
@@ -60,9 +61,8 @@ Grouping folds_of(const Session& session, const Arguments& arguments, const Coll
         return group_by_label(collection, arguments.leave_out);
     const auto meshes = static_cast<Eigen::Index>(collection.size());
     if (meshes < 3)
-        throw InvalidInput(join("there are ", meshes,
-                                " meshes; the quality of a model needs at least 3: two that make "
-                                "it when one is left out"));
+        throw InvalidInput(join("the quality of a model needs at least 3 meshes, not ", meshes,
+                                ": two that make it when one is left out"));
     const int usual = meshes <= most_left_out_one_by_one ? static_cast<int>(meshes) : usual_folds;
     return random_folds(meshes, arguments.folds > 0 ? static_cast<int>(arguments.folds) : usual,
                         static_cast<std::uint64_t>(session.seed));
@@ -202,8 +202,9 @@ void run(const Session& session, const Arguments& arguments)
         outputs.push_back(arguments.plot);
     }
     session.message(text_of(quality));
-    session.message(join(quality.tests, " meshes left out in ", folds.group_count(), " folds, ",
-                         arguments.samples, " samples; ", quality.infeasible, " of ",
+    session.message(join(counted(quality.tests, "mesh", "meshes"), " left out in ",
+                         counted(folds.group_count(), "fold"), ", ",
+                         counted(arguments.samples, "sample"), "; ", quality.infeasible, " of ",
                          quality.decoded,
                          " decoded meshes are nearest ones of infeasible lengths"));
     Json figures{{"outputs", outputs},

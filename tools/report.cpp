@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/output_file.h"
@@ -157,8 +158,9 @@ void run(const Session& session, const Arguments& arguments)
     Tracks tracks = decode_modes(session, arguments, model);
     page.tracks = std::move(tracks.tracks);
     write_file_atomically(arguments.output, page_html(page));
-    session.message(join(arguments.output, ": ", page.tracks.size(), " of ", model.mode_count(),
-                         " modes of ", model.names.size(), " meshes"));
+    session.message(join(arguments.output, ": ", page.tracks.size(), " of ",
+                         counted(model.mode_count(), "mode"), " of ", model.names.size(),
+                         " meshes"));
     session.print_figures({{"outputs", {arguments.output}},
                            {"modes", page.tracks.size()},
                            {"embeddings", std::move(tracks.embeddings)}});

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/shape_model.h"
@@ -84,7 +85,7 @@ void run(const Session& session, const Arguments& arguments)
     const auto [model, modes] = fit(session, arguments);
     return_freed_memory();
     write_model(arguments.output, model);
-    session.message(join(arguments.output, ": ", model.mode_count(), " modes of ",
+    session.message(join(arguments.output, ": ", counted(model.mode_count(), "mode"), " of ",
                          model.names.size(), " meshes\n", mode_table(model)));
     Json figures{{"outputs", {arguments.output}},
                  {"meshes", model.names.size()},

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/synthetic/synthetic.h"
 #include "tools/commands.h"
@@ -73,8 +74,8 @@ void run(const Session& session, const Arguments& arguments)
     progress("writing", collection.size(), collection.size());
     write_table(output.staged(label_file), mesh_table(collection.names, collection.labels));
     output.commit();
-    session.message(join(arguments.output.path, ": ", collection.size(), " meshes of ",
-                         collection.topology.vertex_count(), " vertices"));
+    session.message(join(arguments.output.path, ": ", counted(collection.size(), "mesh", "meshes"),
+                         " of ", collection.topology.vertex_count(), " vertices"));
     session.print_figures({{"outputs", output.paths()},
                            {"meshes", collection.size()},
                            {"vertices", collection.topology.vertex_count()},

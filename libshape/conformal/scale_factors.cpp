@@ -83,7 +83,7 @@ Place go_to(const IntrinsicTriangulation& t, Eigen::VectorXd u, const ScaleFacto
 
 } // namespace
 
-ScaleFactors solve_scale_factors(IntrinsicTriangulation triangulation,
+ScaleFactors solve_scale_factors(const IntrinsicTriangulation& triangulation,
                                  const Eigen::VectorXd& initial, const ScaleFactorProblem& problem,
                                  const ScaleFactorOptions& options)
 {

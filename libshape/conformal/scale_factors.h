@@ -46,7 +46,7 @@ struct ScaleFactors
 ///
 /// @param initial  #V.
 /// Cost: 5 to 25 factorisations of a Laplacian.
-[[nodiscard]] ScaleFactors solve_scale_factors(IntrinsicTriangulation triangulation,
+[[nodiscard]] ScaleFactors solve_scale_factors(const IntrinsicTriangulation& triangulation,
                                                const Eigen::VectorXd& initial,
                                                const ScaleFactorProblem& problem,
                                                const ScaleFactorOptions& options = {});

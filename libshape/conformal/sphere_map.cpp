@@ -8,10 +8,12 @@
 #include <numbers>
 #include <utility>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/central_vertex.h"
 #include "libshape/conformal/flat_metric.h"
+#include "libshape/mesh/triangle_area.h"
 
 namespace shape {
 namespace {
@@ -24,8 +26,7 @@ Eigen::VectorXd face_areas(const Topology& topology, const Eigen::VectorXd& leng
         const double a = lengths[topology.face_edges()(f, 0)];
         const double b = lengths[topology.face_edges()(f, 1)];
         const double c = lengths[topology.face_edges()(f, 2)];
-        areas[f] =
-            0.25 * std::sqrt(std::max(0.0, (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c)));
+        areas[f] = 0.25 * std::sqrt(std::max(0.0, sixteen_squared_areas(a, b, c)));
     }
     return areas;
 }
@@ -96,8 +97,7 @@ ConformalCertificate certify(const SphereMap& map, const FlatMetric& flat)
 std::string why_not_spherical(const Topology& topology)
 {
     if (!topology.is_closed())
-        return join("the mesh has ", topology.boundary_loop_count(),
-                    topology.boundary_loop_count() == 1 ? " boundary loop" : " boundary loops",
+        return join("the mesh has ", counted(topology.boundary_loop_count(), "boundary loop"),
                     ", a conformal map to the sphere needs a closed surface; close "
                     "the holes, or flatten the mesh as a disc if it has one");
     if (topology.genus() > 0)

@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/mesh/triangle_area.h"
 
 namespace shape {
 namespace {
@@ -28,11 +29,10 @@ SHAPE_VECTORISED void third_corners(int count, const double* a, const double* b,
     for (int i = 0; i < count; ++i) {
         const double half = 0.5 / a[i];
         const double aa = a[i] * a[i], bb = b[i] * b[i], cc = c[i] * c[i];
-        const double area4_squared = (a[i] + b[i] + c[i]) * (b[i] + c[i] - a[i]) *
-                                     (c[i] + a[i] - b[i]) * (a[i] + b[i] - c[i]);
+        const double square = sixteen_squared_areas(a[i], b[i], c[i]);
         p[i] = within((cc - aa - bb) * half, b[i]);
         q[i] = within((aa + cc - bb) * half, c[i]);
-        y[i] = (area4_squared > 0.0 ? std::sqrt(area4_squared) : 0.0) * half;
+        y[i] = (square > 0.0 ? std::sqrt(square) : 0.0) * half;
     }
 }
 

@@ -13,6 +13,7 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/mesh/triangle_area.h"
 
 namespace shape {
 
@@ -148,12 +149,6 @@ SHAPE_VECTORISED void gather_gradient(int begin, int end, const Topology& topolo
     }
 }
 
-/// 16 A^2 of a triangle, < 0 where its lengths break the triangle inequality.
-double sixteen_squares(double a, double b, double c)
-{
-    return (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c);
-}
-
 /// bend_weights().
 VectorXd trusted_bends(const Topology& topology, const VectorXd& lengths, double smoothness)
 {
@@ -164,7 +159,7 @@ VectorXd trusted_bends(const Topology& topology, const VectorXd& lengths, double
             const int* const e = topology.face_edges().data() + 3 * f;
             const double a = lengths[e[0]], b = lengths[e[1]], c = lengths[e[2]];
             const double longest = std::max({a, b, c});
-            const double q2 = 0.25 * sixteen_squares(a / longest, b / longest, c / longest);
+            const double q2 = 0.25 * sixteen_squared_areas(a / longest, b / longest, c / longest);
             of_faces[f] = smoothness * std::clamp(q2 / (sliver_shape * sliver_shape), least, 1.0);
         }
     });
@@ -219,7 +214,8 @@ void LengthDihedralEnergy::keep_areas()
     least_squares_.resize(t.face_count());
     for (int f = 0; f < t.face_count(); ++f) {
         const auto e = t.face_edges().row(f);
-        least_squares_[f] = 0.25 * 0.25 * std::max(0.0, sixteen_squares(l[e[0]], l[e[1]], l[e[2]]));
+        least_squares_[f] =
+            0.25 * 0.25 * std::max(0.0, sixteen_squared_areas(l[e[0]], l[e[1]], l[e[2]]));
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
@@ -47,8 +48,8 @@ void MeshBuilder::add_polygon(std::span<const std::int64_t> corners)
                    " corners; polygons are refused unless they are to be split (triangulate)"));
     for (const std::int64_t v : corners)
         if (v < 0 || v >= vertex_count())
-            fail_(join("a face names vertex ", v, " (counted from 0); there are ", vertex_count(),
-                       " vertices before it"));
+            fail_(join("a face names vertex ", v, " (counted from 0) after only ",
+                       counted(vertex_count(), "vertex", "vertices")));
     for (std::size_t i = 2; i < corners.size(); ++i)
         corners_.insert(corners_.end(),
                         {static_cast<int>(corners[0]), static_cast<int>(corners[i - 1]),
@@ -69,8 +70,9 @@ std::int64_t MeshBuilder::face_count() const
 NamedMesh MeshBuilder::finish() const
 {
     if (coordinates_.empty() || corners_.empty())
-        throw InvalidInput(join(path_.string(), ": the file has ", vertex_count(), " vertices and ",
-                                face_count(), " faces; a mesh needs some of both"));
+        throw InvalidInput(join(path_.string(), ": the file has ",
+                                counted(vertex_count(), "vertex", "vertices"), " and ",
+                                counted(face_count(), "face"), "; a mesh needs some of both"));
     return {path_.stem().string(), path_.string(),
             Eigen::Map<const Points>(coordinates_.data(), vertex_count(), 3),
             Eigen::Map<const Faces>(corners_.data(), face_count(), 3)};

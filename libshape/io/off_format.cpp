@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/io/line_reader.h"
 #include "libshape/io/mesh_builder.h"
@@ -52,8 +53,8 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
     const auto size = static_cast<std::int64_t>(content.size() - reader.offset()) + 1;
     if (vertices > size / vertex_bytes || faces > size / face_bytes ||
         vertices * vertex_bytes + faces * face_bytes > size)
-        reader.fail(join(vertices, " vertices and ", faces, " faces cannot stand in the remaining ",
-                         size - 1, " bytes"));
+        reader.fail(join(counted(vertices, "vertex", "vertices"), " and ", counted(faces, "face"),
+                         " cannot stand in the remaining ", counted(size - 1, "byte")));
     mesh.reserve(vertices, faces);
 
     for (std::int64_t v = 0; v < vertices; ++v) {
@@ -80,8 +81,8 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
                 reader.fail(join("colour is ", in_quotes(colour), ", must be a finite number"));
     }
     if (reader.next_line())
-        reader.fail(
-            join("there are more lines than ", vertices, " vertices and ", faces, " faces"));
+        reader.fail(join("there are more lines than ", counted(vertices, "vertex", "vertices"),
+                         " and ", counted(faces, "face")));
     return mesh.finish();
 }
 

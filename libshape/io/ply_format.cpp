@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/input_file.h"
@@ -299,7 +300,7 @@ public:
     void finish() const
     {
         if (remaining() > 0)
-            fail(join("there are ", remaining(), " bytes more than the header declares"));
+            fail(join(counted(remaining(), "byte"), " more than the header declares"));
     }
     [[noreturn]] void fail(std::string_view rule) const
     {
@@ -337,7 +338,7 @@ void check_counts(const Header& header, const Body& body)
             least += Body::least_size(property.count_type.value_or(property.type));
         if (element.count > 0 && element.count > remaining / least)
             body.fail(join(element.count, " of element ", in_quotes(element.name),
-                           " cannot stand in the remaining ", remaining, " bytes"));
+                           " cannot stand in the remaining ", counted(remaining, "byte")));
         remaining -= element.count * least;
     }
 }
@@ -485,8 +486,8 @@ void check_scalars(const std::vector<VertexScalar>& scalars, Eigen::Index vertic
             throw InvalidInput(join(place, ": the name must be of letters, digits and _, start ",
                                     "with no digit, and be used once; x, y and z are taken"));
         if (scalar.values.size() != vertices)
-            throw InvalidInput(join(place, " has ", scalar.values.size(), " values, the mesh has ",
-                                    vertices, " vertices"));
+            throw InvalidInput(join(place, " has ", counted(scalar.values.size(), "value"),
+                                    ", the mesh has ", vertices, " vertices"));
         for (Eigen::Index v = 0; v < vertices; ++v)
             if (!std::isfinite(scalar.values[v]))
                 throw InvalidInput(

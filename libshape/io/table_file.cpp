@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/input_file.h"
@@ -145,7 +146,8 @@ Table read_table(const std::filesystem::path& path)
     while (!parser.done()) {
         Row row = parser.row();
         if (row.size() != table.columns.size())
-            parser.fail(join("has ", row.size(), " cells, the header has ", table.columns.size()));
+            parser.fail(join("has ", counted(row.size(), "cell"), ", the header has ",
+                             table.columns.size()));
         table.rows.push_back(std::move(row));
     }
     return table;
@@ -158,8 +160,9 @@ void write_table(const std::filesystem::path& path, const Table& table)
     append_row(text, table.columns);
     for (std::size_t r = 0; r < table.rows.size(); ++r) {
         if (table.rows[r].size() != table.columns.size())
-            throw InvalidInput(join("table: row ", r, " has ", table.rows[r].size(),
-                                    " cells, must have ", table.columns.size()));
+            throw InvalidInput(join("table: row ", r, " has ",
+                                    counted(table.rows[r].size(), "cell"), ", must have ",
+                                    table.columns.size()));
         append_row(text, table.rows[r]);
     }
     write_file_atomically(path, text);

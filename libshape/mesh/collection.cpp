@@ -6,6 +6,7 @@
 #include <array>
 #include <set>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/mesh/defects.h"
@@ -72,7 +73,7 @@ std::string likely_cause(const NamedMesh& reference, const NamedMesh& mesh)
         return !wanted.contains(t) && wanted.contains(flipped(t));
     });
     if (common + flips == total)
-        return join(flips, " faces are flipped; orient all as in the reference");
+        return join(counted(flips, "face"), " flipped; orient all as in the reference");
     if (sorted_degrees(reference.faces, reference.points.rows()) ==
         sorted_degrees(mesh.faces, mesh.points.rows()))
         return "the vertices are probably permuted (the vertex degrees agree as a set); restore "
@@ -104,9 +105,9 @@ std::string describe_correspondence_break(const NamedMesh& reference, const Name
 {
     if (reference.points.rows() != mesh.points.rows() ||
         reference.faces.rows() != mesh.faces.rows())
-        return join(mesh.path, ": ", mesh.points.rows(), " vertices and ", mesh.faces.rows(),
-                    " faces, but ", reference.path, " has ", reference.points.rows(), " and ",
-                    reference.faces.rows(),
+        return join(mesh.path, ": ", mesh.points.rows(), " vertices and ",
+                    counted(mesh.faces.rows(), "face"), ", but ", reference.path, " has ",
+                    reference.points.rows(), " and ", reference.faces.rows(),
                     "; members of a collection need one triangulation (different counts)");
     if (reference.faces == mesh.faces)
         return {};

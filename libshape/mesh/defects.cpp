@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 
 namespace shape {
@@ -182,8 +183,8 @@ std::vector<Defect> find_defects(const Faces& faces, int vertex_count, int limit
     DefectList list(limit);
     if (vertex_count == 0 || faces.rows() == 0) {
         list.add(DefectKind::Empty, -1, -1,
-                 join("the mesh has ", vertex_count, " vertices and ", faces.rows(),
-                      " faces; it needs at least one face"));
+                 join("the mesh has ", counted(vertex_count, "vertex", "vertices"), " and ",
+                      counted(faces.rows(), "face"), "; it needs at least one face"));
         return list.take();
     }
     for (int f = 0; f < faces.rows(); ++f) {

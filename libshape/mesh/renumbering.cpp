@@ -35,7 +35,7 @@ Renumbering renumber_for_locality(const Topology& topology)
             order.push_back(v);
         }
     };
-    for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t i = 0; i < order.size(); ++i) // it grows on the way
         for (const int h : topology.outgoing(order[i])) {
             visit(topology.target(h));
             visit(topology.source(Topology::previous(h)));

@@ -91,7 +91,7 @@ Topology::Topology(const Faces& faces, int vertex_count)
     std::vector<std::pair<std::pair<int, int>, int>> order;
     order.reserve(kernel.n_edges());
     for (int e = 0; e < edge_count; ++e)
-        order.push_back({ends(e), e});
+        order.emplace_back(ends(e), e);
     std::sort(order.begin(), order.end());
 
     tables->edges.resize(edge_count, 2);

@@ -44,7 +44,7 @@ std::vector<std::vector<int>> regions_around(const Topology& topology,
                 region.push_back(v);
         };
         take(first);
-        for (std::size_t i = 0; i < region.size(); ++i)
+        for (std::size_t i = 0; i < region.size(); ++i) // it grows on the way
             for_neighbours(topology, region[i], take);
         if (!region.empty())
             regions.push_back(std::move(region));

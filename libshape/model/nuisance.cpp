@@ -2,6 +2,7 @@
 
 #include "libshape/model/nuisance.h"
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/statistics/projection.h"
@@ -13,10 +14,10 @@ void check_topology(const Nuisance& nuisance, const Topology& topology)
 {
     if (!(topology == nuisance.topology))
         throw InvalidInput(join("nuisance: the meshes (", topology.vertex_count(), " vertices, ",
-                                topology.face_count(),
-                                " faces) have another triangulation than its directions (",
+                                counted(topology.face_count(), "face"),
+                                ") have another triangulation than its directions (",
                                 nuisance.topology.vertex_count(), " vertices, ",
-                                nuisance.topology.face_count(), " faces)"));
+                                counted(nuisance.topology.face_count(), "face"), ")"));
 }
 
 } // namespace

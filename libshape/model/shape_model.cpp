@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/statistics/mean.h"
@@ -42,8 +43,8 @@ DecodedShape model_point(const ShapeModel& model, const Eigen::VectorXd& scores,
 {
     const Eigen::Index count = scores.size();
     if (count > model.mode_count())
-        throw InvalidInput(
-            join("model point: ", count, " scores, the model has ", model.mode_count(), " modes"));
+        throw InvalidInput(join("model point: ", count, " scores, the model has ",
+                                counted(model.mode_count(), "mode")));
     for (Eigen::Index k = 0; k < count; ++k)
         if (!std::isfinite(scores[k]))
             throw InvalidInput(
@@ -57,10 +58,11 @@ DecodedShape model_point(const ShapeModel& model, const Eigen::VectorXd& scores,
 Projection project(const ShapeModel& model, const Collection& collection)
 {
     if (!(collection.topology == model.topology))
-        throw InvalidInput(join(
-            "projection: the meshes (", collection.topology.vertex_count(), " vertices, ",
-            collection.topology.face_count(), " faces) have another triangulation than the model (",
-            model.topology.vertex_count(), " vertices, ", model.topology.face_count(), " faces)"));
+        throw InvalidInput(join("projection: the meshes (", collection.topology.vertex_count(),
+                                " vertices, ", counted(collection.topology.face_count(), "face"),
+                                ") have another triangulation than the model (",
+                                model.topology.vertex_count(), " vertices, ",
+                                counted(model.topology.face_count(), "face"), ")"));
     SubspaceProjection projection =
         project_onto_subspace(encode(model.space, collection), model.mean, model.modes);
     return {.names = collection.names,

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
@@ -124,9 +125,9 @@ CrossValidation cross_validate(const MatrixXd& products, const Grouping& groups,
                                 products.cols(), ", groups ", groups.size(), ", folds ",
                                 folds.size(), "; all must agree"));
     if (groups.group_count() < 2 || folds.group_count() < 2 || modes < 1)
-        throw InvalidInput(join("cross-validation: ", groups.group_count(), " groups, ",
-                                folds.group_count(), " folds, ", modes,
-                                " modes; there must be at least 2, 2 and 1"));
+        throw InvalidInput(join("cross-validation: ", counted(groups.group_count(), "group"), ", ",
+                                counted(folds.group_count(), "fold"), ", ", counted(modes, "mode"),
+                                "; there must be at least 2, 2 and 1"));
     const Coordinates all = principal_coordinates(products);
     const std::vector<std::vector<int>> left_out = members(folds);
     CrossValidation result;

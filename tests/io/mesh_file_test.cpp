@@ -350,7 +350,7 @@ std::vector<BadFile> bad_files()
         {"a.off", "", "a.off", "empty"},
         {"a.obj", "# only this\n", "a.obj", "0 vertices and 0 faces"},
         {"a.obj", obj, "a.obj", "3 vertices and 0 faces"},
-        {"a.off", "OFF\n1 0 0\n0 0 0\n", "a.off", "1 vertices and 0 faces"},
+        {"a.off", "OFF\n1 0 0\n0 0 0\n", "a.off", "1 vertex and 0 faces"},
         {"a.off", "# only this\n", "a.off", "nothing but comments"},
         {"a.obj", "f 1 2 3\n" + obj, "line 1", "must be in [1, 0]"},
         // Indices.
@@ -440,7 +440,7 @@ std::vector<BadFile> bad_files()
         {"a.ply", ply_counts("3", "2"), "line 13", "ends before face 1 of 2"},
         {"a.ply", ply_counts("2", "1"), "line 12", "0 corners"},
         {"a.ply", ply_counts("3", "0"), "line 13", "more lines"},
-        {"a.ply", binary_face(3, {0, 1, 2}) + "x", "byte", "1 bytes more"},
+        {"a.ply", binary_face(3, {0, 1, 2}) + "x", "byte", "1 byte more"},
         {"a.ply", binary_face(3, {0, 1}), "byte", "within an element"},
         {"a.ply", binary_points, "byte", "cannot stand in the remaining 0 bytes"},
         // Polygons.

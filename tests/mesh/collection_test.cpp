@@ -55,9 +55,9 @@ TEST(Collect, KeepsOrderNamesAndPositions)
 
 TEST(Subset, KeepsChosenMeshesWithTheirLabels)
 {
-    Collection collection = collect({named("a", test::open_patch(4, 1)),
-                                     named("b", test::open_patch(4, 2)),
-                                     named("c", test::open_patch(4, 3))});
+    Collection collection =
+        collect({named("a", test::open_patch(4, 1)), named("b", test::open_patch(4, 2)),
+                 named("c", test::open_patch(4, 3))});
     collection.labels = {{"age", {"1", "2", "3"}}};
     const Collection chosen = subset(collection, {2, 0});
     EXPECT_EQ(chosen.names, (std::vector<std::string>{"c", "a"}));
@@ -102,7 +102,7 @@ TEST(Collect, NamesFlippedOrientation)
     mesh = changed_copy();
     for (const int f : {6, 20})
         std::swap(mesh.faces(f, 0), mesh.faces(f, 1));
-    expect_says(message_for(mesh), {"face 6 ", "2 faces are flipped"});
+    expect_says(message_for(mesh), {"face 6 ", "2 faces flipped"});
 }
 
 TEST(Collect, NamesOtherDiagonals)

@@ -177,8 +177,8 @@ TEST(CrossValidate, SaysWhatIsWrong)
     EXPECT_EQ(message(s.states, s.subjects, 55),
               "cross-validation: modes is 55, but without fold '0' there are 57 observations in 3 "
               "groups; it must be at most 40");
-    EXPECT_NE(message(one_group(60), s.subjects, 3).find("1 groups"), std::string::npos);
-    EXPECT_NE(message(s.states, one_group(60), 3).find("1 folds"), std::string::npos);
+    EXPECT_NE(message(one_group(60), s.subjects, 3).find("1 group,"), std::string::npos);
+    EXPECT_NE(message(s.states, one_group(60), 3).find("1 fold,"), std::string::npos);
     EXPECT_NE(message(s.states, s.subjects, 0).find("0 modes"), std::string::npos);
     EXPECT_NE(message(s.states, one_group(59), 3).find("must agree"), std::string::npos);
 }

@@ -598,7 +598,7 @@ std::vector<BadInput> bad_paths()
          with_labels(80, "part=9")},
         {"LabelsOfAnotherMesh",
          3,
-         {"tags.ply", "1 values 'part', one a face; the meshes have 80"},
+         {"tags.ply", "1 value 'part', one a face; the meshes have 80"},
          with_labels(1, "part")},
         {"LabelInNoPlyFile",
          3,

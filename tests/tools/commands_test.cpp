@@ -79,6 +79,15 @@ TEST_F(Commands, CheckPassesGoodMeshes)
     EXPECT_EQ(figures["meshes"][2]["ok"], true);
 }
 
+TEST_F(Commands, OneMeshIsNoMeshes)
+{
+    folder_.write("bad.obj", "v 0 0 zero\n");
+    const Outcome checked = run_shape(folder_.path(), {"check", "bad.obj"});
+    EXPECT_NE(checked.err.find("1 of 1 mesh is broken"), std::string::npos) << checked.err;
+    const Outcome collected = run_shape(folder_.path(), {"collect", "a.ply", "-o", "one.h5"});
+    EXPECT_EQ(collected.err, "one.h5: 1 mesh of 42 vertices\n");
+}
+
 TEST_F(Commands, CheckListsEveryDefectOfEveryMesh)
 {
     const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 2 2 2\n";
@@ -88,6 +97,7 @@ TEST_F(Commands, CheckListsEveryDefectOfEveryMesh)
         run_shape(folder_.path(), {"check", "a.ply", "bad.obj", "worse.obj", "--json"});
     EXPECT_EQ(outcome.exit_code, 3);
     EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("2 of 3 meshes are broken, first bad.obj"), std::string::npos);
     const Json figures = Json::parse(outcome.out);
     EXPECT_EQ(figures["broken"], 2);
     std::set<std::string> kinds;

@@ -321,7 +321,7 @@ TEST_F(Groups, BadInputIsNamed)
     expect_failure(3, classify + Arguments{"--modes", "2", "--leave-out", "mood"},
                    {"'calm'", "nothing is left"});
     expect_failure(3, classify + Arguments{"--modes", "2", "--leave-out", "gap"}, {"s5_glad"});
-    expect_failure(3, {"classify", "people.h5", "-o", "x.csv", "--by", "same"}, {"1 groups"});
+    expect_failure(3, {"classify", "people.h5", "-o", "x.csv", "--by", "same"}, {"1 group,"});
 
     const Arguments regress{"regress", "people.h5", "-o", "out.csv"};
     expect_failure(3, regress + Arguments{"--on", "word"}, {"word", "s0_calm", "old", "number"});

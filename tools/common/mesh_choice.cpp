@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "tools/common/mesh_input.h"
@@ -50,10 +51,11 @@ Collection choose_meshes(const MeshChoice& choice, const Collection& run)
     for (const NamedMesh& mesh : meshes)
         if (mesh.faces.rows() != run.topology.face_count() ||
             mesh.points.rows() != run.topology.vertex_count() || mesh.faces != run.topology.faces())
-            throw InvalidInput(join(
-                choice.option, ": ", mesh.path, " (", mesh.points.rows(), " vertices, ",
-                mesh.faces.rows(), " faces) has another triangulation than the meshes of the run (",
-                run.topology.vertex_count(), " vertices, ", run.topology.face_count(), " faces)"));
+            throw InvalidInput(join(choice.option, ": ", mesh.path, " (", mesh.points.rows(),
+                                    " vertices, ", counted(mesh.faces.rows(), "face"),
+                                    ") has another triangulation than the meshes of the run (",
+                                    run.topology.vertex_count(), " vertices, ",
+                                    counted(run.topology.face_count(), "face"), ")"));
     return collect(std::move(meshes));
 }
 

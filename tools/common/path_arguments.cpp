@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/edge_space/mean_value_coordinates.h"
@@ -115,7 +116,8 @@ std::vector<VectorXd> in_polygon(const PathDescription& path, int meshes)
             join("--path polygon: a polygon has 3 corners or more, not ", meshes, " meshes"));
     const Polygon polygon = path.polygon.rows() > 0 ? path.polygon : regular_polygon(meshes);
     if (polygon.rows() != meshes)
-        throw InvalidInput(join("--polygon: ", polygon.rows(), " corners for ", meshes, " meshes"));
+        throw InvalidInput(
+            join("--polygon: ", counted(polygon.rows(), "corner"), " for ", meshes, " meshes"));
     check_simple_polygon(polygon);
     MatrixX2d round_trip = polygon;
     append_row(round_trip, polygon.row(0).transpose());
@@ -164,7 +166,8 @@ std::vector<VectorXd> given_weights(const PathDescription& path, int meshes)
             Eigen::Map<const VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
         const std::string place = join("--weights ", print(weights), ": ");
         if (weights.size() != meshes)
-            throw InvalidInput(join(place, weights.size(), " weights for ", meshes, " meshes"));
+            throw InvalidInput(
+                join(place, counted(weights.size(), "weight"), " for ", meshes, " meshes"));
         if (std::abs(weights.sum() - 1.0) > 1e-9)
             throw InvalidInput(join(place, "the weights sum to ", weights.sum(), ", not to 1"));
         result.push_back(weights);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/edge_space/tagged_scaling.h"
@@ -35,8 +36,8 @@ std::vector<int> indices_with(const Label& label, const Eigen::VectorXd& values,
                               const std::string& path, const char* what)
 {
     if (values.size() != count)
-        throw InvalidInput(join(path, ": it has ", values.size(), " values '", label.name,
-                                "', one a ", what, "; the meshes have ", count));
+        throw InvalidInput(join(path, ": it has ", counted(values.size(), "value"), " '",
+                                label.name, "', one a ", what, "; the meshes have ", count));
     std::vector<int> indices;
     for (int i = 0; i < count; ++i)
         if (label.value ? values[i] == *label.value : values[i] != 0.0)
@@ -126,8 +127,8 @@ TaggedPart read_tagged_part(const TaggedPartArguments& arguments, const Topology
     if (!tagged)
         return {};
     if (factors.size() != meshes)
-        throw InvalidInput(
-            join("--scale-factors: ", factors.size(), " factors for ", meshes, " meshes"));
+        throw InvalidInput(join("--scale-factors: ", counted(factors.size(), "factor"), " for ",
+                                meshes, " meshes"));
     for (const double factor : factors)
         if (factor <= 0.0)
             throw InvalidInput(join("--scale-factors: ", factor, " is not > 0"));
