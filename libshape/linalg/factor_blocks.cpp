@@ -221,15 +221,15 @@ SHAPE_VECTORISED void multiply_up(const FactorBlock* block, const FactorBlock* e
     all_up(block, end, row, values, x);
 }
 
-SHAPE_VECTORISED void multiply_down(const FactorBlock* first, const FactorBlock* block,
+SHAPE_VECTORISED void multiply_down(const FactorBlock* first, const FactorBlock* end,
                                     const int* row, const float* values, Lanes* x)
 {
-    all_down(first, block, row, values, x);
+    all_down(first, end, row, values, x);
 }
-SHAPE_VECTORISED void multiply_down(const FactorBlock* first, const FactorBlock* block,
+SHAPE_VECTORISED void multiply_down(const FactorBlock* first, const FactorBlock* end,
                                     const int* row, const FloatHalf* values, Lanes* x)
 {
-    all_down(first, block, row, values, x);
+    all_down(first, end, row, values, x);
 }
 
 FloatHalf upper_half(double value)
