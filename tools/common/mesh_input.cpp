@@ -12,6 +12,7 @@
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/defects.h"
+#include "libshape/mesh/oddities.h"
 #include "tools/common/session.h"
 
 namespace shape::tools {
@@ -203,6 +204,8 @@ Collection read_meshes(const Session& session, const MeshInput& input)
     }
     Collection collection = collect(std::move(meshes));
     collection.labels = input.labels.empty() ? labels : read_labels(input.labels, collection.names);
+    for (const Oddity& oddity : find_oddities(collection))
+        session.warn(oddity.message);
     return collection;
 }
 

@@ -47,7 +47,8 @@ struct FileContent
 [[nodiscard]] FileContent read_mesh_file(const std::filesystem::path& path, bool triangulate);
 
 /// Reads everything and checks that it is in correspondence. Without a file of labels a mesh keeps
-/// those of its collection file; where others have a label that it lacks, its value is empty.
+/// those of its collection file; where others have a label that it lacks, its value is empty. Warns of
+/// what is odd about meshes that are not read from a single collection file (find_oddities()).
 [[nodiscard]] Collection read_meshes(const Session& session, const MeshInput& input);
 
 } // namespace shape::tools
