@@ -8,6 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/version.h"
+#include "libshape/io/label_file.h"
 
 namespace shape {
 namespace {
@@ -132,8 +133,11 @@ void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels)
 Labels read_labels(const Hdf5File& file, Eigen::Index count)
 {
     Labels labels;
-    for (const std::string& name : file.members("/labels"))
+    for (const std::string& name : file.members("/labels")) {
         labels.push_back({name, file.strings("/labels/" + name, count)});
+        for (std::string& value : labels.back().values)
+            value = label_value(value); // whoever wrote the file
+    }
     return labels;
 }
 

@@ -21,7 +21,7 @@ namespace shape::tools {
 struct LabelledInput
 {
     MeshInput meshes;
-    std::vector<std::string> only; ///< LABEL=VALUE.
+    std::vector<std::string> only; ///< LABEL=VALUE, or LABEL: any value.
 };
 
 /// Adds MESHES, --triangulate, --labels and --only.
@@ -31,13 +31,15 @@ void add_labelled_input(CLI::App& command, LabelledInput& input);
 CLI::Option* add_label(CLI::App& command, const std::string& option, std::string& label,
                        const std::string& description);
 
-/// Reads the meshes and keeps those that have, for each label named by --only, one of its values.
+/// Reads the meshes and keeps those that have, for each label named by --only, one of its values, or
+/// any at all.
 /// @throws as read_meshes(); InvalidInput if a label does not exist or no mesh is left; UsageError
-///     if a text is not LABEL=VALUE.
+///     if a text is not LABEL[=VALUE].
 [[nodiscard]] Collection read_labelled(const Session& session, const LabelledInput& input);
 
 /// The two sides of LABEL=VALUE.
-/// @throws UsageError, which names the option, if the text has no such form.
+/// @throws UsageError, which names the option, if the text has no such form or the value is missing
+///     (label_value()).
 [[nodiscard]] std::pair<std::string, std::string> label_and_value(const std::string& option,
                                                                   const std::string& text);
 

@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cctype>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
+#include "libshape/io/label_file.h"
 #include "libshape/io/mesh_file.h"
-#include "libshape/io/table_file.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/oddities.h"
 #include "tools/common/session.h"
@@ -107,6 +108,17 @@ Collection read_single_collection(const fs::path& path)
     return collection;
 }
 
+Labels read_labels(const Session& session, const std::string& path,
+                   const std::vector<std::string>& names)
+{
+    LabelFile file = read_label_file(path, names);
+    if (!file.unused.empty())
+        session.message(join(path, ": ", counted(file.unused.size(), "row"),
+                             " of meshes that are not among these left out, first '",
+                             file.unused.front(), "'"));
+    return std::move(file.labels);
+}
+
 /// Appends the labels of `count` meshes to those of the `before` meshes that stand already.
 void append_labels(Labels& all, std::size_t before, const Labels& labels, std::size_t count)
 {
@@ -191,7 +203,7 @@ Collection read_meshes(const Session& session, const MeshInput& input)
     if (files.size() == 1 && is_collection_file(files.front())) {
         Collection collection = read_single_collection(files.front());
         if (!input.labels.empty())
-            collection.labels = read_labels(input.labels, collection.names);
+            collection.labels = read_labels(session, input.labels, collection.names);
         return collection;
     }
     std::vector<NamedMesh> meshes;
@@ -203,7 +215,8 @@ Collection read_meshes(const Session& session, const MeshInput& input)
         progress("reading", i + 1, files.size());
     }
     Collection collection = collect(std::move(meshes));
-    collection.labels = input.labels.empty() ? labels : read_labels(input.labels, collection.names);
+    collection.labels =
+        input.labels.empty() ? labels : read_labels(session, input.labels, collection.names);
     for (const Oddity& oddity : find_oddities(collection))
         session.warn(oddity.message);
     return collection;
