@@ -126,6 +126,9 @@ void run(const Session& session, const Arguments& arguments)
     const Collection collection = read_labelled(session, arguments.input);
     const Grouping groups = group_by_label(collection, arguments.by);
     const Grouping folds = group_by_label_or_each(collection, arguments.leave_out);
+    if (arguments.leave_out.empty())
+        warn_of_repeated_rows(session, collection, codes(groups), {arguments.by},
+                              "--leave-out");
     const ShapeSpace space = make_space(collection, arguments.space);
     warn_of_alignment(session, space);
     throw_if_interrupted();

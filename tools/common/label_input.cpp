@@ -134,4 +134,43 @@ Eigen::MatrixXd covariates_of(const Collection& collection, const Eigen::VectorX
     return result;
 }
 
+Eigen::MatrixXd codes(const Grouping& groups)
+{
+    Eigen::MatrixXd column(groups.size(), 1);
+    for (Eigen::Index i = 0; i < groups.size(); ++i)
+        column(i, 0) = groups.group_of[static_cast<std::size_t>(i)];
+    return column;
+}
+
+void warn_of_repeated_rows(const Session& session, const Collection& collection,
+                           const Eigen::MatrixXd& covariates,
+                           const std::vector<std::string>& columns, const std::string& remedy)
+{
+    constexpr std::size_t least_blocks = 5;
+    constexpr std::size_t largest_blocks = 20;
+    for (const LabelColumn& column : collection.labels) {
+        if (std::find(columns.begin(), columns.end(), column.name) != columns.end() ||
+            std::find(column.values.begin(), column.values.end(), "") != column.values.end())
+            continue;
+        const Grouping blocks = group_by(column.values);
+        const auto count = static_cast<std::size_t>(blocks.group_count());
+        if (count < least_blocks || 2 * count > collection.size() ||
+            count * largest_blocks < collection.size())
+            continue;
+        const std::vector<std::vector<int>> lists = members(blocks);
+        const bool is_nested = std::all_of(lists.begin(), lists.end(), [&](const auto& block) {
+            return std::all_of(block.begin(), block.end(), [&](int i) {
+                return covariates.row(i) == covariates.row(block.front());
+            });
+        });
+        if (!is_nested)
+            continue;
+        session.warn(join("the ", collection.size(), " meshes are not independent if those of one ",
+                          column.name, " (", count, " of them) are repeated measurements: then chance "
+                          "looks significant. Give ", remedy, " ",
+                          column.name));
+        return;
+    }
+}
+
 } // namespace shape::tools

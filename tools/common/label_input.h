@@ -62,4 +62,15 @@ CLI::Option* add_label(CLI::App& command, const std::string& option, std::string
                                             const Eigen::VectorXd& sizes,
                                             const std::vector<std::string>& columns);
 
+/// The number of the group of each observation, as a covariate.
+[[nodiscard]] Eigen::MatrixXd codes(const Grouping& groups);
+
+/// Warns if the meshes look like repeated measurements: a label has blocks of 2 to 20 meshes on
+/// average, at least 5 of them, within which all the covariates are the same.
+/// @param columns  Labels that the covariates come from.
+/// @param remedy  The option that takes the label.
+void warn_of_repeated_rows(const Session& session, const Collection& collection,
+                           const Eigen::MatrixXd& covariates,
+                           const std::vector<std::string>& columns, const std::string& remedy);
+
 } // namespace shape::tools
