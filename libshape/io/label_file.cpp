@@ -11,10 +11,11 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/line_reader.h"
+#include "libshape/io/file/line_reader.h"
 #include "libshape/io/table_file.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Stands for a key that several meshes have.

@@ -10,6 +10,7 @@
 #include "libshape/mesh/partition.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 double tolerance_of(const Points& points)

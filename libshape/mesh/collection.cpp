@@ -14,6 +14,7 @@
 #include "libshape/mesh/handedness.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Triple = std::array<int, 3>;

@@ -12,6 +12,7 @@
 #include "libshape/mesh/dihedral_angles.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr int most_angles = 2000;

@@ -20,6 +20,7 @@
 #include "libshape/mesh/partition.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Meshes of one face list, treated alike.

@@ -16,6 +16,7 @@
 #include "libshape/mesh/handedness.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 double median(std::vector<double> values)

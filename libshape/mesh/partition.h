@@ -6,10 +6,9 @@
 #include <numeric>
 #include <vector>
 
-namespace shape {
+namespace shape::internal {
 
-/// Items 0 ... count - 1 in classes that only grow together (union by path halving). Internal to the
-/// module.
+/// Items 0 ... count - 1 in classes that only grow together (union by path halving).
 class Partition
 {
 public:
@@ -31,4 +30,4 @@ private:
     std::vector<int> parent_;
 };
 
-} // namespace shape
+} // namespace shape::internal

@@ -16,6 +16,7 @@
 #include "libshape/statistics/inner_products.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr std::size_t least_meshes = 5;

@@ -14,6 +14,7 @@
 #include "libshape/statistics/covariate_blocks.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

@@ -9,6 +9,7 @@
 #include "tests/support/seams.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using test::CutMesh;

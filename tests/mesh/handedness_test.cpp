@@ -11,6 +11,7 @@
 #include "tests/support/seams.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Indices = std::vector<std::size_t>;

@@ -8,6 +8,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 Collection spheres(std::size_t count)

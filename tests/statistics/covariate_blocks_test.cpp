@@ -10,6 +10,7 @@
 #include "tests/support/files.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 const Grouping three_blocks = group_by({"x", "x", "y", "y", "y", "z"});
