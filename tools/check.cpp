@@ -229,6 +229,7 @@ Result check_all(const Session& session, const Arguments& arguments)
 {
     const Progress progress = session.progress();
     const std::vector<std::filesystem::path> files = mesh_files(arguments.meshes);
+    note_passed_over(session, arguments.meshes);
     Result result;
     std::set<std::string> names;
     for (std::size_t i = 0; i < files.size(); ++i) {
@@ -483,8 +484,8 @@ Run set_up_check(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_integer(command, "--limit", arguments->limit,
-                "List at most this many defects of each kind and mesh, [1, 1000000] (default: 20)", 1,
-                1'000'000);
+                "List at most this many defects of each kind and mesh, [1, 1000000] (default: 20)",
+                1, 1'000'000);
     command.add_flag("--verbose", arguments->verbose, "List the good meshes as well");
     command
         .add_option(

@@ -61,8 +61,7 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     findings.covariates = covariates_of(collection, findings.sizes, arguments.on);
     const Grouping blocks = group_by_label_or_all(collection, arguments.within);
     if (arguments.within.empty())
-        warn_of_repeated_rows(session, collection, findings.covariates, arguments.on,
-                              "--within");
+        warn_of_repeated_rows(session, collection, findings.covariates, arguments.on, "--within");
     findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
     throw_if_interrupted();
     const PermutationOptions options{.permutations = static_cast<int>(arguments.permutations),
@@ -182,7 +181,8 @@ std::string summary(const Arguments& arguments, const Findings& findings)
     if (!arguments.within.empty())
         text += findings.effect.design == BlockDesign::Crossed
                     ? join("within each ", arguments.within, ":\n")
-                    : join("means of each ", arguments.within, ", within which the covariates are the same:\n");
+                    : join("means of each ", arguments.within,
+                           ", within which the covariates are the same:\n");
     for (std::size_t k = 0; k < arguments.on.size(); ++k)
         text += join(arguments.on[k], findings.each.size() > 1 ? " beyond the others: " : ": ",
                      describe(findings.each[k]), "\n");
@@ -269,7 +269,8 @@ Run set_up_regress(CLI::App& command)
     command.get_option("--on")->required()->option_text("LABEL|size REQUIRED");
     add_label(
         command, "--within", arguments->within,
-        "Meshes with the same value of it are a block, such as all meshes of a subject. Covariates\n"
+        "Meshes with the same value of it are a block, such as all meshes of a subject. "
+        "Covariates\n"
         "that differ inside blocks are tested there; if they are the same for all of a block (the\n"
         "age of a subject scanned several times), the means of the blocks are regressed");
     add_output_file(

@@ -111,8 +111,8 @@ private:
 
 std::string label_value(std::string_view cell)
 {
-    constexpr std::array<std::string_view, 10> missing = {
-        "", "na", "n/a", "#n/a", "#na", "<na>", "nan", "-nan", "null", "#null!"};
+    constexpr std::array<std::string_view, 10> missing = {"",     "na",  "n/a",  "#n/a", "#na",
+                                                          "<na>", "nan", "-nan", "null", "#null!"};
     const std::string_view text = without_outer_blanks(cell);
     if (text == "." || std::find(missing.begin(), missing.end(), lower_case(text)) != missing.end())
         return {};
@@ -138,8 +138,9 @@ LabelFile read_label_file(const std::filesystem::path& path, const std::vector<s
             continue;
         }
         if (*mesh == ambiguous)
-            fail("mesh ", in_quotes(row.front()),
-                 " could be several meshes, whose names differ by blanks, endings or accents alone");
+            fail(
+                "mesh ", in_quotes(row.front()),
+                " could be several meshes, whose names differ by blanks, endings or accents alone");
         if (row_of[*mesh] != nullptr)
             fail("mesh ", in_quotes(row.front()), " occurs twice");
         row_of[*mesh] = &row;

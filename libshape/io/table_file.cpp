@@ -192,8 +192,9 @@ double parse_number(const std::string& cell, const std::string& place)
 {
     const std::optional<double> value = spelled_number(cell);
     if (!value)
-        throw InvalidInput(join(place, ": ", in_quotes(cell), " is not a finite number",
-                                cell.find(',') == std::string::npos ? "" : " (decimal point, no comma)"));
+        throw InvalidInput(
+            join(place, ": ", in_quotes(cell), " is not a finite number",
+                 cell.find(',') == std::string::npos ? "" : " (decimal point, no comma)"));
     return *value;
 }
 

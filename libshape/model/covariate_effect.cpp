@@ -56,8 +56,8 @@ CovariateEffect covariate_effect(const Collection& collection, const ShapeSpace&
     Eigen::VectorXd shares; // of the rows in the means, if each block counts once
     if (effect.design == BlockDesign::Nested) {
         const Eigen::MatrixXd weights = mean_weights(blocks);
-        effect.regression = regress(RowMatrix(weights.transpose() * coordinates),
-                                    weights.transpose() * covariates);
+        effect.regression =
+            regress(RowMatrix(weights.transpose() * coordinates), weights.transpose() * covariates);
         effect.regression.weights = weights * effect.regression.weights;
         shares = weights.rowwise().mean();
     } else {

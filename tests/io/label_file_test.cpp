@@ -75,8 +75,8 @@ TEST_F(LabelFiles, MatchNamesWithEndingsBlanksAndAccentsOfEitherSpelling)
 TEST(LabelValues, AreWithoutOuterBlanksAndEmptyIfMissing)
 {
     for (const char* cell :
-         {"", " ", "NA", "na", " NA ", "N/A", "n/a", "#N/A", "#NA", "<NA>", "NaN", "nan", "NAN",
-          "-nan", "NULL", "null", "#NULL!", ".", " . ", "\t", "\xC2\xA0"})
+         {"",    " ",   "NA",   "na",   " NA ", "N/A",    "n/a", "#N/A", "#NA", "<NA>",    "NaN",
+          "nan", "NAN", "-nan", "NULL", "null", "#NULL!", ".",   " . ",  "\t",  "\xC2\xA0"})
         EXPECT_EQ(label_value(cell), "") << cell;
     for (const char* cell : {"0", "none", "x y", "nano", "N", "..", "-", "unknown", "false"})
         EXPECT_EQ(label_value(cell), cell);

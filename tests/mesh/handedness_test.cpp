@@ -112,9 +112,9 @@ TEST(Handedness, RefusesOtherNumbersOfVertices)
 {
     const TestMesh mesh = test::tetrahedron();
     EXPECT_THROW((void)signed_volume(mesh.topology, Points::Ones(3, 3)), InvalidInput);
-    EXPECT_THROW(
-        (void)compare_handedness(mesh.topology, std::vector<Points>{mesh.points, Points::Ones(5, 3)}),
-        InvalidInput);
+    EXPECT_THROW((void)compare_handedness(mesh.topology,
+                                          std::vector<Points>{mesh.points, Points::Ones(5, 3)}),
+                 InvalidInput);
     EXPECT_EQ(compare_handedness(mesh.topology, {}).mirrored, Indices{});
 }
 

@@ -29,8 +29,8 @@ std::vector<NamedMesh> spheres(int count)
     std::vector<NamedMesh> meshes;
     for (int i = 0; i < count; ++i) {
         const TestMesh mesh = sphere(static_cast<unsigned>(i));
-        meshes.push_back(named(std::string(1, static_cast<char>('a' + i)), mesh.points,
-                               mesh.topology.faces()));
+        meshes.push_back(
+            named(std::string(1, static_cast<char>('a' + i)), mesh.points, mesh.topology.faces()));
     }
     return meshes;
 }

@@ -94,7 +94,7 @@ TEST(Oddities, OddSizesStandApartFromTheLargestPart)
 {
     EXPECT_EQ(odd_sizes({1.0, 1.2, 0.9}), Indices{});
     EXPECT_EQ(odd_sizes({1.0, 4.9}), Indices{});
-    EXPECT_EQ(odd_sizes({5.1, 1.0}), Indices{0});          // the smaller ones stand first
+    EXPECT_EQ(odd_sizes({5.1, 1.0}), Indices{0}); // the smaller ones stand first
     EXPECT_EQ(odd_sizes({1.0, 1e3, 1.1e3, 0.9e3}), Indices{0});
     EXPECT_EQ(odd_sizes({1.0, 2.0, 4.0, 8.0, 16.0, 32.0}), Indices{}); // a steady growth
     EXPECT_EQ(odd_sizes({7.7, 0.008, 7.5, 0.0081, 7.9}), (Indices{1, 3}));

@@ -53,8 +53,7 @@ TEST(OutlyingMeshes, AreThoseWithExchangedVertices)
         const Eigen::Index a = vertex();
         // Neighbours as well as vertices far apart.
         const Eigen::Index b =
-            round % 2 == 0 ? vertex()
-                           : collection.topology.spokes(static_cast<int>(a))[0].vertex;
+            round % 2 == 0 ? vertex() : collection.topology.spokes(static_cast<int>(a))[0].vertex;
         if (a == b)
             continue;
         collection.points[mesh].row(a).swap(collection.points[mesh].row(b));

@@ -43,7 +43,8 @@ struct CutMesh
         }
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
         for (int c = 0; c < 3; ++c)
-            if (const int own = copy[static_cast<std::size_t>(faces(f, c))]; is_above(f) && own >= 0)
+            if (const int own = copy[static_cast<std::size_t>(faces(f, c))];
+                is_above(f) && own >= 0)
                 cut.faces(f, c) = own;
     return cut;
 }

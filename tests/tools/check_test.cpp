@@ -6,6 +6,7 @@
 #include "tests/tools/program_test.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 class Check : public ProgramTest
@@ -83,13 +84,15 @@ TEST_F(Check, SeamsAreSaidAndMended)
 
 TEST_F(Check, TheSlitDoublePyramidOfTwoMeshesIsASeam)
 {
-    const std::string faces = "3 0 1 2\n3 0 6 3\n3 0 3 4\n3 0 4 1\n3 5 2 1\n3 5 3 6\n3 5 4 3\n3 5 1 4\n";
+    const std::string faces =
+        "3 0 1 2\n3 0 6 3\n3 0 3 4\n3 0 4 1\n3 5 2 1\n3 5 3 6\n3 5 4 3\n3 5 1 4\n";
     const auto pyramids = [&](const std::string& top) {
         return "OFF\n7 8 0\n0 0 " + top + "\n1 0 0\n0 1 0\n-1 0 0\n0 -1 0\n0 0 -1\n0 1 0\n" + faces;
     };
     folder_.write("p.off", pyramids("1"));
     folder_.write("q.off", pyramids("2"));
-    const Outcome blended = shape({"interpolate", "p.off", "q.off", "--weights", "0.5,0.5", "-o", "x.off"});
+    const Outcome blended =
+        shape({"interpolate", "p.off", "q.off", "--weights", "0.5,0.5", "-o", "x.off"});
     EXPECT_EQ(blended.exit_code, 0) << blended.err;
     EXPECT_NE(blended.err.find("2 boundary vertices lie on one another"), std::string::npos)
         << blended.err;

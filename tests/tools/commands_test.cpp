@@ -49,8 +49,48 @@ TEST_F(Commands, ADirectoryIsReadInNaturalNameOrder)
     for (const char* name : {"s10", "s2", "s1", "t"})
         folder_.write(join("set/", name, ".ply"), folder_.read("a.ply"));
     folder_.write("set/notes.txt", "not a mesh");
+    folder_.write("set/labels.csv", "neither");
     (void)run({"collect", "set", "-o", "f.h5"});
     EXPECT_EQ(run({"info", "f.h5"})["names"], Json({"s1", "s2", "s10", "t"}));
+}
+
+TEST_F(Commands, MeshFilesOfOtherFormatsAreNotPassedOverInSilence)
+{
+    folder_.write("set/x.ply", folder_.read("a.ply"));
+    folder_.write("set/y.stl", "solid y");
+    folder_.write("set/z.VTK", "# vtk");
+    for (const Arguments& arguments :
+         {Arguments{"collect", "set", "-o", "f.h5"}, Arguments{"check", "set"}}) {
+        const Outcome outcome = run_shape(folder_.path(), arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_NE(outcome.err.find("set: 2 mesh files of other formats passed over, first y.stl"),
+                  std::string::npos)
+            << outcome.err;
+    }
+}
+
+TEST_F(Commands, NaturalOrderReadsSignedDecimals)
+{
+    const auto order = [&](const Arguments& names) {
+        std::filesystem::remove_all(folder_ / "set");
+        for (const std::string& name : names)
+            folder_.write("set/" + name + ".ply", folder_.read("a.ply"));
+        (void)run({"collect", "set", "-o", "f.h5", "--force"});
+        return run({"info", "f.h5"})["names"];
+    };
+    for (const Arguments& sorted : std::vector<Arguments>{
+             {"mode01_-10.00", "mode01_-2.00", "mode01_-1.50", "mode01_-1.00", "mode01_-0.50",
+              "mode01_0.00", "mode01_0.50", "mode01_2.00", "mode01_10.00", "mode02_-3.00"},
+             {"-1", "-0.5", "0", "+0.25", "0.3", "1"},
+             {"2020-01-05", "2020-01-10", "2020-02-01"}, // no signs after digits
+             {"s-1", "s-2", "s-10"},
+             {"age_2.5", "age_12.25", "age_12.5"},
+             {"v1.2.9", "v1.2.10"},
+             {"a", "a1", "a2", "a_1", "ab"},
+             {"t=-1", "t=0", "t=1"}}) {
+        Arguments shuffled(sorted.rbegin(), sorted.rend());
+        EXPECT_EQ(order(shuffled), Json(sorted));
+    }
 }
 
 TEST_F(Commands, FilesDirectoriesAndCollectionsMix)

@@ -43,10 +43,11 @@ void add_labelled_input(CLI::App& command, LabelledInput& input)
                     "labels (default: the labels of the collection files)")
         ->option_text("FILE");
     command
-        .add_option("--only", input.only,
-                    "Use only meshes whose label has this value, or any value (LABEL alone); may be\n"
-                    "repeated: other values of the same label are let in too, other labels must hold\n"
-                    "as well")
+        .add_option(
+            "--only", input.only,
+            "Use only meshes whose label has this value, or any value (LABEL alone); may be\n"
+            "repeated: other values of the same label are let in too, other labels must hold\n"
+            "as well")
         ->option_text("LABEL[=VALUE]")
         ->allow_extra_args(false);
 }
@@ -74,9 +75,11 @@ Collection read_labelled(const Session& session, const LabelledInput& input)
         return collection;
     std::vector<std::size_t> kept;
     for (std::size_t i = 0; i < collection.size(); ++i)
-        if (std::all_of(wanted.begin(), wanted.end(), [&](const auto& rule) {
-                return rule.second.contains(find_label(collection.labels, rule.first).values[i]);
-            }) &&
+        if (std::all_of(wanted.begin(), wanted.end(),
+                        [&](const auto& rule) {
+                            return rule.second.contains(
+                                find_label(collection.labels, rule.first).values[i]);
+                        }) &&
             std::all_of(labelled.begin(), labelled.end(), [&](const std::string& label) {
                 return !find_label(collection.labels, label).values[i].empty();
             }))
@@ -95,9 +98,10 @@ std::pair<std::string, std::string> label_and_value(const std::string& option,
     const std::string label = label_value(text.substr(0, sign));
     const std::string value = label_value(text.substr(sign + 1));
     if (value.empty())
-        throw UsageError(join(option, ": '", text, "' names no value (empty, NA, NaN, NULL and so on "
-                              "mean that a mesh has none); `--only ", label,
-                              "` takes the meshes that have one"));
+        throw UsageError(join(option, ": '", text,
+                              "' names no value (empty, NA, NaN, NULL and so on "
+                              "mean that a mesh has none); `--only ",
+                              label, "` takes the meshes that have one"));
     return {label, value};
 }
 
@@ -167,9 +171,10 @@ void warn_of_repeated_rows(const Session& session, const Collection& collection,
         if (!is_nested)
             continue;
         session.warn(join("the ", collection.size(), " meshes are not independent if those of one ",
-                          column.name, " (", count, " of them) are repeated measurements: then chance "
-                          "looks significant. Give ", remedy, " ",
-                          column.name));
+                          column.name, " (", count,
+                          " of them) are repeated measurements: then chance "
+                          "looks significant. Give ",
+                          remedy, " ", column.name));
         return;
     }
 }

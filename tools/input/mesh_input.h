@@ -35,6 +35,9 @@ void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name
 /// @throws FileError if a path does not exist; InvalidInput if a directory holds no mesh file.
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const MeshInput& input);
 
+/// Warns of files in the directories that hold meshes in formats that are not read.
+void note_passed_over(const Session& session, const MeshInput& input);
+
 /// All files that reading the input opens: mesh_files() and the file of labels.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const MeshInput& input);
 

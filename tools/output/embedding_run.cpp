@@ -173,7 +173,7 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
         ->group("Embedding");
     command
         .add_flag("--residuals", arguments.residuals,
-                  "Write NAME_residuals.ply beside each mesh: that mesh with the properties\n"
+                  "Write residuals/NAME_residuals.ply beside each mesh: that mesh with the properties\n"
                   "edge_error (largest relative error of the edges at a vertex) and\n"
                   "dihedral_drift (largest of their angles [deg]); `shape draw --color-by` shows\n"
                   "them")
@@ -198,7 +198,7 @@ void prepare_output(const EmbeddingArguments& arguments, const Topology& topolog
                     const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
 {
     if (arguments.residuals)
-        output.add_companions("_residuals.ply");
+        output.add_companions("residuals", "_residuals.ply");
     if (arguments.strict)
         refuse_infeasible(topology, targets);
 }

@@ -24,7 +24,7 @@ struct EmbeddingArguments
 {
     EmbeddingOptions options;
     bool strict = false;    ///< An infeasible target ends the run before anything is written.
-    bool residuals = false; ///< Beside every mesh goes NAME_residuals.ply.
+    bool residuals = false; ///< Beside every mesh goes residuals/NAME_residuals.ply.
 };
 
 /// Adds --method, --quality, --smoothness and --init.

@@ -161,7 +161,7 @@ void MeshOutput::prepare_animation(const MeshOutputArguments& arguments, std::si
         .frames_per_second = arguments.frames_per_second.value_or(standard.frames_per_second)};
 }
 
-void MeshOutput::add_companions(const std::string& suffix)
+void MeshOutput::add_companions(const std::string& folder, const std::string& suffix)
 {
     if (is_animation_)
         throw UsageError(join("no file *", suffix,
@@ -173,9 +173,11 @@ void MeshOutput::add_companions(const std::string& suffix)
     }
     first_companion_ = paths_.size();
     for (std::size_t i = 0; i < mesh_count_; ++i)
-        paths_.push_back(directory_ / (paths_[i].stem().string() + suffix));
-    if (fs::is_directory(directory_))
+        paths_.push_back(directory_ / folder / (paths_[i].stem().string() + suffix));
+    if (fs::is_directory(directory_ / folder))
         check_paths(first_companion_);
+    else if (fs::exists(fs::symlink_status(directory_ / folder)))
+        throw FileError(join((directory_ / folder).string(), ": exists and is not a directory"));
 }
 
 void MeshOutput::write(std::size_t index, const Points& points, const Faces& faces)
@@ -198,7 +200,10 @@ fs::path MeshOutput::staged(const std::string& further_file) const
 
 fs::path MeshOutput::staged_companion(std::size_t index) const
 {
-    return staging_ / paths_.at(first_companion_ + index).filename();
+    const fs::path& path = paths_.at(first_companion_ + index);
+    const fs::path folder = staging_ / path.parent_path().filename();
+    fs::create_directories(folder);
+    return folder / path.filename();
 }
 
 void MeshOutput::commit()
@@ -208,8 +213,14 @@ void MeshOutput::commit()
     if (staging_.empty())
         return;
     if (fs::is_directory(directory_))
-        for (const fs::path& path : paths_)
-            fs::rename(staging_ / path.filename(), path);
+        for (const fs::path& path : paths_) {
+            const bool is_companion = path.parent_path() != directory_;
+            if (is_companion)
+                fs::create_directories(path.parent_path());
+            fs::rename(is_companion ? staging_ / path.parent_path().filename() / path.filename()
+                                    : staging_ / path.filename(),
+                       path);
+        }
     else
         fs::rename(staging_, directory_);
 }

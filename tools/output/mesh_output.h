@@ -59,10 +59,11 @@ public:
     MeshOutput(const MeshOutput&) = delete;
     MeshOutput& operator=(const MeshOutput&) = delete;
 
-    /// From now on a companion goes with every mesh: the file beside it whose name is its stem and
-    /// this suffix. Checks the companions' paths as the constructor does those of the meshes.
+    /// From now on a companion goes with every mesh: the file in this folder beside it whose name is
+    /// its stem and this suffix; a folder of its own, so that the meshes alone are a collection.
+    /// Checks the companions' paths as the constructor does those of the meshes.
     /// @throws UsageError  if the output is an animation.
-    void add_companions(const std::string& suffix);
+    void add_companions(const std::string& folder, const std::string& suffix);
 
     /// Writes the mesh of names[index]; meshes of an animation come in order.
     void write(std::size_t index, const Points& points, const Faces& faces);
