@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <set>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -81,6 +82,17 @@ Collection read_single_collection(const fs::path& path)
                 join(path.string(), ": mesh ", collection.names[i], ": ", defects.front().message));
     }
     return collection;
+}
+
+/// a, b, a becomes a, b, a (2).
+void number_repeated_names(std::vector<NamedMesh>& meshes)
+{
+    std::set<std::string> taken;
+    for (NamedMesh& mesh : meshes) {
+        const std::string name = mesh.name;
+        for (int number = 2; !taken.insert(mesh.name).second; ++number)
+            mesh.name = join(name, " (", number, ")");
+    }
 }
 
 Labels read_labels(const Session& session, const std::string& path,
@@ -200,6 +212,8 @@ Collection read_meshes(const Session& session, const MeshInput& input)
         std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
         progress("reading", i + 1, files.size());
     }
+    if (input.may_repeat)
+        number_repeated_names(meshes);
     Collection collection = collect(std::move(meshes));
     collection.labels =
         input.labels.empty() ? labels : read_labels(session, input.labels, collection.names);

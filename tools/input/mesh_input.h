@@ -21,6 +21,7 @@ struct MeshInput
 {
     std::vector<std::string> paths; ///< Files, directories and collection files, in any mix.
     bool triangulate = false;       ///< Split polygons as fans.
+    bool may_repeat = false;        ///< Meshes of one name are told apart by a number.
     std::string labels;             ///< CSV file with labels; empty: those of the collections.
 };
 

@@ -24,13 +24,14 @@ struct EmbeddingArguments
 {
     EmbeddingOptions options;
     bool strict = false;    ///< An infeasible target ends the run before anything is written.
+    bool verbose = false;   ///< Every infeasible target is described, not all in one line.
     bool residuals = false; ///< Beside every mesh goes residuals/NAME_residuals.ply.
 };
 
 /// Adds --method, --quality, --smoothness and --init.
 void add_embedder_options(CLI::App& command, EmbeddingOptions& options);
 
-/// Adds those, --strict and --residuals.
+/// Adds those, --strict, --verbose and --residuals.
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments);
 
 /// A mesh to be made. The shape is made when it is needed: all of them may not fit into memory.

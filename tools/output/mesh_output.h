@@ -46,11 +46,12 @@ public:
     ///
     /// The path is a file if it has an ending, names no existing directory and does not end in a
     /// slash. Only a single mesh can go into a file, or several as the animation of a .glb file.
-    /// @param names  Stem of each file in a directory; the format gives the ending.
+    /// @param names  Stem of each file in a directory, with '_' for what a file name may not hold; the
+    ///     format gives the ending.
     /// @param further_files  Names of other files that go into the directory with the meshes.
     /// @throws UsageError  for several meshes and one file, an ending that is not a mesh format, or
     ///     options of an animation without one.
-    /// @throws InvalidInput  for two equal names, or one that cannot be a file name.
+    /// @throws InvalidInput  for two equal names.
     MeshOutput(const Session& session, const MeshOutputArguments& arguments,
                const std::vector<std::string>& names,
                const std::vector<std::filesystem::path>& inputs,
