@@ -318,6 +318,45 @@ TEST_F(Commands, InfeasibleTargetsAreWrittenWithAWarning)
     EXPECT_TRUE(read_mesh(folder_ / "far.ply").points.allFinite());
 }
 
+TEST_F(Commands, ManyInfeasibleTargetsAreOneLineAndFeasibleSamplesNone)
+{
+    fit();
+    const double beyond = 2.0 * feasible_range(read_model(folder_ / "model.h5"), 0, 100.0).high;
+    const Arguments far{"generate", "model.h5", "--mode", "1", "--sigma", join("0:", beyond, ":7"),
+                        "-o"};
+    const Outcome brief = run_shape(folder_.path(), far + Arguments{"far"});
+    EXPECT_EQ(brief.exit_code, 0) << brief.err;
+    std::size_t warnings = 0;
+    for (std::size_t at = brief.err.find("warning:"); at != std::string::npos;
+         at = brief.err.find("warning:", at + 1))
+        ++warnings;
+    EXPECT_EQ(warnings, 1U) << brief.err;
+    EXPECT_NE(brief.err.find(" of 7 targets are infeasible"), std::string::npos) << brief.err;
+    const Outcome verbose = run_shape(folder_.path(), far + Arguments{"verbose", "--verbose"});
+    EXPECT_NE(verbose.err.find("worst face"), std::string::npos) << verbose.err;
+    const Json figures = run(far + Arguments{"json"});
+    EXPECT_FALSE(figures["embeddings"][6]["reason"].get<std::string>().empty());
+    EXPECT_FALSE(figures["embeddings"][0].contains("reason"));
+
+    const Json samples =
+        run({"generate", "model.h5", "--sample", "30", "--feasible", "-o", "samples"});
+    for (const Json& sample : samples["embeddings"])
+        EXPECT_NE(sample["status"], "infeasible") << sample.dump();
+}
+
+TEST_F(Commands, ProjectSaysHowTheTriangulationDiffers)
+{
+    fit();
+    NamedMesh mesh = read_mesh(folder_ / "a.ply");
+    mesh.faces.col(1).swap(mesh.faces.col(2));
+    write_mesh(folder_ / "turned.ply", mesh.points, mesh.faces, MeshFormat::Ply);
+    const Outcome outcome =
+        run_shape(folder_.path(), {"project", "model.h5", "turned.ply", "-o", "s.csv"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    for (const char* said : {"turned", "face 0", "flipped", "inside out"})
+        EXPECT_NE(outcome.err.find(said), std::string::npos) << outcome.err;
+}
+
 TEST_F(Commands, EmbeddingsHaveTheFieldsOfTheContract)
 {
     fit();
