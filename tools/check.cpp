@@ -66,6 +66,7 @@ struct Result
     std::optional<Topology> topology; ///< Of the meshes in correspondence.
     std::vector<NamedMesh> readable;
     std::vector<std::string> triangulated; ///< Names of those that were split into triangles.
+    std::vector<std::pair<std::string, std::string>> unreadable; ///< Names of the rest, and why.
 };
 
 const char* kind_name(DefectKind kind)
@@ -368,7 +369,8 @@ void read_polygons(Result& result)
                 result.triangulated.push_back(split.name);
                 readable.push_back(std::move(split));
             }
-        } catch (const InvalidInput&) { // broken in another way, and said so
+        } catch (const InvalidInput& error) {
+            result.unreadable.push_back({mesh.name, error.what()});
         }
     }
     result.readable = std::move(readable);
@@ -397,6 +399,10 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
     std::vector<NamedMesh> sound;
     Json left = Json::array();
     std::string text;
+    for (const auto& [name, why] : result.unreadable) {
+        left.push_back({{"name", name}, {"written", false}, {"message", why}});
+        text += join("  left to mend: ", name, " (not written): ", why, "\n");
+    }
     for (NamedMesh& mesh : mended.meshes) {
         const std::vector<Finding> findings =
             find_all(mesh, sound.empty() ? mesh : sound.front(), static_cast<int>(arguments.limit));

@@ -175,7 +175,10 @@ TEST_F(Check, FixWritesWhatIsSoundAndSaysWhatIsLeft)
     EXPECT_EQ(square.points.rows(), 4);
     EXPECT_EQ(square.faces.rows(), 2);
     EXPECT_GE(fix["changes"].size(), 2U);
-    EXPECT_FALSE(fix["left"].empty());
+    ASSERT_EQ(fix["left"].size(), 3U) << fix["left"].dump();
+    EXPECT_EQ(fix["left"][0]["name"], "n1");
+    EXPECT_EQ(fix["left"][1]["written"], true);
+    EXPECT_EQ(fix["left"][2]["written"], false);
     EXPECT_FALSE(folder_.has("set/n0.ply"));
 }
 

@@ -12,6 +12,7 @@
 #include "libshape/io/label_file.h"
 #include "libshape/io/table_file.h"
 #include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
 using namespace internal;

@@ -24,8 +24,8 @@ struct EmbeddingArguments
 {
     EmbeddingOptions options;
     bool strict = false;    ///< An infeasible target ends the run before anything is written.
-    bool verbose = false;   ///< Every infeasible target is described, not all in one line.
     bool residuals = false; ///< Beside every mesh goes residuals/NAME_residuals.ply.
+    bool verbose = false;   ///< Every infeasible target is described, not all in one line.
 };
 
 /// Adds --method, --quality, --smoothness and --init.
