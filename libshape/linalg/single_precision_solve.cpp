@@ -13,6 +13,24 @@
 namespace shape::internal {
 namespace {
 
+// X = A^-1 B for three columns by the factor of a SparseCholesky, in float. With the elimination tree cut into
+// parts, leaf subtrees below middle ones below the root,
+//
+//          [ root ]             forward: L y = b, leaves first; every part adds what it does to
+//         /        \             the rows of the part above to a copy of them of its own,
+//     [middle]   [middle]
+//      /  \        /  \          backward: L^T x = y, the root first; every part reads those rows.
+//    [l]  [l]   [l]  [l]
+//
+// In memory every part has its place in the workspace, which no other part writes to, so that parts of a
+// tier may be worked on at once with the same bits:
+//
+//     workspace   | columns of part 0 | rows reached above | columns of part 1 | rows reached above | ...
+//     values_     | blocks of part 0 (factor_blocks.cpp)   | blocks of part 1  | ...
+//
+// CHOLMOD's solve takes double precision, one thread and, for three right-hand sides, gathers and scatters
+// around calls of BLAS that are too small for it.
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 
@@ -24,8 +42,8 @@ std::size_t index(int i)
 /// Parts of the elimination tree, the lower tiers first: each a subtree less the parts below.
 struct Cut
 {
-    std::vector<std::size_t> part_of_column; ///< Of the factor.
-    std::vector<std::size_t> parent;         ///< Of every part; itself at a root.
+    std::vector<std::size_t> part_of_column; ///< The part that each column of the factor is in.
+    std::vector<std::size_t> parent;         ///< The part above each part; itself at a root.
     std::array<std::size_t, 3> tiers{};      ///< Where the leaf, middle and root subtrees end.
 };
 
@@ -48,9 +66,20 @@ Cut cut(const SupernodalFactor& f)
             entries[above[s]] += entries[s];
     }
     const double all = f.first_values.back();
+    // Entries of 2 bytes, read both ways: below half a megabyte a solve takes some 50 microseconds, and handing
+    // parts to threads is no longer small beside it.
     constexpr double worth = 1 << 17;
+    // Sixteen leaves keep up to eight threads busy though they are unequal; smaller ones would copy more rows
+    // than they save.
+    constexpr double largest_leaf = 1.0 / 16.0;
+    // What is above this share is the chain of the largest separators, each over the one below, which no two
+    // threads can work on side by side.
+    constexpr double largest_middle = 0.6;
     const auto tier = [&](std::size_t s) -> std::size_t {
-        return all < worth ? 2 : entries[s] <= all / 16.0 ? 0 : entries[s] <= 0.6 * all ? 1 : 2;
+        return all < worth                          ? 2
+               : entries[s] <= largest_leaf * all   ? 0
+               : entries[s] <= largest_middle * all ? 1
+                                                    : 2;
     };
 
     Cut cut;

@@ -72,7 +72,7 @@ private:
     std::vector<Part> parts_;            ///< Leaf, middle and root subtrees.
     std::array<std::size_t, 3> tiers_{}; ///< Where each ends.
     std::vector<FactorBlock> blocks_;
-    std::vector<int> rows_; ///< Of all B, in the numbers of the part.
+    std::vector<int> rows_; ///< The rows of every B, in the numbers of the part.
     std::vector<int> reached_rows_;
     std::vector<float> values_;
     std::vector<Bfloat16> halves_; ///< The same, rounded.
