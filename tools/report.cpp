@@ -24,7 +24,7 @@ namespace shape::tools {
 using namespace internal;
 namespace {
 
-constexpr Eigen::Index most_rows = 50; ///< Of the table of modes.
+constexpr Eigen::Index most_rows = 50; ///< The table of modes is no longer.
 constexpr double plot_width = 490.0;   ///< [px]; two side by side fill the page.
 constexpr double plot_height = 400.0;
 
@@ -49,7 +49,7 @@ struct Tracks
 Tracks decode_modes(const Session& session, const Arguments& arguments, const ShapeModel& model)
 {
     const Progress progress = session.progress();
-    const EmbeddingOptions options = embedding_options(session, {.options = arguments.embedding});
+    const EmbeddingOptions options = embedding_options(session, arguments.embedding);
     const Embedder embedder(model.topology, {model.reference_points}, options);
     const auto modes = std::min<std::int64_t>(arguments.modes, model.mode_count());
     const auto steps = static_cast<std::size_t>(arguments.steps);

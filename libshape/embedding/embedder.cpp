@@ -9,11 +9,12 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/closure/closure.h"
 #include "libshape/embedding/closure/closure_embedding.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
-#include "libshape/embedding/start/face_layout.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -27,12 +28,10 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// E of Rojas 2014, eq. 3.
-double closure_energy(const Topology& topology, const ShapePoint& target)
+/// E of the target of an embedding, before anything is solved.
+double closure_energy_of(const Topology& topology, const ShapePoint& target)
 {
-    const FaceLayout layout =
-        lay_out_faces(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
-    return (4.0 * (1.0 - closure_angles(topology, layout.transitions).array().cos())).sum();
+    return closure_energy(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
 }
 
 } // namespace
@@ -43,9 +42,27 @@ Embedding as_embedding(const Topology& topology, Points points)
     const ShapePoint target{edge_lengths(topology, points), dihedral_angles(topology, points)};
     Embedding embedding{std::move(points), {}};
     embedding.report = measure_embedding(topology, embedding.points, target);
-    embedding.report.closure_energy = closure_energy(topology, target);
+    embedding.report.closure_energy = closure_energy_of(topology, target);
     embedding.report.converged = true;
     return embedding;
+}
+
+void check(const EmbeddingOptions& options)
+{
+    const auto belongs_to = [&](EmbeddingMethod method, const char* name, const char* field,
+                                bool is_set) {
+        if (is_set && options.method != method)
+            throw InvalidInput(join("EmbeddingOptions.", field,
+                                    " is set, but belongs to the method ", name,
+                                    ", which is not the chosen one"));
+    };
+    belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "quality", options.quality.has_value());
+    belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "smoothness", options.smoothness.has_value());
+    belongs_to(EmbeddingMethod::Multiscale, "Multiscale", "registration_start",
+               options.registration_start.has_value());
+    belongs_to(EmbeddingMethod::Multiscale, "Multiscale", "seed", options.seed.has_value());
+    require_positive(options.smoothness.value_or(default_smoothness),
+                     "EmbeddingOptions.smoothness");
 }
 
 struct Embedder::State
@@ -65,15 +82,20 @@ struct Embedder::State
     {
     }
 
+    [[nodiscard]] MultiscaleOptions multiscale_options() const
+    {
+        MultiscaleOptions chosen;
+        chosen.seed = options.seed.value_or(chosen.seed);
+        chosen.registration.start = options.registration_start.value_or(chosen.registration.start);
+        return chosen;
+    }
+
     void prepare()
     {
         std::call_once(prepared, [this] {
             const auto start = std::chrono::steady_clock::now();
             if (options.method == EmbeddingMethod::Multiscale)
-                multiscale.emplace(
-                    topology, references.front(),
-                    MultiscaleOptions{.seed = options.seed,
-                                      .registration = {.start = options.registration_start}});
+                multiscale.emplace(topology, references.front(), multiscale_options());
             if (options.method == EmbeddingMethod::Dihedral)
                 dihedral.emplace(topology, references);
             setup_seconds = seconds_since(start);
@@ -84,6 +106,7 @@ struct Embedder::State
 Embedder::Embedder(const Topology& topology, std::vector<Points> references,
                    const EmbeddingOptions& options)
 {
+    check(options);
     if (references.empty())
         throw InvalidInput("the embedding needs at least one reference mesh");
     for (const Points& reference : references) {
@@ -93,8 +116,6 @@ Embedder::Embedder(const Topology& topology, std::vector<Points> references,
         if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
             throw InvalidInput("a reference mesh has an edge of length 0");
     }
-    if (!(options.smoothness > 0.0))
-        throw InvalidInput(join("smoothness is ", options.smoothness, ", must be > 0"));
     state_ = std::make_unique<State>(topology, std::move(references), options);
 }
 
@@ -115,7 +136,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
             DihedralEmbeddingOptions options;
             if (s.options.quality == EmbeddingQuality::Preview)
                 options = dihedral_preview();
-            options.smoothness = s.options.smoothness;
+            options.smoothness = s.options.smoothness.value_or(default_smoothness);
             DihedralEmbedding nearest = s.dihedral->embed(target, options);
             points = std::move(nearest.points);
             solver.iterations = nearest.iterations;
@@ -145,7 +166,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
     Embedding embedding{points, measure_embedding(s.topology, points, target), multiscale};
     embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
                                           ? solver.closure_energy
-                                          : closure_energy(s.topology, target);
+                                          : closure_energy_of(s.topology, target);
     embedding.report.iterations = solver.iterations;
     embedding.report.converged = solver.converged;
     embedding.report.seconds = seconds;

@@ -27,7 +27,7 @@ struct Page
     std::vector<std::pair<std::string, std::string>> facts; ///< Name and value.
     Faces faces;
     std::vector<ShapeTrack> tracks;    ///< What the viewer offers; none: there is no viewer.
-    std::string unit;                  ///< Of the tracks' parameter.
+    std::string unit;                  ///< The tracks' parameter is in this unit.
     std::vector<std::string> drawings; ///< SVG documents.
     std::vector<std::vector<std::string>> table; ///< The first row is its head; may be empty.
 };

@@ -111,7 +111,7 @@ struct LegendEntry
 constexpr double legend_row = 18.0; // [px], as all below
 constexpr double legend_mark = 18.0;
 constexpr double legend_gap = 18.0;
-constexpr double legend_size = 12.0; ///< Of its text.
+constexpr double legend_size = 12.0; ///< Its letters are this high.
 
 /// The series that have a name, in as many rows as a width needs; none if fewer than two have one.
 std::vector<LegendEntry> legend_of(const Plot& plot, double width)

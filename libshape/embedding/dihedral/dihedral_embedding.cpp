@@ -7,6 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/pool.h"
+#include "libshape/base/require.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/energy/descent.h"
 #include "libshape/embedding/energy/length_dihedral_energy.h"
@@ -64,6 +65,21 @@ struct DihedralEmbedder::State
     }
 };
 
+void check(const DihedralEmbeddingOptions& options)
+{
+    require_positive(options.smoothness, "DihedralEmbeddingOptions.smoothness");
+    require_at_least(0, options.local_global_steps, "DihedralEmbeddingOptions.local_global_steps");
+    require_at_least(0, options.max_iterations, "DihedralEmbeddingOptions.max_iterations");
+    require_at_least(2, options.first_linear_steps, "DihedralEmbeddingOptions.first_linear_steps");
+    int before = 0;
+    for (std::size_t i = 0; i < options.repairs.size(); before = options.repairs[i++])
+        require(options.repairs[i] >= before, join("DihedralEmbeddingOptions.repairs[", i, "]"),
+                options.repairs[i], join(">= ", before, ": ascending and not negative"));
+    check(options.folds);
+    check(options.repair);
+    require_not_negative(options.decrease_tolerance, "DihedralEmbeddingOptions.decrease_tolerance");
+}
+
 DihedralEmbeddingOptions dihedral_preview()
 {
     DihedralEmbeddingOptions preview;
@@ -94,6 +110,7 @@ DihedralEmbedder& DihedralEmbedder::operator=(DihedralEmbedder&&) noexcept = def
 DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
+    check(options);
     State& s = *state_;
     const Topology& topology = s.renumbering.topology;
     if (point.edge_lengths.size() != topology.edge_count() ||

@@ -43,7 +43,10 @@ public:
 
     [[nodiscard]] bool line_done() const { return rest_.empty(); } ///< No token is left.
     [[nodiscard]] std::string_view line() const { return line_; }
-    [[nodiscard]] std::size_t offset() const { return offset_; } ///< Of the line after this one.
+    [[nodiscard]] std::size_t offset() const
+    {
+        return offset_;
+    } ///< Where the line after this one begins.
 
     /// @throws InvalidInput always.
     [[noreturn]] void fail(std::string_view rule) const;
