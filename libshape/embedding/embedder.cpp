@@ -8,14 +8,9 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/closure_embedding.h"
 #include "libshape/embedding/dihedral_embedding.h"
-#include "libshape/embedding/face_layout.h"
 #include "libshape/embedding/multiscale_embedding.h"
-#include "libshape/mesh/alignment.h"
-#include "libshape/mesh/dihedral_angles.h"
-#include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
 namespace {
@@ -25,26 +20,7 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// E of Rojas 2014, eq. 3.
-double closure_energy(const Topology& topology, const ShapePoint& target)
-{
-    const FaceLayout layout =
-        lay_out_faces(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
-    return (4.0 * (1.0 - closure_angles(topology, layout.transitions).array().cos())).sum();
-}
-
 } // namespace
-
-Embedding as_embedding(const Topology& topology, Points points)
-{
-    points.rowwise() -= centroid(points);
-    const ShapePoint target{edge_lengths(topology, points), dihedral_angles(topology, points)};
-    Embedding embedding{std::move(points), {}};
-    embedding.report = measure_embedding(topology, embedding.points, target);
-    embedding.report.closure_energy = closure_energy(topology, target);
-    embedding.report.converged = true;
-    return embedding;
-}
 
 struct Embedder::State
 {
@@ -87,48 +63,33 @@ Embedding Embedder::embed(const ShapePoint& target) const
 {
     const auto start = std::chrono::steady_clock::now();
     const State& s = *state_;
-    Points points;
-    EmbeddingReport solver; // the fields that measure_embedding() leaves open
-    std::optional<MultiscaleTimes> multiscale;
+    Embedding embedding;
     switch (s.options.method) {
         case EmbeddingMethod::Dihedral: {
             DihedralEmbeddingOptions options;
             if (s.options.quality == EmbeddingQuality::Preview)
                 options = dihedral_preview();
             options.smoothness = s.options.smoothness;
-            DihedralEmbedding nearest = s.dihedral->embed(target, options);
-            points = std::move(nearest.points);
-            solver.iterations = nearest.iterations;
-            solver.converged = nearest.converged;
+            embedding = embed_by_dihedrals(*s.dihedral, s.topology, s.reference, target, options);
             break;
         }
         case EmbeddingMethod::Closure: {
-            ClosureEmbedding closed = embed_by_closure(s.topology, target);
-            points = std::move(closed.points);
-            solver.iterations = closed.solution.iterations;
-            solver.converged = closed.solution.converged;
-            solver.closure_energy = closed.solution.energy;
+            const ClosureEmbedding closed = embed_by_closure(s.topology, target);
+            embedding = finished_embedding(s.topology, closed.points, s.reference, target);
+            embedding.report.iterations = closed.solution.iterations;
+            embedding.report.converged = closed.solution.converged;
+            embedding.report.closure_energy = closed.solution.energy;
             break;
         }
         case EmbeddingMethod::Multiscale: {
-            MultiscaleEmbedding pose = s.multiscale->embed(target);
-            points = std::move(pose.points);
-            multiscale = {s.multiscale->setup_times(), pose.times};
-            solver.converged = true; // a fixed number of passes
+            const MultiscaleEmbedding pose = s.multiscale->embed(target);
+            embedding = finished_embedding(s.topology, pose.points, s.reference, target);
+            embedding.multiscale = {s.multiscale->setup_times(), pose.times};
+            embedding.report.converged = true; // a fixed number of passes
             break;
         }
     }
-    points = best_rigid_motion(points, s.reference)(points);
-    points.rowwise() -= centroid(points);
-    const double seconds = seconds_since(start);
-
-    Embedding embedding{points, measure_embedding(s.topology, points, target), multiscale};
-    embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
-                                          ? solver.closure_energy
-                                          : closure_energy(s.topology, target);
-    embedding.report.iterations = solver.iterations;
-    embedding.report.converged = solver.converged;
-    embedding.report.seconds = seconds;
+    embedding.report.seconds = seconds_since(start);
     embedding.report.setup_seconds = s.setup_seconds;
     return embedding;
 }

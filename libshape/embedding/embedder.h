@@ -4,12 +4,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/embedding.h"
 #include "libshape/embedding/multiscale_embedding.h"
-#include "libshape/embedding/report.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -38,25 +37,6 @@ struct EmbeddingOptions
     RegistrationStart registration_start = RegistrationStart::Incremental; ///< Of Multiscale.
     std::uint64_t seed = 1;                                                ///< Of Multiscale.
 };
-
-/// Where the time of EmbeddingMethod::Multiscale goes.
-struct MultiscaleTimes
-{
-    MultiscaleSetupTimes setup;
-    MultiscalePoseTimes pose;
-};
-
-/// A mesh and what it is worth.
-struct Embedding
-{
-    Points points; ///< #V by 3 [length], centroid at 0.
-    EmbeddingReport report;
-    std::optional<MultiscaleTimes> multiscale = {}; ///< Of that method.
-};
-
-/// A mesh that needs no embedding, as one: its targets are its own lengths and angles. The centroid
-/// moves to 0.
-[[nodiscard]] Embedding as_embedding(const Topology& topology, Points points);
 
 /// Embeds points of one topology. Everything that depends on the topology alone is computed once,
 /// by the constructor.

@@ -19,25 +19,23 @@ using Eigen::VectorXd;
 
 constexpr std::size_t grain = 1024;
 
-using Order = int __attribute__((vector_size(16)));
-
 /// The sum of a, in all lanes.
 [[gnu::always_inline]] inline Lanes sum(const Lanes& a)
 {
-    const Lanes two = a + __builtin_shuffle(a, Order{1, 0, 3, 2});
-    return two + __builtin_shuffle(two, Order{2, 3, 0, 1});
+    const Lanes two = a + __builtin_shufflevector(a, a, 1, 0, 3, 2);
+    return two + __builtin_shufflevector(two, two, 2, 3, 0, 1);
 }
 
 /// The sums of a, b and c.
 [[gnu::always_inline]] inline Lanes sums(const Lanes& a, const Lanes& b, const Lanes& c)
 {
     const Lanes zero{};
-    const Lanes ab = __builtin_shuffle(a, b, Order{0, 4, 1, 5});    // a0 b0 a1 b1
-    const Lanes c0 = __builtin_shuffle(c, zero, Order{0, 4, 1, 5}); // c0 0 c1 0
-    const Lanes last = __builtin_shuffle(__builtin_shuffle(a, b, Order{2, 6, 2, 6}), c,
-                                         Order{0, 1, 6, 7}); // a2 b2 c2 c3
-    return __builtin_shuffle(ab, c0, Order{0, 1, 4, 5}) +
-           __builtin_shuffle(ab, c0, Order{2, 3, 6, 7}) + last;
+    const Lanes ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);    // a0 b0 a1 b1
+    const Lanes c0 = __builtin_shufflevector(c, zero, 0, 4, 1, 5); // c0 0 c1 0
+    const Lanes last = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 6, 2, 6), c, 0, 1,
+                                               6, 7); // a2 b2 c2 c3
+    return __builtin_shufflevector(ab, c0, 0, 1, 4, 5) +
+           __builtin_shufflevector(ab, c0, 2, 3, 6, 7) + last;
 }
 
 inline Lanes lanes_of(double scale, double x, double y, double z)
@@ -80,11 +78,11 @@ SHAPE_VECTORISED void face_shapes(int count, const double* inverse_squares, cons
 /// What belongs to the next corner or edge of a face, and to the one after that.
 [[gnu::always_inline]] inline Lanes next(const Lanes& a)
 {
-    return __builtin_shuffle(a, Order{1, 2, 0, 3});
+    return __builtin_shufflevector(a, a, 1, 2, 0, 3);
 }
 [[gnu::always_inline]] inline Lanes last(const Lanes& a)
 {
-    return __builtin_shuffle(a, Order{2, 0, 1, 3});
+    return __builtin_shufflevector(a, a, 2, 0, 1, 3);
 }
 
 /// How faces turn about their three edges, times the lengths of these, as vertices move. With q = n . v,

@@ -1,0 +1,51 @@
+# The portable core: what turns points of a model into meshes (libshape/explore) and needs no package
+# but Eigen's headers; in WebAssembly, by tools/explore/decoder, and natively as shape_portable,
+# for the tests. libshape/portable stands in for oneTBB, CHOLMOD and OpenMesh.
+set(SHAPE_PORTABLE_SOURCES
+    libshape/base/parallel_sum.cpp
+    libshape/base/random.cpp
+    libshape/base/vector_math.cpp
+    libshape/edge_space/admissibility.cpp
+    libshape/edge_space/length_coordinates.cpp
+    libshape/edge_space/procrustes.cpp
+    libshape/edge_space/shape_space.cpp
+    libshape/edge_space/shape_vectors.cpp
+    libshape/embedding/descent.cpp
+    libshape/embedding/dihedral_embedding.cpp
+    libshape/embedding/edge_laplacian.cpp
+    libshape/embedding/eightfold_descent.cpp
+    libshape/embedding/eightfold_energy.cpp
+    libshape/embedding/embedding.cpp
+    libshape/embedding/face_fit.cpp
+    libshape/embedding/face_layout.cpp
+    libshape/embedding/face_patches.cpp
+    libshape/embedding/fold_regions.cpp
+    libshape/embedding/gauss_newton_operator.cpp
+    libshape/embedding/hot_spots.cpp
+    libshape/embedding/length_dihedral_energy.cpp
+    libshape/embedding/linear_start.cpp
+    libshape/embedding/local_frames.cpp
+    libshape/embedding/patch_frames.cpp
+    libshape/embedding/region_mesh.cpp
+    libshape/embedding/region_repair.cpp
+    libshape/embedding/report.cpp
+    libshape/embedding/residual_field.cpp
+    libshape/embedding/rigid_filling.cpp
+    libshape/explore/model_block.cpp
+    libshape/explore/model_decoder.cpp
+    libshape/linalg/eightfold_solve.cpp
+    libshape/linalg/factor_blocks.cpp
+    libshape/linalg/single_precision_solve.cpp
+    libshape/mesh/alignment.cpp
+    libshape/mesh/collection.cpp
+    libshape/mesh/defects.cpp
+    libshape/mesh/dihedral_angles.cpp
+    libshape/mesh/edge_lengths.cpp
+    libshape/mesh/renumbering.cpp
+    libshape/mesh/rotation_fit.cpp
+    libshape/mesh/topology.cpp
+    libshape/mesh/vertex_regions.cpp
+    libshape/portable/half_edges.cpp
+    libshape/portable/sparse_cholesky.cpp
+    libshape/portable/threads.cpp
+)
