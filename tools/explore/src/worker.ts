@@ -137,10 +137,14 @@ function decode({ ticket, scores, amounts, size, fine }: Wanted) {
     ]);
 }
 
+let opened: Promise<void>;
+
 self.onmessage = async ({ data }: MessageEvent<Start | Wanted>) => {
     try {
-        if (data.kind === "start") await start(data);
-        else if (data.kind === "feasible") findFeasible(data);
+        if (data.kind === "start") opened = start(data);
+        await opened;
+        if (data.kind === "start") return;
+        if (data.kind === "feasible") findFeasible(data);
         else decode(data);
     } catch (error) {
         answer({
