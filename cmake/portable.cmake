@@ -10,30 +10,30 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/edge_space/procrustes.cpp
     libshape/edge_space/shape_space.cpp
     libshape/edge_space/shape_vectors.cpp
-    libshape/embedding/descent.cpp
-    libshape/embedding/dihedral_embedding.cpp
-    libshape/embedding/edge_laplacian.cpp
-    libshape/embedding/eightfold_descent.cpp
-    libshape/embedding/eightfold_energy.cpp
-    libshape/embedding/embedding.cpp
-    libshape/embedding/face_fit.cpp
-    libshape/embedding/face_layout.cpp
-    libshape/embedding/face_patches.cpp
-    libshape/embedding/fold_regions.cpp
-    libshape/embedding/gauss_newton_operator.cpp
-    libshape/embedding/hot_spots.cpp
-    libshape/embedding/length_dihedral_energy.cpp
-    libshape/embedding/linear_start.cpp
-    libshape/embedding/local_frames.cpp
-    libshape/embedding/patch_frames.cpp
-    libshape/embedding/region_mesh.cpp
-    libshape/embedding/region_repair.cpp
+    libshape/embedding/dihedral/dihedral_embedding.cpp
+    libshape/embedding/energy/descent.cpp
+    libshape/embedding/energy/eight_lane_descent.cpp
+    libshape/embedding/energy/eight_lane_energy.cpp
+    libshape/embedding/energy/gauss_newton_operator.cpp
+    libshape/embedding/energy/length_dihedral_energy.cpp
+    libshape/embedding/energy/region_mesh.cpp
+    libshape/embedding/finished_embedding.cpp
+    libshape/embedding/repair/fold_regions.cpp
+    libshape/embedding/repair/hot_spots.cpp
+    libshape/embedding/repair/region_repair.cpp
+    libshape/embedding/repair/rigid_filling.cpp
     libshape/embedding/report.cpp
     libshape/embedding/residual_field.cpp
-    libshape/embedding/rigid_filling.cpp
+    libshape/embedding/start/edge_laplacian.cpp
+    libshape/embedding/start/face_fit.cpp
+    libshape/embedding/start/face_layout.cpp
+    libshape/embedding/start/face_patches.cpp
+    libshape/embedding/start/linear_start.cpp
+    libshape/embedding/start/local_frames.cpp
+    libshape/embedding/start/patch_frames.cpp
     libshape/explore/model_block.cpp
     libshape/explore/model_decoder.cpp
-    libshape/linalg/eightfold_solve.cpp
+    libshape/linalg/eight_lane_solve.cpp
     libshape/linalg/factor_blocks.cpp
     libshape/linalg/single_precision_solve.cpp
     libshape/mesh/alignment.cpp

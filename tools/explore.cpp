@@ -9,7 +9,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/version.h"
 #include "libshape/io/model_file.h"
-#include "libshape/io/output_file.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "libshape/explore/model_block.h"
@@ -19,16 +19,17 @@
 #include "libshape/report/plot.h"
 #include "libshape/statistics/regression.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/label_input.h"
-#include "tools/common/model_tables.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
-#include "tools/common/space_arguments.h"
+#include "tools/program/arguments.h"
+#include "tools/output/embedding_run.h"
+#include "tools/input/label_input.h"
+#include "tools/output/model_tables.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/session.h"
+#include "tools/input/space_arguments.h"
 #include "tools/explore/page_frame.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 constexpr Eigen::Index most_rows = 50; ///< Of the table of modes.
@@ -132,8 +133,8 @@ std::string draw_modes(const Session& session, const ShapeModel& model)
 {
     constexpr double reach = 2.0; // [standard deviations]
     const Progress progress = session.progress();
-    Decoder decode(model.topology, {model.reference_points},
-                   {.quality = EmbeddingQuality::Preview});
+    const Embedder embedder(model.topology, {model.reference_points},
+                            {.quality = EmbeddingQuality::Preview});
     Collection shown{.topology = model.topology, .names = {}, .points = {}, .labels = {}};
     const int modes = std::min(pictured_modes, model.mode_count());
     for (int mode = 0; mode < modes; ++mode) {
@@ -144,7 +145,7 @@ std::string draw_modes(const Session& session, const ShapeModel& model)
             scores[mode] = sigma * std::sqrt(model.variances[mode]);
             const std::string name = join("mode ", mode + 1, " at ", print_fixed(sigma));
             shown.points.push_back(
-                decode(name, model_point(model, scores, model.mean_size())).points);
+                embedder.embed(model_point(model, scores, model.mean_size())).points);
             shown.names.push_back(name);
         }
     }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace shape {
+namespace shape::internal {
 
 /// The bits of a float, and the float of some bits: std::bit_cast for the compilers without it.
 [[nodiscard]] inline std::uint32_t bits_of(float value)
@@ -21,4 +21,4 @@ namespace shape {
     return value;
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -14,7 +14,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie");
 
@@ -121,4 +121,4 @@ private:
     std::size_t place_ = 0;
 };
 
-} // namespace shape
+} // namespace shape::internal

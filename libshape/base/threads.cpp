@@ -18,6 +18,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 std::atomic<int>& configured_threads()
@@ -28,9 +29,9 @@ std::atomic<int>& configured_threads()
 }
 
 /// Where a number of threads works.
-struct Workshop
+struct Arena
 {
-    explicit Workshop(int threads)
+    explicit Arena(int threads)
         : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
           arena(threads)
     {
@@ -40,13 +41,13 @@ struct Workshop
 };
 
 /// Made anew after set_thread_count().
-std::shared_ptr<Workshop> workshop()
+std::shared_ptr<Arena> arena_of_threads()
 {
     static std::mutex mutex;
-    static std::shared_ptr<Workshop> current;
+    static std::shared_ptr<Arena> current;
     const std::lock_guard lock(mutex);
     if (!current || current->arena.max_concurrency() != thread_count())
-        current = std::make_shared<Workshop>(thread_count());
+        current = std::make_shared<Arena>(thread_count());
     return current;
 }
 
@@ -54,7 +55,10 @@ thread_local bool inside_loop = false; ///< This thread runs a chunk.
 
 } // namespace
 
-int thread_count() { return configured_threads(); }
+int thread_count()
+{
+    return configured_threads();
+}
 
 void set_thread_count(int count)
 {
@@ -86,9 +90,11 @@ void parallel_for(std::size_t count, std::size_t grain,
         }
         inside_loop = false;
     };
-    // The caller does what no other thread takes, so a busy machine costs no waiting.
-    workshop()->arena.execute([&] {
-        tbb::parallel_for(std::size_t{0}, chunks, guarded, tbb::simple_partitioner{});
+    // The caller does what no other thread takes, so a busy machine costs no waiting; but no chunk of
+    // another loop, which might wait for what the caller holds.
+    arena_of_threads()->arena.execute([&] {
+        tbb::this_task_arena::isolate(
+            [&] { tbb::parallel_for(std::size_t{0}, chunks, guarded, tbb::simple_partitioner{}); });
     });
     for (const std::exception_ptr& error : errors)
         if (error)

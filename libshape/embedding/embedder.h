@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "libshape/edge_space/shape_space.h"
 #include "libshape/edge_space/shape_vectors.h"
-#include "libshape/embedding/embedding.h"
-#include "libshape/embedding/multiscale_embedding.h"
+#include "libshape/embedding/multiscale/multiscale_embedding.h"
+#include "libshape/embedding/report.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -38,8 +40,27 @@ struct EmbeddingOptions
     std::uint64_t seed = 1;                                                ///< Of Multiscale.
 };
 
-/// Embeds points of one topology. Everything that depends on the topology alone is computed once,
-/// by the constructor.
+/// Where the time of EmbeddingMethod::Multiscale goes.
+struct MultiscaleTimes
+{
+    MultiscaleSetupTimes setup;
+    MultiscalePoseTimes pose;
+};
+
+/// A mesh and what it is worth.
+struct Embedding
+{
+    Points points; ///< #V by 3 [length], centroid at 0.
+    EmbeddingReport report;
+    std::optional<MultiscaleTimes> multiscale = {}; ///< Of that method.
+};
+
+/// A mesh that needs no embedding, as one: its targets are its own lengths and angles. The centroid
+/// moves to 0.
+[[nodiscard]] Embedding as_embedding(const Topology& topology, Points points);
+
+/// Embeds points of one topology. What depends on topology and references alone is computed once, when
+/// the first point is embedded.
 class Embedder
 {
 public:
@@ -59,7 +80,9 @@ public:
     /// Safe to call concurrently.
     [[nodiscard]] Embedding embed(const ShapePoint& target) const;
 
-    [[nodiscard]] double setup_seconds() const;
+    /// A point of any space (shape_space.h): lengths and angles are embedded, positions are the mesh
+    /// as it is. Throws and may be called as above.
+    [[nodiscard]] Embedding embed(const DecodedShape& shape) const;
 
 private:
     struct State;

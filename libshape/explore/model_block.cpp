@@ -7,9 +7,9 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/embedding/dihedral_embedding.h"
+#include "libshape/embedding/dihedral/dihedral_embedding.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 using Eigen::Index;
@@ -156,4 +156,4 @@ ModelBlock read_block(std::span<const unsigned char> bytes)
     return block;
 }
 
-} // namespace shape
+} // namespace shape::internal

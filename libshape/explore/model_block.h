@@ -13,7 +13,7 @@
 #include "libshape/mesh/topology.h"
 #include "libshape/model/shape_model.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// Row-major in single precision: a row is one mode.
 using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -54,4 +54,4 @@ struct ModelBlock
 /// @throws InvalidInput if the bytes are none of write_block().
 [[nodiscard]] ModelBlock read_block(std::span<const unsigned char> bytes);
 
-} // namespace shape
+} // namespace shape::internal

@@ -9,7 +9,7 @@
 #include "libshape/base/format.h"
 #include "libshape/embedding/residual_field.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 using Eigen::VectorXd;
@@ -104,4 +104,4 @@ DecodedModelPoint ModelDecoder::decode(const VectorXd& scores, const VectorXd& a
     return result;
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "libshape/embedding/embedding.h"
+#include "libshape/embedding/finished_embedding.h"
 #include "libshape/explore/model_block.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// A point of a model as a mesh, and what of it is worth a colour.
 struct DecodedModelPoint
@@ -51,4 +51,4 @@ private:
     std::optional<DihedralEmbedder> embedder_;
 };
 
-} // namespace shape
+} // namespace shape::internal

@@ -9,7 +9,7 @@
 
 #include "libshape/base/error.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// Connectivity only: OpenMesh needs a point type, but no position is ever set.
@@ -104,4 +104,4 @@ HalfEdges half_edges(const Faces& faces, int vertex_count)
     return result;
 }
 
-} // namespace shape
+} // namespace shape::internal

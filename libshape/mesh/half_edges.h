@@ -4,7 +4,7 @@
 
 #include "libshape/mesh/points.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// The edges of a triangulation, sorted, and what runs along them.
 struct HalfEdges
@@ -19,4 +19,4 @@ struct HalfEdges
 /// Cost: O(#F log #F). OpenMesh builds the half-edge structure.
 [[nodiscard]] HalfEdges half_edges(const Faces& faces, int vertex_count);
 
-} // namespace shape
+} // namespace shape::internal

@@ -11,6 +11,7 @@
 #include "libshape/mesh/half_edges.h"
 
 namespace shape {
+using namespace internal;
 
 Topology::Topology(const Faces& faces, int vertex_count)
 {

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-namespace shape {
+namespace shape::internal {
 
 HalfEdges half_edges(const Faces& faces, int vertex_count)
 {
@@ -56,4 +56,4 @@ HalfEdges half_edges(const Faces& faces, int vertex_count)
     return result;
 }
 
-} // namespace shape
+} // namespace shape::internal

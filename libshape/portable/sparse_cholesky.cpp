@@ -7,7 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 
 // Eigen's simplicial factorisation, for what is small or made anew for every mesh.
 
@@ -75,4 +75,4 @@ std::size_t SparseCholesky::nonzeros() const
     return static_cast<std::size_t>(factor_->cholesky.matrixL().nestedExpression().nonZeros());
 }
 
-} // namespace shape
+} // namespace shape::internal

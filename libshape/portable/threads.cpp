@@ -8,6 +8,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 
 int thread_count()
 {

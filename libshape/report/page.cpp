@@ -10,6 +10,7 @@
 #include "libshape/report/svg.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 std::string facts_html(const std::vector<std::pair<std::string, std::string>>& facts)

@@ -12,10 +12,12 @@
 #include "libshape/base/error.h"
 #include "libshape/explore/model_decoder.h"
 
+using namespace shape::internal;
+
 namespace {
 
-std::unique_ptr<shape::ModelDecoder> decoder;
-shape::DecodedModelPoint shown;
+std::unique_ptr<ModelDecoder> decoder;
+DecodedModelPoint shown;
 std::vector<double> positions; // x y z of one vertex after the other
 std::vector<double> figures;
 std::string message;
@@ -44,7 +46,7 @@ int open_model(const unsigned char* block, std::size_t size)
 {
     return guarded([&] {
         decoder.reset();
-        decoder = std::make_unique<shape::ModelDecoder>(shape::read_block({block, size}));
+        decoder = std::make_unique<ModelDecoder>(read_block({block, size}));
     });
 }
 
@@ -55,8 +57,8 @@ int decode(const double* scores, int score_count, const double* amounts, int amo
     return guarded([&] {
         using Map = Eigen::Map<const Eigen::VectorXd>;
         shown = decoder->decode(Map(scores, score_count), Map(amounts, amount_count), size,
-                                fine != 0 ? shape::DihedralEmbeddingOptions()
-                                          : shape::dihedral_preview());
+                                fine != 0 ? DihedralEmbeddingOptions()
+                                          : dihedral_preview());
         const shape::EmbeddingReport& report = shown.embedding.report;
         figures = {static_cast<double>(report.status),
                    report.edge_rms,
