@@ -267,11 +267,6 @@ Json model_json(const Arguments& arguments, const ShapeModel& model, int modes,
 void run(const Session& session, const Arguments& arguments)
 {
     check_ending("-o", arguments.output, ".html");
-    const std::string_view frame = page_frame();
-    if (frame.empty())
-        throw UsageError(
-            "this program was built without the page; `tools/install_packages build explore` and "
-            "`tools/install_node_packages explore` get what it needs, then build anew");
     std::vector<std::filesystem::path> inputs{arguments.model};
     inputs.insert(inputs.end(), arguments.differences.begin(), arguments.differences.end());
     if (!arguments.effects.empty())
@@ -281,6 +276,11 @@ void run(const Session& session, const Arguments& arguments)
     const std::vector<std::string> values =
         arguments.color_by.empty() ? std::vector<std::string>()
                                    : find_label(model.labels, arguments.color_by).values;
+    const std::string_view frame = page_frame();
+    if (frame.empty())
+        throw UsageError(
+            "this program was built without the page; `tools/install_packages build explore` and "
+            "`tools/install_node_packages explore` get what it needs, then build anew");
     Additions additions;
     add_differences(arguments, model, additions);
     add_regressions(arguments, model, additions);

@@ -3,11 +3,12 @@
 // node build.mjs DECODER.wasm OUT.html: the page as one file with the decoder in it. What the program puts
 // in has marks of its own: <!--shape:title-->, <!--shape:tables-->, <!--shape:pictures--> and <!--shape:data-->.
 
-import { build } from "esbuild";
+import { createRequire } from "node:module";
 import { readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
+const { build } = createRequire(import.meta.url)("esbuild"); // found by NODE_PATH
 const [wasm, out] = process.argv.slice(2);
 const source = join(dirname(fileURLToPath(import.meta.url)), "src");
 

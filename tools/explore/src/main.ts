@@ -148,10 +148,12 @@ function draw() {
 }
 
 let shapes = 0; // that came since the page was opened
+let preview: Shape | null = null; // the last one
 
 function take(shape: Shape) {
     const isFirst = !shown;
     shown = shape;
+    if (!shape.fine) preview = shape;
     ++shapes;
     showCertificate(shape);
     draw();
@@ -465,6 +467,9 @@ Object.assign(window, {
         facts,
         get shown() {
             return shown;
+        },
+        get preview() {
+            return preview;
         },
         get place() {
             return place;
