@@ -170,10 +170,10 @@ Points EdgeLaplacian::solve(const Points& rhs) const
         const double size = residual.cwiseAbs().maxCoeff();
         if (!(size > 0.0))
             break;
-        to_lanes(residual.data(), residual.rows(), 1.0 / size, single);
+        const double scale = weights_.maxCoeff() / size; // solutions of about 1
+        to_lanes(residual.data(), residual.rows(), scale, single);
         factor_.solve(single, preconditioned, workspace);
-        const Points next =
-            (size * preconditioned.topRows<3>().cast<double>()).transpose();
+        const Points next = (preconditioned.topRows<3>().cast<double>() / scale).transpose();
         const Eigen::Array3d last = square;
         square = residual.cwiseProduct(next).colwise().sum().transpose();
         if (step == 0)
