@@ -289,6 +289,20 @@ test("figures: meshes a second while ten modes move", async () => {
     await close(page);
 });
 
+/// Two points above and below a polygon, as OBJ.
+function bipyramid(corners, height, seed) {
+    const rim = Array.from({ length: corners }, (_, i) => {
+        const angle = (2 * Math.PI * i) / corners;
+        const radius = 1 + 0.1 * Math.sin(3 * seed + 5 * i);
+        return `v ${radius * Math.cos(angle)} ${radius * Math.sin(angle)} 0`;
+    });
+    const faces = rim.flatMap((_, i) => {
+        const [a, b] = [i + 3, ((i + 1) % corners) + 3];
+        return [`f 1 ${a} ${b}`, `f 2 ${b} ${a}`];
+    });
+    return [`v 0 0 ${height}`, `v 0 0 ${-height}`, ...rim, ...faces].join("\n") + "\n";
+}
+
 function prepare() {
     shape("synth", "faces", "--count", "8", "--vertices", "400", "--seed", "1", "-o", "faces");
     const labels = readFileSync(file("faces/labels.csv"), "utf8").trim().split("\n");
@@ -301,8 +315,11 @@ function prepare() {
     shape("explore", "procrustes.h5", "-o", "procrustes.html");
     shape("stats", "all.h5", "-o", "one_mode.h5", "--modes", "1");
     shape("explore", "one_mode.h5", "-o", "one_mode.html");
-    shape("synth", "icosahedron", "-o", "small");
-    shape("stats", "small", "-o", "small.h5");
+    const small = Array.from({ length: 4 }, (_, i) => {
+        writeFileSync(file(`small${i}.obj`), bipyramid(8, 1 + 0.2 * i, i));
+        return `small${i}.obj`;
+    });
+    shape("stats", ...small, "-o", "small.h5");
     shape("explore", "small.h5", "-o", "small.html");
 }
 

@@ -61,6 +61,10 @@ function show() {
 /// Ends a move: what undo goes back to, and what the address says.
 function settle() {
     history.push(place);
+    tellPlace();
+}
+
+function tellPlace() {
     find<HTMLButtonElement>("#undo").disabled = !history.canUndo;
     find<HTMLButtonElement>("#redo").disabled = !history.canRedo;
     const link = linkOf(place, facts);
@@ -326,8 +330,7 @@ function goBack(to: Place | null) {
     stopPlaying();
     place = to;
     show();
-    find<HTMLButtonElement>("#undo").disabled = !history.canUndo;
-    find<HTMLButtonElement>("#redo").disabled = !history.canRedo;
+    tellPlace();
 }
 
 const views: Record<string, [number, number, number]> = {
