@@ -49,8 +49,10 @@ public:
 private:
     void append(const void* from, std::size_t size)
     {
-        const auto* const begin = static_cast<const unsigned char*>(from);
-        bytes_.insert(bytes_.end(), begin, begin + size);
+        const std::size_t place = bytes_.size();
+        bytes_.resize(place + size);
+        if (size > 0)
+            std::memcpy(bytes_.data() + place, from, size);
     }
 
     std::vector<unsigned char> bytes_;
