@@ -64,12 +64,18 @@ async function after(page, act) {
 const scores = (page) => page.evaluate(() => window.explore.place.scores);
 const digits = (a, b, name) => assert.ok(Math.abs(a - b) <= 1e-3 * Math.abs(b) + 1e-12, `${name}: ${a} on the page, ${b} by the program`);
 
+let worstDifference = 0; // of the worst edge
+
+/// Three digits of what all edges say; of the worst one alone two: an iteration in single precision, cut off
+/// before it converges, ends with other roundings in another library of sines.
 function compare(certificate, figures) {
     assert.equal(certificate.status, figures.status);
     digits(certificate.edgeRms, figures.edge_rms, "edge RMS");
-    digits(certificate.edgeMax, figures.edge_max, "worst edge");
     digits(certificate.driftP99, figures.dihedral_p99_deg, "drift");
     assert.equal(certificate.invertedFaces, figures.inverted_faces);
+    const difference = Math.abs(certificate.edgeMax / figures.edge_max - 1);
+    worstDifference = Math.max(worstDifference, difference);
+    assert.ok(difference < 1e-2, `worst edge: ${certificate.edgeMax} on the page, ${figures.edge_max} by the program`);
 }
 
 test("the certificate is that of the program", async () => {
@@ -92,6 +98,7 @@ test("the certificate is that of the program", async () => {
         const shown = await page.locator("#edge-rms").textContent();
         digits(parseFloat(shown) / 100, Number(native.fine[i].edge_rms.toPrecision(3)), "what is written");
     }
+    console.log(`  worst edges differ by ${(100 * worstDifference).toFixed(2)} % at most`);
     console.log(`  preview of ${native.preview[0].vertices} vertices: ${milliseconds.toFixed(1)} ms on the page, ` +
         `${(1000 * native.preview.reduce((sum, { seconds }) => sum + seconds, 0) / points.length).toFixed(1)} ms by the program`);
     await close(page);
@@ -100,9 +107,9 @@ test("the certificate is that of the program", async () => {
 test("every way to move moves, and undo goes back", async () => {
     const page = await open("faces.html");
     await settled(page);
-    await after(page, () => page.locator(".slider input[type=range]").first().fill("1.5"));
+    await after(page, () => page.locator("#modes input[type=range]").first().fill("1.5"));
     assert.equal((await scores(page))[0], 1.5);
-    const field = page.locator(".slider input[type=text]").nth(1);
+    const field = page.locator("#modes input[type=text]").nth(1);
     await after(page, () => field.fill("-0.75").then(() => field.press("Enter")));
     assert.equal((await scores(page))[1], -0.75);
     await field.fill("a lot");
@@ -150,7 +157,7 @@ test("every way to move moves, and undo goes back", async () => {
     await after(page, () => page.locator("#additions input[type=range]").nth(1).fill("0.5"));
     assert.equal(await page.evaluate(() => window.explore.place.amounts[0]), 0.5);
     assert.match(await page.locator("#command").textContent(), /^None/);
-    const play = page.locator(".play").first();
+    const play = page.locator("#modes .play").first();
     const shapes = await page.evaluate(() => window.explore.shapes);
     await play.click();
     await page.waitForFunction((count) => window.explore.shapes > count + 3, shapes, { timeout: patience });
@@ -214,7 +221,7 @@ test("what one sees can be chosen", async () => {
     assert.equal(await page.locator("#status").textContent(), "infeasible");
     assert.ok(await page.locator("#reason").isVisible());
     assert.ok(await page.evaluate(() => window.explore.shown.broken.length > 0));
-    assert.ok(await page.locator(".slider").first().evaluate((row) => row.classList.contains("outside")));
+    assert.ok(await page.locator("#modes .slider").first().evaluate((row) => row.classList.contains("outside")));
     for (const colour of ["displacement", "edge", "drift"]) {
         await page.locator("#colour").selectOption(colour);
         assert.ok(await page.locator("#legend").isVisible());
@@ -261,7 +268,7 @@ test("models of every kind open", async () => {
     for (const [name, status] of [["procrustes.html", "exact"], ["one_mode.html", null], ["small.html", null]]) {
         const page = await open(name);
         await settled(page);
-        await after(page, () => page.locator(".slider input[type=range]").first().fill("1"));
+        await after(page, () => page.locator("#modes input[type=range]").first().fill("1"));
         const { certificate } = await page.evaluate(() => window.explore.shown);
         if (status) assert.equal(certificate.status, status);
         assert.ok(Number.isFinite(certificate.edgeRms));
