@@ -46,7 +46,8 @@ constexpr Command commands[] = {
     {"reconstruct", set_up_reconstruct},
     {"conformal", set_up_conformal},
     {"draw", set_up_draw},
-    {"report", set_up_report},
+    {"explore", set_up_explore},
+    {"report", set_up_explore},
     {"synth", set_up_synth},
 };
 

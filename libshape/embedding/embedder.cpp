@@ -10,13 +10,10 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
-#include "libshape/edge_space/admissibility.h"
-#include "libshape/embedding/closure/closure.h"
 #include "libshape/embedding/closure/closure_embedding.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
+#include "libshape/embedding/finished_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
-#include "libshape/mesh/alignment.h"
-#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
@@ -28,24 +25,7 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// E of the target of an embedding, before anything is solved.
-double closure_energy_of(const Topology& topology, const ShapePoint& target)
-{
-    return closure_energy(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
-}
-
 } // namespace
-
-Embedding as_embedding(const Topology& topology, Points points)
-{
-    points.rowwise() -= centroid(points);
-    const ShapePoint target{edge_lengths(topology, points), dihedral_angles(topology, points)};
-    Embedding embedding{std::move(points), {}};
-    embedding.report = measure_embedding(topology, embedding.points, target);
-    embedding.report.closure_energy = closure_energy_of(topology, target);
-    embedding.report.converged = true;
-    return embedding;
-}
 
 void check(const EmbeddingOptions& options)
 {
@@ -127,49 +107,34 @@ Embedding Embedder::embed(const ShapePoint& target) const
 {
     State& s = *state_;
     s.prepare();
-    const auto start = std::chrono::steady_clock::now();
-    Points points;
-    EmbeddingReport solver; // the fields that measure_embedding() leaves open
-    std::optional<MultiscaleTimes> multiscale;
+    const Clock::time_point start = Clock::now();
+    const Points& reference = s.references.front();
+    Embedding embedding;
     switch (s.options.method) {
         case EmbeddingMethod::Dihedral: {
             DihedralEmbeddingOptions options;
             if (s.options.quality == EmbeddingQuality::Preview)
                 options = dihedral_preview();
             options.smoothness = s.options.smoothness.value_or(default_smoothness);
-            DihedralEmbedding nearest = s.dihedral->embed(target, options);
-            points = std::move(nearest.points);
-            solver.iterations = nearest.iterations;
-            solver.converged = nearest.converged;
+            embedding = embed_by_dihedrals(*s.dihedral, s.topology, reference, target, options);
             break;
         }
         case EmbeddingMethod::Closure: {
-            ClosureEmbedding closed = embed_by_closure(s.topology, target);
-            points = std::move(closed.points);
-            solver.iterations = closed.solution.iterations;
-            solver.converged = closed.solution.converged;
-            solver.closure_energy = closed.solution.energy;
+            const ClosureEmbedding closed = embed_by_closure(s.topology, target);
+            embedding = finished_embedding(s.topology, closed.points, reference, target, start);
+            embedding.report.iterations = closed.solution.iterations;
+            embedding.report.converged = closed.solution.converged;
+            embedding.report.closure_energy = closed.solution.energy;
             break;
         }
         case EmbeddingMethod::Multiscale: {
-            MultiscaleEmbedding pose = s.multiscale->embed(target);
-            points = std::move(pose.points);
-            multiscale = {s.multiscale->setup_times(), pose.times};
-            solver.converged = true; // a fixed number of passes
+            const MultiscaleEmbedding pose = s.multiscale->embed(target);
+            embedding = finished_embedding(s.topology, pose.points, reference, target, start);
+            embedding.multiscale = {s.multiscale->setup_times(), pose.times};
+            embedding.report.converged = true; // a fixed number of passes
             break;
         }
     }
-    points = best_rigid_motion(points, s.references.front())(points);
-    points.rowwise() -= centroid(points);
-    const double seconds = seconds_since(start);
-
-    Embedding embedding{points, measure_embedding(s.topology, points, target), multiscale};
-    embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
-                                          ? solver.closure_energy
-                                          : closure_energy_of(s.topology, target);
-    embedding.report.iterations = solver.iterations;
-    embedding.report.converged = solver.converged;
-    embedding.report.seconds = seconds;
     embedding.report.setup_seconds = s.setup_seconds;
     return embedding;
 }

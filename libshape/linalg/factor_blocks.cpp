@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "libshape/base/bits.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape::internal {
@@ -56,7 +57,7 @@ struct Vectors
 }
 [[gnu::always_inline]] inline float value_of(Bfloat16 entry)
 {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(entry) << 16);
+    return float_of(static_cast<std::uint32_t>(entry) << 16);
 }
 
 /// Adds two entries times a vector each.
@@ -216,8 +217,8 @@ float rounded(double value, std::uint32_t lower_half, double least)
 {
     const bool vanishes = lower_half != 0 && std::abs(value) < least;
     const auto wanted = static_cast<float>(vanishes ? least : value);
-    const std::uint32_t bits = std::bit_cast<std::uint32_t>(wanted) - lower_half + 0x8000U;
-    return std::bit_cast<float>((bits & 0xffff0000U) | lower_half);
+    const std::uint32_t bits = bits_of(wanted) - lower_half + 0x8000U;
+    return float_of((bits & 0xffff0000U) | lower_half);
 }
 
 } // namespace
@@ -246,7 +247,7 @@ SHAPE_VECTORISED void back_substitute(const FactorBlock* first, const FactorBloc
 
 Bfloat16 upper_half(double value)
 {
-    return static_cast<Bfloat16>(std::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 16);
+    return static_cast<Bfloat16>(bits_of(static_cast<float>(value)) >> 16);
 }
 
 void round_to_halves(MatrixXd& matrix)

@@ -174,6 +174,88 @@ SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
     }
 }
 
+SinglePrecisionSolve::SinglePrecisionSolve(ByteReader& from)
+    : permutation_(from.array<int>()), blocks_(from.array<FactorBlock>()), rows_(from.array<int>()),
+      reached_rows_(from.array<int>()), values_(from.array<float>()),
+      halves_(from.array<Bfloat16>())
+{
+    for (std::size_t& end : tiers_)
+        end = from.number<std::uint32_t>();
+    scale_ = from.number<float>();
+    const auto numbers = from.array<std::uint32_t>();
+    auto next = numbers.begin();
+    parts_.resize(numbers.size() / Part().numbers().size());
+    for (Part& part : parts_)
+        for (std::size_t* const number : part.numbers())
+            *number = *next++;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const Part& part = parts_[p];
+        if (part.parent >= parts_.size())
+            throw InvalidInput("factor: a part hangs from none that there is");
+        if (part.parent != p)
+            parts_[part.parent].children.push_back(p);
+        places_ = std::max(places_, part.place + part.columns + part.reached);
+    }
+    check();
+}
+
+void SinglePrecisionSolve::write(ByteWriter& to) const
+{
+    to.array(permutation_);
+    to.array(blocks_);
+    to.array(rows_);
+    to.array(reached_rows_);
+    to.array(values_);
+    to.array(halves_);
+    for (const std::size_t end : tiers_)
+        to.number(static_cast<std::uint32_t>(end));
+    to.number(scale_);
+    std::vector<std::uint32_t> numbers;
+    for (Part part : parts_)
+        for (const std::size_t* const number : part.numbers())
+            numbers.push_back(static_cast<std::uint32_t>(*number));
+    to.array(numbers);
+}
+
+/// That no solve reads or writes where nothing is.
+void SinglePrecisionSolve::check() const
+{
+    const auto require = [](bool holds) {
+        if (!holds)
+            throw InvalidInput("factor: its numbers do not fit each other");
+    };
+    const std::size_t size = permutation_.size();
+    require(!parts_.empty() && tiers_[0] <= tiers_[1] && tiers_[1] <= tiers_[2] &&
+            tiers_[2] == parts_.size() && halves_.size() == values_.size());
+    for (const int row : permutation_)
+        require(row >= 0 && index(row) < size);
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const Part& part = parts_[p];
+        const Part& above = parts_[part.parent];
+        const std::size_t vectors = part.columns + part.reached;
+        require(part.first_column + part.columns <= size &&
+                part.above + part.reached <= reached_rows_.size() &&
+                part.first_block <= part.end_block && part.end_block <= blocks_.size() &&
+                part.first_row <= part.end_row && part.end_row <= rows_.size() &&
+                part.first_value <= part.end_value && part.end_value <= values_.size());
+        for (std::size_t i = part.above; i < part.above + part.reached; ++i)
+            require(reached_rows_[i] >= 0 &&
+                    index(reached_rows_[i]) < above.columns + above.reached);
+        for (std::size_t i = part.first_row; i < part.end_row; ++i)
+            require(rows_[i] >= 0 && index(rows_[i]) < vectors);
+        std::size_t rows = 0;
+        std::size_t values = 0;
+        for (std::size_t b = part.first_block; b < part.end_block; ++b) {
+            const FactorBlock& block = blocks_[b];
+            require(block.columns > 0 && block.columns <= widest_block && block.rows >= 0 &&
+                    block.first_column >= 0 && index(block.first_column + block.columns) <= vectors);
+            rows += index(block.rows);
+            values += index(stored_triangle(block.columns) + block.columns * block.rows);
+        }
+        require(rows == part.end_row - part.first_row && values == part.end_value - part.first_value);
+    }
+}
+
 /// Appends the columns of a supernode.
 /// @param number  That of a row of the factor in its part.
 template <class Number>

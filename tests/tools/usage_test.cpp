@@ -10,7 +10,7 @@ namespace {
 const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
                          "generate",  "distance", "quality",    "groups",      "classify",
                          "regress",   "remove",   "difference", "interpolate", "reconstruct",
-                         "conformal", "draw",     "report",     "synth"};
+                         "conformal", "draw",     "explore",    "report",      "synth"};
 
 /// A wrong command line and what its error must name.
 struct WrongUsage
@@ -193,8 +193,9 @@ std::vector<WrongUsage> wrong_usages()
         {"ApplyWithoutMesh", "--mesh",
          difference + Arguments{"--from", "k=1", "--to", "k=2", "--apply"}},
         {"ReportOfAnotherEnding", ".html", {"report", "model.h5", "-o", "page.pdf"}},
-        {"ReportOfOneStep", "--steps", {"report", "model.h5", "-o", "page.html", "--steps", "1"}},
-        {"ReportOfNoWidth", "--sigma", {"report", "model.h5", "-o", "page.html", "--sigma", "0"}},
+        {"PageOfNoMode", "--modes", {"explore", "model.h5", "-o", "page.html", "--modes", "0"}},
+        {"PageOfNoSmoothness", "--smoothness",
+         {"explore", "model.h5", "-o", "page.html", "--smoothness", "0"}},
         {"SynthWithoutName", "NAME", {"synth", "-o", "new"}},
     };
 }

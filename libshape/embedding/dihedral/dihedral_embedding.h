@@ -9,6 +9,7 @@
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/embedding/repair/fold_regions.h"
 #include "libshape/embedding/repair/region_repair.h"
+#include "libshape/linalg/single_precision_solve.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -74,6 +75,11 @@ public:
     ///     of them serve the repair of folds.
     /// @throws InvalidInput if there is none, or one has another size or edges of length 0.
     DihedralEmbedder(const Topology& topology, const std::vector<Points>& references);
+
+    /// With the factor of another one of the same arguments, for where nothing can be factorised.
+    /// @throws InvalidInput as well if it is of another size.
+    DihedralEmbedder(const Topology& topology, const std::vector<Points>& references,
+                     SinglePrecisionSolve factor);
     ~DihedralEmbedder();
     DihedralEmbedder(DihedralEmbedder&&) noexcept;
     DihedralEmbedder& operator=(DihedralEmbedder&&) noexcept;
@@ -84,6 +90,9 @@ public:
     ///     break a rule.
     [[nodiscard]] DihedralEmbedding embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options = {}) const;
+
+    /// What takes the most time to find.
+    [[nodiscard]] const SinglePrecisionSolve& factor() const;
 
 private:
     struct State;
