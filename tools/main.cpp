@@ -14,6 +14,7 @@
 #include "tools/common/arguments.h"
 #include "tools/common/help.h"
 #include "tools/common/interrupt.h"
+#include "tools/common/library_start.h"
 #include "tools/common/memory.h"
 #include "tools/common/session.h"
 
@@ -154,6 +155,7 @@ int guarded_run(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
+    shape::tools::use_all_processors();
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
     return shape::tools::guarded_run(argc, argv);
