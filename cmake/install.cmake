@@ -1,4 +1,5 @@
-# `cmake --install build`: the library, its headers and what find_package(shape) reads.
+# `cmake --install build`: the libraries, their public headers, and what find_package(shape) and
+# pkg-config read.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/shape)
 configure_package_config_file(cmake/shapeConfig.cmake.in shapeConfig.cmake
@@ -8,6 +9,11 @@ write_basic_package_version_file(shapeConfigVersion.cmake COMPATIBILITY SameMino
 
 install(TARGETS shape EXPORT shapeTargets FILE_SET HEADERS)
 install(EXPORT shapeTargets NAMESPACE shape:: DESTINATION ${package_dir})
+if(SHAPE_BUILD_PICTURES)
+    # An export of its own: only who asks for the component needs libpng.
+    install(TARGETS shape_pictures EXPORT shapePicturesTargets FILE_SET HEADERS)
+    install(EXPORT shapePicturesTargets NAMESPACE shape:: DESTINATION ${package_dir})
+endif()
 install(FILES
     ${CMAKE_CURRENT_BINARY_DIR}/shapeConfig.cmake
     ${CMAKE_CURRENT_BINARY_DIR}/shapeConfigVersion.cmake
@@ -15,3 +21,13 @@ install(FILES
     cmake/FindLBFGS.cmake
     cmake/FindSuiteSparse.cmake
     DESTINATION ${package_dir})
+
+# pkg-config: a static library needs to be linked with all that it is made from.
+set(third_party "-lOpenMeshCore -ltbb -lcholmod -lopenblas -lhdf5_serial -llbfgs -lgomp")
+if(BUILD_SHARED_LIBS)
+    set(pc_private_libraries ${third_party})
+else()
+    set(pc_libraries ${third_party})
+endif()
+configure_file(cmake/shape.pc.in shape.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/shape.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

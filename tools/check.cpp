@@ -14,11 +14,12 @@
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/mesh_input.h"
-#include "tools/common/session.h"
+#include "tools/input/mesh_input.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments
@@ -115,12 +116,12 @@ std::vector<Finding> find_all(const NamedMesh& mesh, const NamedMesh& reference,
 /// Whether `shape conformal` takes the mesh, which is not a matter of right or wrong.
 std::string why_no_sphere(const NamedMesh& mesh, const std::vector<Finding>& findings)
 {
-    // A wrong correspondence or name is no fault of the surface.
+    // A wrong correspondence or name is not a fault of the surface.
     const auto is_surface = [](const Finding& f) {
         return f.kind == "correspondence" || f.kind == "repeated_name";
     };
     if (!std::all_of(findings.begin(), findings.end(), is_surface))
-        return "the mesh is broken; mend what is listed first";
+        return "the mesh is broken; repair what is listed first";
     return why_not_spherical(Topology(mesh.faces, static_cast<int>(mesh.points.rows())));
 }
 
@@ -215,7 +216,7 @@ void run(const Session& session, const Arguments& arguments)
 Run set_up_check(CLI::App& command)
 {
     command.description(
-        "Say which mesh breaks what, where, and how it could be mended: syntax, indices,\n"
+        "Say which mesh breaks what, where, and how it could be repaired: syntax, indices,\n"
         "manifold edges and vertices, orientation, one component, degenerate triangles, the\n"
         "inequalities of edge-length space, and correspondence with the first mesh. Says\n"
         "also which meshes `shape conformal` can map to the sphere, and why not. Indices count\n"
@@ -224,8 +225,8 @@ Run set_up_check(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_integer(command, "--limit", arguments->limit,
-                "List at most so many defects of each kind and mesh, [1, 1000000] (default: 20)", 1,
-                1'000'000);
+                "List at most this many defects of each kind and mesh, [1, 1000000] (default: 20)",
+                1, 1'000'000);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -6,7 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/output_file.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/report/plot.h"
 #include "libshape/statistics/cross_validation.h"
@@ -14,14 +14,15 @@
 #include "libshape/statistics/inner_products.h"
 #include "libshape/statistics/principal_components.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/interrupt.h"
-#include "tools/common/label_input.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
-#include "tools/common/space_arguments.h"
+#include "tools/input/label_input.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments

@@ -8,11 +8,12 @@
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
 #include "tools/commands.h"
-#include "tools/common/label_input.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
+#include "tools/input/label_input.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments

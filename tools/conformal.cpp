@@ -9,19 +9,20 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/conformal_morph.h"
-#include "libshape/embedding/path_follower.h"
+#include "libshape/embedding/path/path_follower.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/mesh_input.h"
-#include "tools/common/mesh_output.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
+#include "tools/input/mesh_input.h"
+#include "tools/output/embedding_run.h"
+#include "tools/output/mesh_output.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments
@@ -111,7 +112,7 @@ public:
     {
         const auto start = std::chrono::steady_clock::now();
         const PathMesh made = k < 1.0
-                                  ? follower_.at(morph_pace(k))
+                                  ? follower_.at(inverse_morph_parameter(k))
                                   : PathMesh{morph_frame(morph_, k).point, {sphere_, 0.0, 0, true}};
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         Embedding embedding{made.mesh.points,
@@ -150,15 +151,15 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
         const double k = parameter(i);
         const MorphFrame frame = morph_frame(morph, k);
         const std::string frame_name = numbered_name("frame", i);
-        if (!frame.mended_faces.empty())
+        if (!frame.corrected_faces.empty())
             session.warn(join(frame_name, ": the factors break ",
-                              counted(frame.mended_faces.size(), "face"), ", first face ",
-                              frame.mended_faces.front(), "; edges changed by up to ",
-                              100.0 * frame.largest_mend, " %"));
+                              counted(frame.corrected_faces.size(), "face"), ", first face ",
+                              frame.corrected_faces.front(), "; edges changed by up to ",
+                              100.0 * frame.largest_correction, " %"));
         frames.push_back({{"name", frame_name},
                           {"k", k},
-                          {"mended_faces", frame.mended_faces.size()},
-                          {"largest_mend", frame.largest_mend}});
+                          {"mended_faces", frame.corrected_faces.size()},
+                          {"largest_correction", frame.largest_correction}});
         targets.push_back({frame_name, [&morph, k] { return morph_frame(morph, k).point; }});
     }
     MeshOutput output(session, arguments.output, names(targets), input_files(arguments.mesh));

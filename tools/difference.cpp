@@ -12,19 +12,20 @@
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/model/difference.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/effects_output.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/interrupt.h"
-#include "tools/common/label_input.h"
-#include "tools/common/mesh_choice.h"
-#include "tools/common/mesh_input.h"
-#include "tools/common/mesh_output.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
-#include "tools/common/space_arguments.h"
+#include "tools/input/label_input.h"
+#include "tools/input/mesh_choice.h"
+#include "tools/input/mesh_input.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/effects_output.h"
+#include "tools/output/embedding_run.h"
+#include "tools/output/mesh_output.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments

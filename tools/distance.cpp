@@ -6,22 +6,23 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/output_file.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/model/shape_distances.h"
 #include "libshape/report/heat_map.h"
 #include "libshape/report/plot.h"
 #include "libshape/statistics/classical_scaling.h"
 #include "libshape/statistics/hierarchical_clustering.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/interrupt.h"
-#include "tools/common/label_input.h"
-#include "tools/common/mesh_table.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
-#include "tools/common/space_arguments.h"
+#include "tools/input/label_input.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/mesh_table.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments

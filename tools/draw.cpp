@@ -8,18 +8,19 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/output_file.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "libshape/report/picture.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/interrupt.h"
-#include "tools/common/mesh_input.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
+#include "tools/input/mesh_input.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments

@@ -13,12 +13,13 @@
 #include "libshape/io/table_file.h"
 #include "libshape/model/shape_model.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/mesh_output.h"
-#include "tools/common/session.h"
+#include "tools/output/embedding_run.h"
+#include "tools/output/mesh_output.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 constexpr std::int64_t most_meshes = 1'000'000;

@@ -9,11 +9,12 @@
 #include "libshape/io/model_file.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tools/commands.h"
-#include "tools/common/model_tables.h"
-#include "tools/common/session.h"
-#include "tools/common/space_arguments.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/model_tables.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 /// What is to be said of one file: figures, and a table for people if there is one.

@@ -10,16 +10,17 @@
 #include "libshape/edge_space/safe_range.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/mesh_input.h"
-#include "tools/common/mesh_output.h"
-#include "tools/common/path_arguments.h"
-#include "tools/common/sequence_run.h"
-#include "tools/common/session.h"
-#include "tools/common/tagged_part.h"
+#include "tools/input/mesh_input.h"
+#include "tools/input/path_arguments.h"
+#include "tools/input/tagged_part.h"
+#include "tools/output/embedding_run.h"
+#include "tools/output/mesh_output.h"
+#include "tools/output/sequence_run.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments
@@ -131,7 +132,7 @@ void run(const Session& session, const Arguments& arguments)
                                 collection.names.front(), " is the only one)"));
     const Blends blends = blends_of(arguments.path, static_cast<int>(collection.size()));
     const TaggedPart part = read_tagged_part(arguments.part, topology, collection.size());
-    const ShapeVectors vectors = encode(collection, Scale::None);
+    const ShapeVectors vectors = shape_vectors(collection, Scale::None);
 
     Sequence sequence{topology, collection.points, {}, blends.is_sequence};
     for (const Eigen::VectorXd& weights : blends.weights)

@@ -11,14 +11,15 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/version.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/help.h"
-#include "tools/common/interrupt.h"
-#include "tools/common/library_start.h"
-#include "tools/common/memory.h"
-#include "tools/common/session.h"
+#include "tools/program/arguments.h"
+#include "tools/program/help.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/library_start.h"
+#include "tools/program/memory.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Command

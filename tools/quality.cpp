@@ -8,20 +8,21 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/output_file.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/model_quality.h"
 #include "libshape/report/plot.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/interrupt.h"
-#include "tools/common/label_input.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
-#include "tools/common/space_arguments.h"
+#include "tools/input/label_input.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/embedding_run.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 constexpr Eigen::Index most_left_out_one_by_one = 50;
@@ -248,15 +249,15 @@ Run set_up_quality(CLI::App& command)
         ->option_text("k1,k2,...");
     CLI::Option* folds = add_integer(
         command, "--folds", arguments->folds,
-        join("Leave out the meshes in so many random folds, [2, N] (default: one by one up to\n",
+        join("Leave out the meshes in this many random folds, [2, N] (default: one by one up to\n",
              most_left_out_one_by_one, " meshes, ", usual_folds, " folds of more)"),
         2, std::numeric_limits<int>::max());
     add_label(command, "--leave-out", arguments->leave_out,
               "Leave out all meshes with one value of this label together (of one person)")
         ->excludes(folds);
     add_integer(command, "--tests", arguments->tests,
-                "Reconstruct at most so many of the meshes, drawn by chance, >= 1 (default: 25)", 1,
-                std::numeric_limits<int>::max());
+                "Reconstruct at most this many of the meshes, drawn by chance, >= 1 (default: 25)",
+                1, std::numeric_limits<int>::max());
     add_integer(command, "--samples", arguments->samples, "Random meshes, >= 1 (default: 25)", 1,
                 1'000'000);
     add_space_options(command, arguments->space);

@@ -9,13 +9,14 @@
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/io/table_file.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/mesh_input.h"
-#include "tools/common/mesh_output.h"
-#include "tools/common/session.h"
+#include "tools/input/mesh_input.h"
+#include "tools/output/embedding_run.h"
+#include "tools/output/mesh_output.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments
@@ -31,7 +32,7 @@ int read_vertex(const std::string& cell, const std::string& place, int vertex_co
     const double number = parse_number(cell, place);
     if (number != std::floor(number) || number < 0.0 || number >= vertex_count)
         throw InvalidInput(
-            join(place, ": ", cell, " is no vertex, the reference has 0 to ", vertex_count - 1));
+            join(place, ": ", cell, " is not a vertex, the reference has 0 to ", vertex_count - 1));
     return static_cast<int>(number);
 }
 
@@ -72,7 +73,7 @@ void run(const Session& session, const Arguments& arguments)
     MeshOutput output(session, arguments.output, {"reconstructed"}, inputs);
     const Collection references = read_meshes(session, arguments.references);
     const auto count = static_cast<Eigen::Index>(references.size());
-    ShapePoint point = blend(encode(references, Scale::None),
+    ShapePoint point = blend(shape_vectors(references, Scale::None),
                              Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count)));
     if (!arguments.lengths.empty())
         point.edge_lengths = read_lengths(arguments.lengths, references.topology);

@@ -6,23 +6,24 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/output_file.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/covariate_effect.h"
 #include "libshape/report/plot.h"
 #include "libshape/statistics/linear_model.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/interrupt.h"
-#include "tools/common/label_input.h"
-#include "tools/common/mesh_table.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
-#include "tools/common/space_arguments.h"
-#include "tools/common/test_tables.h"
+#include "tools/input/label_input.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/embedding_run.h"
+#include "tools/output/mesh_table.h"
+#include "tools/output/output_rules.h"
+#include "tools/output/test_tables.h"
+#include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments
@@ -242,7 +243,7 @@ Run set_up_regress(CLI::App& command)
         "Regress shape on numbers such as age, or on size (allometry): how much of the variation\n"
         "they explain, whether that is more than chance (permutation test), what the expected\n"
         "shape is at given values, and the meshes without the effect, for further analysis.\n"
-        "With --scale unit (default) the size of a mesh is no part of its shape.");
+        "With --scale unit (default) the size of a mesh is not part of its shape.");
     command.footer(
         "Examples:\n"
         "  shape regress faces.h5 --on size -o allometry.csv --plot allometry.svg\n"

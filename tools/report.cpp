@@ -6,21 +6,22 @@
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/model_file.h"
-#include "libshape/io/output_file.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/report/page.h"
 #include "libshape/report/plot.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/embedding_run.h"
-#include "tools/common/label_input.h"
-#include "tools/common/model_tables.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
-#include "tools/common/space_arguments.h"
+#include "tools/input/label_input.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/embedding_run.h"
+#include "tools/output/model_tables.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 constexpr Eigen::Index most_rows = 50; ///< Of the table of modes.
@@ -48,8 +49,8 @@ struct Tracks
 Tracks decode_modes(const Session& session, const Arguments& arguments, const ShapeModel& model)
 {
     const Progress progress = session.progress();
-    Decoder decode(model.topology, {model.reference_points},
-                   embedding_options(session, {.options = arguments.embedding}));
+    const EmbeddingOptions options = embedding_options(session, {.options = arguments.embedding});
+    const Embedder embedder(model.topology, {model.reference_points}, options);
     const auto modes = std::min<std::int64_t>(arguments.modes, model.mode_count());
     const auto steps = static_cast<std::size_t>(arguments.steps);
     Tracks result;
@@ -64,7 +65,8 @@ Tracks decode_modes(const Session& session, const Arguments& arguments, const Sh
                 (2.0 * static_cast<double>(i) / static_cast<double>(steps - 1) - 1.0);
             scores[mode] = sigma * std::sqrt(model.variances[mode]);
             const std::string name = join(track.name, " at ", sigma);
-            FinishedMesh mesh = decode(name, model_point(model, scores, model.mean_size()));
+            FinishedMesh mesh = finished_mesh(embedder, options, name,
+                                              model_point(model, scores, model.mean_size()));
             warn_if_infeasible(session, name, mesh);
             const Points& onto = i == 0 ? model.reference_points : track.shapes.back();
             track.shapes.push_back(best_rigid_motion(mesh.points, onto)(mesh.points));

@@ -8,13 +8,14 @@
 #include "libshape/base/format.h"
 #include "libshape/synthetic/synthetic.h"
 #include "tools/commands.h"
-#include "tools/common/arguments.h"
-#include "tools/common/mesh_output.h"
-#include "tools/common/mesh_table.h"
-#include "tools/common/output_rules.h"
-#include "tools/common/session.h"
+#include "tools/output/mesh_output.h"
+#include "tools/output/mesh_table.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
+using namespace internal;
 namespace {
 
 struct Arguments

@@ -7,7 +7,7 @@
 
 #include "libshape/base/threads.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// Loops over faces or edges work by blocks, one array a coordinate, which the compiler vectorises
 /// (vectorised.h) and the first cache holds.
@@ -25,4 +25,4 @@ void for_blocks(int total, const Work& work)
     });
 }
 
-} // namespace shape
+} // namespace shape::internal

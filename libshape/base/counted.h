@@ -7,7 +7,7 @@
 
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// A count and what is counted, for messages: counted(1, "mesh", "meshes") == "1 mesh",
 /// counted(0, "mesh", "meshes") == "0 meshes".
@@ -24,4 +24,4 @@ template <class Count>
     return counted(count, one, join(one, "s"));
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string>
 
-namespace shape {
+namespace shape::internal {
 
 /// Joins its arguments as an output stream in the classic locale prints them:
 /// join("face ", 3, " has ", 1.5) == "face 3 has 1.5".
@@ -18,4 +18,4 @@ template <class... Parts>
     return out.str();
 }
 
-} // namespace shape
+} // namespace shape::internal

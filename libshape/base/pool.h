@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace shape {
+namespace shape::internal {
 
 /// Objects whose memory serves again and again, for one caller at a time each; as many are made as
 /// callers work at once.
@@ -18,7 +18,7 @@ class Pool
 public:
     explicit Pool(std::function<std::unique_ptr<T>()> make) : make_(std::move(make)) {}
 
-    /// One that nobody else has until the pointer ends, which must be before the pool does. Safe to
+    /// One that nobody else has until the pointer is destroyed, which must be before the pool is. Safe to
     /// call concurrently.
     [[nodiscard]] auto borrow()
     {
@@ -48,4 +48,4 @@ private:
     std::vector<std::unique_ptr<T>> idle_;
 };
 
-} // namespace shape
+} // namespace shape::internal

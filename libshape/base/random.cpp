@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 __extension__ using Wide = unsigned __int128; // no warning about what is not ISO C++
@@ -43,4 +43,4 @@ std::uint64_t Random::index(std::uint64_t count)
     return static_cast<std::uint64_t>((static_cast<Wide>(bits()) * count) >> 64);
 }
 
-} // namespace shape
+} // namespace shape::internal

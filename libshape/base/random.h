@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace shape {
+namespace shape::internal {
 
 /// Seeded random numbers with the same bits on every platform and standard library
 /// (the distributions of <random> are not portable). SplitMix64 (Steele, Lea, Flood 2014).
@@ -32,4 +32,4 @@ private:
     std::uint64_t state_;
 };
 
-} // namespace shape
+} // namespace shape::internal

@@ -16,6 +16,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 std::atomic<int>& configured_threads()

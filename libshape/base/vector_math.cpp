@@ -7,7 +7,7 @@
 
 #include "libshape/base/vectorised.h"
 
-namespace shape {
+namespace shape::internal {
 
 SHAPE_VECTORISED void sines_cosines(const double* angles, std::size_t count, double* sines,
                                     double* cosines)
@@ -107,4 +107,4 @@ SHAPE_VECTORISED void vector_angles(const float* y, const float* x, std::size_t 
     }
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace shape {
+namespace shape::internal {
 
 // The standard library's functions of angles for many values at once, in loops without a branch or
 // a call: several times faster. Same bits for a value wherever it stands.
@@ -19,4 +19,4 @@ void vector_angles(const double* y, const double* x, std::size_t count, double* 
 /// The same in single precision, within 3e-7 relative.
 void vector_angles(const float* y, const float* x, std::size_t count, float* angles);
 
-} // namespace shape
+} // namespace shape::internal

@@ -8,7 +8,7 @@
 
 #include "libshape/base/threads.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 using std::numbers::pi;
@@ -163,4 +163,4 @@ AngleDefects measure_angle_defects(const IntrinsicTriangulation& t, const Eigen:
     return result;
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -8,7 +8,7 @@
 
 #include "libshape/conformal/intrinsic_triangulation.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// The convex energy of discrete conformal equivalence (Springborn, Schröder, Pinkall 2008,
 /// section 5; Bobenko, Pinkall, Springborn 2015, section 4), in the log factors u:
@@ -59,4 +59,4 @@ struct AngleDefects
 [[nodiscard]] AngleDefects measure_angle_defects(const IntrinsicTriangulation& triangulation,
                                                  const Eigen::VectorXd& u, int removed_vertex = -1);
 
-} // namespace shape
+} // namespace shape::internal

@@ -12,7 +12,7 @@
 
 #include "libshape/mesh/edge_lengths.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// Distances along edges from a vertex, at most those given before.
@@ -100,4 +100,4 @@ int central_vertex(const Topology& topology, const Eigen::VectorXd& lengths)
     return best;
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -6,7 +6,7 @@
 
 #include "libshape/mesh/topology.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// A vertex in the middle of a closed surface whose faces are well shaped: a good point at infinity.
 ///
@@ -17,4 +17,4 @@ namespace shape {
 /// Cost: 7 runs of Dijkstra's algorithm.
 [[nodiscard]] int central_vertex(const Topology& topology, const Eigen::VectorXd& lengths);
 
-} // namespace shape
+} // namespace shape::internal

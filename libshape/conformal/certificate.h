@@ -3,11 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <vector>
-
-#include "libshape/conformal/intrinsic_triangulation.h"
-#include "libshape/mesh/topology.h"
 
 namespace shape {
 
@@ -33,13 +29,5 @@ struct ConformalEdges
     std::vector<int> flipped; ///< Edges that the triangulation of the result lacks. Ascending.
     double worst = 0.0;       ///< max |residuals| over the edges that are not flipped.
 };
-
-/// @param lengths  #E, a_ij [length].
-/// @param factors  #V, u_i.
-/// @param triangulation  Of the result.
-/// @param distance  b_ij between two vertices [length].
-[[nodiscard]] ConformalEdges measure_conformal_edges(
-    const Topology& topology, const Eigen::VectorXd& lengths, const Eigen::VectorXd& factors,
-    const IntrinsicTriangulation& triangulation, const std::function<double(int, int)>& distance);
 
 } // namespace shape

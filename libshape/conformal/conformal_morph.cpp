@@ -14,6 +14,7 @@
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr double margin = 1e-6;
@@ -70,7 +71,7 @@ void project(Eigen::VectorXd& x, std::vector<Constraint>& constraints)
         if (worst <= 1e-14)
             return;
     }
-    throw NumericalError("the lengths of a morph frame cannot be mended");
+    throw NumericalError("the lengths of a morph frame cannot be repaired");
 }
 
 /// The inequalities that x breaks and that are not among those known.
@@ -131,13 +132,13 @@ MorphFrame morph_frame(const ConformalMorph& morph, double k)
     std::vector<Constraint> constraints = find_broken(morph.topology, lengths, x, {});
     MorphFrame frame;
     for (const Constraint& c : constraints)
-        frame.mended_faces.push_back(c.face);
+        frame.corrected_faces.push_back(c.face);
     for (std::vector<Constraint> more = constraints; !more.empty();) {
         project(x, constraints);
         more = find_broken(morph.topology, lengths, x, constraints);
         constraints.insert(constraints.end(), more.begin(), more.end());
     }
-    frame.largest_mend = (x.array() - 1.0).abs().maxCoeff();
+    frame.largest_correction = (x.array() - 1.0).abs().maxCoeff();
     frame.point.edge_lengths = lengths.cwiseProduct(x);
     frame.point.dihedral_angles =
         ((1.0 - k) * morph.dihedral_angles.row(0) + k * morph.dihedral_angles.row(1)).transpose();
@@ -149,7 +150,7 @@ double morph_parameter(double s)
     return std::sin(0.5 * std::numbers::pi * s);
 }
 
-double morph_pace(double k)
+double inverse_morph_parameter(double k)
 {
     return 2.0 / std::numbers::pi * std::asin(k);
 }

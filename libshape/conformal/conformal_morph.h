@@ -26,9 +26,9 @@ struct ConformalMorph
 /// ends keep them: in log lengths the broken triangles, not the others, are a convex set.
 struct MorphFrame
 {
-    ShapePoint point;              ///< Keeps every triangle inequality by a part in 1e-6.
-    std::vector<int> mended_faces; ///< Faces that eq. (13) breaks, or all but breaks. Ascending.
-    double largest_mend = 0.0;     ///< max |l / l* - 1|, l* by eq. (13).
+    ShapePoint point;                 ///< Keeps every triangle inequality by a part in 1e-6.
+    std::vector<int> corrected_faces; ///< Faces that eq. (13) breaks, or all but breaks. Ascending.
+    double largest_correction = 0.0;  ///< max |l / l* - 1|, l* by eq. (13).
 };
 
 /// @param points  The mesh that `map` was made from, #V by 3 [length].
@@ -36,7 +36,7 @@ struct MorphFrame
 [[nodiscard]] ConformalMorph make_conformal_morph(const Topology& topology, const Points& points,
                                                   const SphereMap& map);
 
-/// The point at parameter k, mended where needed: the lengths l that minimise
+/// The point at parameter k, corrected where needed: the lengths l that minimise
 /// sum_e (l_e / l*_e - 1)^2 with longest <= (1 - 1e-6) (sum of the others) in every face. The
 /// minimiser is unique and depends continuously on k.
 /// @param k  In [0, 1].
@@ -50,6 +50,6 @@ struct MorphFrame
 
 /// s of morph_parameter.
 /// @param k  In [0, 1].
-[[nodiscard]] double morph_pace(double k);
+[[nodiscard]] double inverse_morph_parameter(double k);
 
 } // namespace shape

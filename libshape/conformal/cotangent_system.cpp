@@ -8,7 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/linalg/sparse_cholesky.h"
 
-namespace shape {
+namespace shape::internal {
 
 struct CotangentSystem::State
 {
@@ -122,4 +122,4 @@ Eigen::MatrixXd CotangentSystem::solve(const Eigen::MatrixXd& rhs) const
     return result;
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -8,7 +8,7 @@
 
 #include "libshape/conformal/intrinsic_triangulation.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// The Laplacian of given edge weights with Dirichlet conditions: the Hessian of the angle-defect
 /// energy and the operator that lays out flat surfaces. The pattern is analysed once.
@@ -34,4 +34,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace shape
+} // namespace shape::internal

@@ -7,9 +7,12 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/conformal/conformal_edges.h"
 #include "libshape/conformal/flat_metric.h"
+#include "libshape/conformal/layout.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 ConformalCertificate certify(const DiscMap& map, const FlatMetric& flat)

@@ -10,9 +10,10 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/angle_defect_energy.h"
+#include "libshape/conformal/layout.h"
 #include "libshape/conformal/scale_factors.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 bool adjacent(const IntrinsicTriangulation& t, int halfedge, int vertex)
@@ -42,7 +43,7 @@ class Flattening
 {
 public:
     Flattening(IntrinsicTriangulation t, int removed_vertex, const Eigen::VectorXd& factors,
-               const FlatMetricOptions& options)
+               const TriangulationRepairOptions& options)
         : options_(options),
           t_(std::move(t)),
           u_(factors),
@@ -139,7 +140,7 @@ private:
         const bool is_solved = broken_faces.empty() && residual <= stuck_residual;
         if (round == options_.local_rounds && !is_solved)
             release_all();
-        // Mending the worse half often mends the others.
+        // Repairing the worse half often repairs the others.
         std::sort(broken_faces.begin(), broken_faces.end(), [&](int f, int g) {
             return std::pair(-excess(f), f) < std::pair(-excess(g), g);
         });
@@ -195,7 +196,7 @@ private:
                     released_[static_cast<std::size_t>(t_.edge(side))] = 1;
     }
 
-    FlatMetricOptions options_;
+    TriangulationRepairOptions options_;
     IntrinsicTriangulation t_;
     Eigen::VectorXd u_;
     int removed_;
@@ -208,7 +209,7 @@ private:
 } // namespace
 
 FlatMetric flatten_disc(IntrinsicTriangulation triangulation, const Eigen::VectorXd& factors,
-                        const FlatMetricOptions& options)
+                        const TriangulationRepairOptions& options)
 {
     if (factors.size() != triangulation.vertex_count())
         throw InvalidInput(join("factors has ", factors.size(), " entries, the mesh ",
@@ -217,10 +218,10 @@ FlatMetric flatten_disc(IntrinsicTriangulation triangulation, const Eigen::Vecto
 }
 
 FlatMetric flatten_punctured_sphere(IntrinsicTriangulation triangulation, int removed_vertex,
-                                    const FlatMetricOptions& options)
+                                    const TriangulationRepairOptions& options)
 {
     const Eigen::VectorXd factors = Eigen::VectorXd::Zero(triangulation.vertex_count());
     return Flattening(std::move(triangulation), removed_vertex, factors, options).run();
 }
 
-} // namespace shape
+} // namespace shape::internal

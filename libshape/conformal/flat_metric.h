@@ -5,17 +5,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "libshape/conformal/compensated_points.h"
 #include "libshape/conformal/intrinsic_triangulation.h"
-#include "libshape/conformal/layout.h"
+#include "libshape/conformal/triangulation_repair.h"
 
-namespace shape {
-
-/// How a triangulation without solution is repaired.
-struct FlatMetricOptions
-{
-    int local_rounds = 20; ///< Repairs about broken faces before all edges are released; >= 0.
-    int max_rounds = 100;  ///< Repairs in all; >= 0.
-};
+namespace shape::internal {
 
 /// A conformally equivalent flat disc.
 struct FlatMetric
@@ -44,7 +38,7 @@ struct FlatMetric
 /// @throws InvalidInput if factors has another size.
 [[nodiscard]] FlatMetric flatten_disc(IntrinsicTriangulation triangulation,
                                       const Eigen::VectorXd& factors,
-                                      const FlatMetricOptions& options = {});
+                                      const TriangulationRepairOptions& options = {});
 
 /// Flattens a closed surface of genus 0 with one vertex at infinity, from where all neighbours look
 /// equally far: u_i = -2 log a_0i on its link (Bobenko, Pinkall, Springborn 2015, section 3.2). In
@@ -53,6 +47,6 @@ struct FlatMetric
 /// are the optimality conditions of the convex problem that always has a solution (Springborn 2019).
 [[nodiscard]] FlatMetric flatten_punctured_sphere(IntrinsicTriangulation triangulation,
                                                   int removed_vertex,
-                                                  const FlatMetricOptions& options = {});
+                                                  const TriangulationRepairOptions& options = {});
 
-} // namespace shape
+} // namespace shape::internal

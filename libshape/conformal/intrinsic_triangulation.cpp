@@ -8,7 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 
 IntrinsicTriangulation::IntrinsicTriangulation(const Topology& topology,
                                                const Eigen::VectorXd& lengths)
@@ -117,4 +117,4 @@ void IntrinsicTriangulation::flip(int e)
     set_halfedge(o2, d, e, h2);
 }
 
-} // namespace shape
+} // namespace shape::internal

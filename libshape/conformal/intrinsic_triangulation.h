@@ -8,7 +8,7 @@
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// A triangulation with a length on every edge whose edges can be flipped: the decorated surface
 /// of discrete conformal equivalence. Lengths are Penner coordinates. They need not keep any
@@ -74,4 +74,4 @@ private:
     Eigen::VectorXd log_lengths_;
 };
 
-} // namespace shape
+} // namespace shape::internal

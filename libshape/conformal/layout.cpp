@@ -11,7 +11,7 @@
 
 #include "libshape/conformal/angle_defect_energy.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 using Complex = std::complex<double>;
@@ -130,4 +130,4 @@ PlanarLayout lay_out_disc(const IntrinsicTriangulation& t, const Eigen::VectorXd
     return layout;
 }
 
-} // namespace shape
+} // namespace shape::internal

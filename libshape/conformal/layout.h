@@ -3,26 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
 #include <vector>
 
+#include "libshape/conformal/compensated_points.h"
 #include "libshape/conformal/cotangent_system.h"
 #include "libshape/conformal/intrinsic_triangulation.h"
 
-namespace shape {
-
-/// Positions in the complex plane, each the unevaluated sum position + remainder: conformal maps
-/// shrink limbs to clusters far smaller than the spacing of doubles around them.
-struct PlanarLayout
-{
-    Eigen::VectorXcd positions;  ///< #V [length].
-    Eigen::VectorXcd remainders; ///< #V [length]; below the rounding of positions.
-
-    [[nodiscard]] std::complex<double> difference(int from, int to) const
-    {
-        return (positions[to] - positions[from]) + (remainders[to] - remainders[from]);
-    }
-};
+namespace shape::internal {
 
 /// Lays out a flat disc: the boundary as the polygon that its lengths and angles span, the interior
 /// by Laplace's equation with cotangent weights, which flat coordinates obey exactly; refined until
@@ -39,4 +26,4 @@ struct PlanarLayout
                                         const Eigen::VectorXd& edge_weights,
                                         const CotangentSystem& system);
 
-} // namespace shape
+} // namespace shape::internal

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 using Complex = std::complex<double>;
@@ -158,4 +158,4 @@ SpherePoints project_to_sphere(const PlanarLayout& layout, const StereographicFr
     return sphere;
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -5,10 +5,9 @@
 #include <Eigen/Core>
 #include <complex>
 
-#include "libshape/conformal/layout.h"
-#include "libshape/mesh/points.h"
+#include "libshape/conformal/compensated_points.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// Similarity x -> (x - centre) / height of the plane before stereographic projection. Up to
 /// rotations of the sphere these are all its Möbius transformations.
@@ -25,18 +24,6 @@ struct MoebiusBalance
     int iterations = 0;    ///< Newton steps.
 };
 
-/// Points on the unit sphere, each the unevaluated sum point + remainder (see PlanarLayout).
-struct SpherePoints
-{
-    Points points;
-    Points remainders;
-
-    [[nodiscard]] Eigen::RowVector3d difference(int from, int to) const
-    {
-        return (points.row(to) - points.row(from)) + (remainders.row(to) - remainders.row(from));
-    }
-};
-
 /// Finds the frame in which the weighted mean of the points on the sphere is 0 (Springborn 2005;
 /// Baden, Crane, Kazhdan 2018): Newton's method in hyperbolic space on the convex
 /// energy sum_i w_i (distance to p_i, at infinity, up to a constant). Unique up to rotations of the sphere.
@@ -51,4 +38,4 @@ struct SpherePoints
 [[nodiscard]] SpherePoints project_to_sphere(const PlanarLayout& layout,
                                              const StereographicFrame& frame, int infinite_vertex);
 
-} // namespace shape
+} // namespace shape::internal

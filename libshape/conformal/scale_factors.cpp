@@ -8,7 +8,7 @@
 
 #include "libshape/conformal/angle_defect_energy.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// What breaks cannot be solved on these edges: nothing is gained by solving it precisely.
@@ -123,4 +123,4 @@ ScaleFactors solve_scale_factors(const IntrinsicTriangulation& triangulation,
             std::move(system)};
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -8,7 +8,7 @@
 #include "libshape/conformal/cotangent_system.h"
 #include "libshape/conformal/intrinsic_triangulation.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// Which factors and which edges may change.
 struct ScaleFactorProblem
@@ -51,4 +51,4 @@ struct ScaleFactors
                                                const ScaleFactorProblem& problem,
                                                const ScaleFactorOptions& options = {});
 
-} // namespace shape
+} // namespace shape::internal

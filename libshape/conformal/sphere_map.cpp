@@ -12,10 +12,13 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/central_vertex.h"
+#include "libshape/conformal/conformal_edges.h"
 #include "libshape/conformal/flat_metric.h"
+#include "libshape/conformal/moebius.h"
 #include "libshape/mesh/triangle_area.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Areas of the faces by Heron's formula [length^2], 0 where a triangle inequality is broken.

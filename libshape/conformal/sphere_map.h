@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "libshape/conformal/certificate.h"
-#include "libshape/conformal/flat_metric.h"
-#include "libshape/conformal/moebius.h"
+#include "libshape/conformal/compensated_points.h"
+#include "libshape/conformal/triangulation_repair.h"
 #include "libshape/mesh/topology.h"
 
 namespace shape {
@@ -16,7 +16,7 @@ namespace shape {
 struct SphereMapOptions
 {
     int infinite_vertex = -1; ///< Vertex whose star is taken out to solve; -1: central_vertex().
-    FlatMetricOptions repair = {};
+    TriangulationRepairOptions repair = {};
 };
 
 /// A discrete conformal map to a sphere about 0 with the area of the mesh.

@@ -11,6 +11,7 @@
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr double angle_rounding = 1e-12; ///< [rad]

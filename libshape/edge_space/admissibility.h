@@ -45,7 +45,7 @@ struct Admissibility
                                                 const Eigen::VectorXd& lengths);
 
 /// The lengths with those <= 0 raised to a hundredth of the mean: what to aim at where a point of a
-/// model has left the lengths behind. Such a point breaks triangle inequalities; this is no mend.
+/// model has left the lengths behind. Such a point breaks triangle inequalities; this is not a repair.
 /// @throws InvalidInput if an entry is not finite, or the mean not > 0.
 [[nodiscard]] Eigen::VectorXd positive_lengths(const Eigen::VectorXd& lengths);
 

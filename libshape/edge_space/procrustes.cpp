@@ -10,6 +10,7 @@
 #include "libshape/mesh/rotation_fit.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// x -> (x - centre) * factor, rows of points.

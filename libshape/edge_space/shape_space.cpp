@@ -14,6 +14,7 @@
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

@@ -13,13 +13,13 @@
 namespace shape {
 
 /// Edge lengths as coordinates: c_e = a_e f(l_e) and, behind them if dihedral angles are coordinates
-/// too, d_e = b_e theta_e. Knows no pose.
+/// too, d_e = b_e theta_e. Pose-invariant.
 struct EdgeSpace
 {
     Scale scale = Scale::Unit;                                ///< Unit: l is divided by its sum.
     LengthCoordinates coordinates = LengthCoordinates::Plain; ///< f.
     Eigen::VectorXd length_factors = {};                      ///< a: #E, > 0; empty: all 1.
-    Eigen::VectorXd dihedral_factors = {}; ///< b: #E, > 0; empty: angles are no coordinates.
+    Eigen::VectorXd dihedral_factors = {}; ///< b: #E, > 0; empty: angles are not coordinates.
     Eigen::VectorXd branch_angles = {}; ///< #E [rad], as dihedral_factors: angles near the fold are
                                         ///< measured on the branch around it (unify_branches).
 };

@@ -13,6 +13,7 @@
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -44,7 +45,7 @@ double on_branch(double angle, double mean)
     return is_near_fold(mean) && is_near_fold(angle) ? mean + wrapped_angle(angle - mean) : angle;
 }
 
-ShapeVectors encode(const Collection& collection, Scale scale)
+ShapeVectors shape_vectors(const Collection& collection, Scale scale)
 {
     const auto rows = static_cast<Index>(collection.size());
     ShapeVectors vectors{RowMatrix(rows, collection.topology.edge_count()),

@@ -34,9 +34,9 @@ struct ShapeVectors
 
 /// Encodes the meshes of a collection.
 /// Cost: O(N #E).
-[[nodiscard]] ShapeVectors encode(const Collection& collection, Scale scale);
+[[nodiscard]] ShapeVectors shape_vectors(const Collection& collection, Scale scale);
 
-/// Their dihedral angles alone, N by #E [rad], as encode() gives them.
+/// Their dihedral angles alone, N by #E [rad], as shape_vectors() gives them.
 [[nodiscard]] RowMatrix companion_angles(const Collection& collection);
 
 /// Puts the angles of every column on one branch, so that combining rows makes sense.

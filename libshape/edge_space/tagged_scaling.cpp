@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 void check_indices(std::span<const int> indices, int count, const char* what)

@@ -3,21 +3,23 @@
 #include "libshape/embedding/embedder.h"
 
 #include <chrono>
+#include <mutex>
 #include <optional>
 #include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/edge_space/admissibility.h"
-#include "libshape/embedding/closure_embedding.h"
-#include "libshape/embedding/dihedral_embedding.h"
-#include "libshape/embedding/face_layout.h"
-#include "libshape/embedding/multiscale_embedding.h"
+#include "libshape/embedding/closure/closure_embedding.h"
+#include "libshape/embedding/dihedral/dihedral_embedding.h"
+#include "libshape/embedding/multiscale/multiscale_embedding.h"
+#include "libshape/embedding/start/face_layout.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start)
@@ -49,34 +51,51 @@ Embedding as_embedding(const Topology& topology, Points points)
 struct Embedder::State
 {
     Topology topology;
-    Points reference;
+    std::vector<Points> references;
     EmbeddingOptions options;
+
+    // What prepare() makes.
+    std::once_flag prepared;
     std::optional<DihedralEmbedder> dihedral;
     std::optional<MultiscaleEmbedder> multiscale;
     double setup_seconds = 0.0;
+
+    State(const Topology& of, std::vector<Points> near, const EmbeddingOptions& by)
+        : topology(of), references(std::move(near)), options(by)
+    {
+    }
+
+    void prepare()
+    {
+        std::call_once(prepared, [this] {
+            const auto start = std::chrono::steady_clock::now();
+            if (options.method == EmbeddingMethod::Multiscale)
+                multiscale.emplace(
+                    topology, references.front(),
+                    MultiscaleOptions{.seed = options.seed,
+                                      .registration = {.start = options.registration_start}});
+            if (options.method == EmbeddingMethod::Dihedral)
+                dihedral.emplace(topology, references);
+            setup_seconds = seconds_since(start);
+        });
+    }
 };
 
 Embedder::Embedder(const Topology& topology, std::vector<Points> references,
                    const EmbeddingOptions& options)
 {
-    const auto start = std::chrono::steady_clock::now();
     if (references.empty())
         throw InvalidInput("the embedding needs at least one reference mesh");
-    for (const Points& reference : references)
+    for (const Points& reference : references) {
         if (reference.rows() != topology.vertex_count())
             throw InvalidInput(join("reference has ", reference.rows(), " rows, the topology ",
                                     topology.vertex_count(), " vertices"));
+        if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
+            throw InvalidInput("a reference mesh has an edge of length 0");
+    }
     if (!(options.smoothness > 0.0))
         throw InvalidInput(join("smoothness is ", options.smoothness, ", must be > 0"));
-    state_ = std::make_unique<State>(State{topology, references.front(), options, {}, {}, 0.0});
-    if (options.method == EmbeddingMethod::Multiscale)
-        state_->multiscale.emplace(
-            topology, references.front(),
-            MultiscaleOptions{.seed = options.seed,
-                              .registration = {.start = options.registration_start}});
-    if (options.method == EmbeddingMethod::Dihedral)
-        state_->dihedral.emplace(topology, references);
-    state_->setup_seconds = seconds_since(start);
+    state_ = std::make_unique<State>(topology, std::move(references), options);
 }
 
 Embedder::~Embedder() = default;
@@ -85,8 +104,9 @@ Embedder& Embedder::operator=(Embedder&&) noexcept = default;
 
 Embedding Embedder::embed(const ShapePoint& target) const
 {
+    State& s = *state_;
+    s.prepare();
     const auto start = std::chrono::steady_clock::now();
-    const State& s = *state_;
     Points points;
     EmbeddingReport solver; // the fields that measure_embedding() leaves open
     std::optional<MultiscaleTimes> multiscale;
@@ -118,7 +138,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
             break;
         }
     }
-    points = best_rigid_motion(points, s.reference)(points);
+    points = best_rigid_motion(points, s.references.front())(points);
     points.rowwise() -= centroid(points);
     const double seconds = seconds_since(start);
 
@@ -133,9 +153,11 @@ Embedding Embedder::embed(const ShapePoint& target) const
     return embedding;
 }
 
-double Embedder::setup_seconds() const
+Embedding Embedder::embed(const DecodedShape& shape) const
 {
-    return state_->setup_seconds;
+    if (const Points* const points = std::get_if<Points>(&shape))
+        return as_embedding(state_->topology, *points);
+    return embed(std::get<ShapePoint>(shape));
 }
 
 } // namespace shape

@@ -7,8 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "libshape/edge_space/shape_space.h"
 #include "libshape/edge_space/shape_vectors.h"
-#include "libshape/embedding/multiscale_embedding.h"
+#include "libshape/embedding/multiscale/multiscale_embedding.h"
 #include "libshape/embedding/report.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
@@ -58,8 +59,8 @@ struct Embedding
 /// moves to 0.
 [[nodiscard]] Embedding as_embedding(const Topology& topology, Points points);
 
-/// Embeds points of one topology. Everything that depends on the topology alone is computed once,
-/// by the constructor.
+/// Embeds points of one topology. What depends on topology and references alone is computed once, when
+/// the first point is embedded.
 class Embedder
 {
 public:
@@ -79,7 +80,9 @@ public:
     /// Safe to call concurrently.
     [[nodiscard]] Embedding embed(const ShapePoint& target) const;
 
-    [[nodiscard]] double setup_seconds() const;
+    /// A point of any space (shape_space.h): lengths and angles are embedded, positions are the mesh
+    /// as it is. Throws and may be called as above.
+    [[nodiscard]] Embedding embed(const DecodedShape& shape) const;
 
 private:
     struct State;

@@ -15,6 +15,7 @@
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 void check(const Topology& topology, const std::vector<Keyframe>& keyframes)

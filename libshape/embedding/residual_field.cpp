@@ -13,6 +13,7 @@
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 
 EdgeResiduals edge_residuals(const Topology& topology, const Points& points,
                              const ShapePoint& target)

@@ -12,6 +12,7 @@
 #include "libshape/mesh/dihedral_angles.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Sum of the areas of the faces at each edge, #E, times two.

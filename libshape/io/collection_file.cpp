@@ -8,11 +8,12 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
-#include "libshape/io/hdf5_parts.h"
+#include "libshape/io/file_parts.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Runs body(i) for every mesh.

@@ -12,11 +12,12 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/version.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_formats.h"
-#include "libshape/io/output_file.h"
 #include "libshape/mesh/keyframes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Json = nlohmann::ordered_json;

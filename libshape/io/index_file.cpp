@@ -6,10 +6,10 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/input_file.h"
-#include "libshape/io/line_reader.h"
+#include "libshape/io/file/input_file.h"
+#include "libshape/io/file/line_reader.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 constexpr std::uint64_t largest_file = std::uint64_t{1} << 30;
@@ -33,4 +33,4 @@ std::vector<int> read_indices(const std::filesystem::path& path, int count, std:
     return indices;
 }
 
-} // namespace shape
+} // namespace shape::internal

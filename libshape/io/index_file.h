@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace shape {
+namespace shape::internal {
 
 /// Reads a list of vertices or faces: integers in [0, count), separated by blanks or line ends, in
 /// any order; `#` starts a comment.
@@ -16,4 +16,4 @@ namespace shape {
 [[nodiscard]] std::vector<int> read_indices(const std::filesystem::path& path, int count,
                                             std::string_view what);
 
-} // namespace shape
+} // namespace shape::internal

@@ -8,7 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 
 MeshBuilder::MeshBuilder(std::filesystem::path path, const MeshReadOptions& options, Fail fail)
     : path_(std::move(path)), options_(options), fail_(std::move(fail))
@@ -78,4 +78,4 @@ NamedMesh MeshBuilder::finish() const
             Eigen::Map<const Faces>(corners_.data(), face_count(), 3)};
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -11,7 +11,7 @@
 
 #include "libshape/io/mesh_file.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// Takes the vertices and polygons of a file in their order and applies the rules that all formats
 /// share. Internal to the readers.
@@ -49,4 +49,4 @@ private:
     std::vector<int> corners_;
 };
 
-} // namespace shape
+} // namespace shape::internal

@@ -8,12 +8,13 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/input_file.h"
+#include "libshape/io/file/input_file.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
-#include "libshape/io/output_file.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 struct Format
@@ -81,6 +82,11 @@ void write_mesh(const std::filesystem::path& path, const Points& points, const F
 {
     check_mesh(points, faces);
     write_file_atomically(path, find_format(format).print(points, faces));
+}
+
+void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces)
+{
+    write_mesh(path, points, faces, mesh_format(path));
 }
 
 MeshFormat mesh_format(const std::filesystem::path& path)

@@ -27,7 +27,7 @@ struct MeshReadOptions
 /// Reads a mesh strictly: vertex and face order and double precision are kept, nothing is guessed
 /// (docs/formats.md says what is read). Only syntax is checked (numbers, counts, index range); the
 /// surface itself is Topology's matter.
-/// @throws FileError if the file cannot be read or is no regular file.
+/// @throws FileError if the file cannot be read or is not a regular file.
 /// @throws LimitExceeded beyond 2 GiB, 20 million vertices or 40 million triangles.
 /// @throws InvalidInput naming file, line or byte offset, and rule, for anything malformed: an
 ///     unknown ending or that of a format not read, counts that disagree with the data or exceed
@@ -43,6 +43,10 @@ struct MeshReadOptions
 /// @throws FileError if it cannot be written.
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,
                 MeshFormat format);
+
+/// The same in the format of mesh_format(path).
+/// @throws as write_mesh() and mesh_format().
+void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces);
 
 /// The format that the ending of a path tells (".obj", ".ply", ".off", ".glb", any case).
 /// @throws InvalidInput for any other; the message lists those that exist.

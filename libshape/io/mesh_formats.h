@@ -11,7 +11,7 @@
 // Readers and writers of the formats, from and to memory. Internal to mesh_file.cpp: the writers
 // trust their arguments.
 
-namespace shape {
+namespace shape::internal {
 
 /// @param path  For messages and the name of the mesh.
 /// @throws as read_mesh().
@@ -47,4 +47,4 @@ void append_line(std::string& text, std::string_view start, const Row& row)
     text += '\n';
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -9,9 +9,10 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
-#include "libshape/io/hdf5_parts.h"
+#include "libshape/io/file_parts.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Throws InvalidInput about one value of what is written or read.

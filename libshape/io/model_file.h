@@ -18,7 +18,7 @@ enum class FileKind
     Difference,
 };
 
-/// @throws as read_collection() if the file is none of ours.
+/// @throws as read_collection() if the file is not written by libshape.
 [[nodiscard]] FileKind file_kind(const std::filesystem::path& path);
 
 /// Written and checked as write_collection().

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "libshape/base/format.h"
-#include "libshape/io/line_reader.h"
+#include "libshape/io/file/line_reader.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// Statements that add nothing to the triangles. `mtllib` is never followed.
@@ -132,4 +132,4 @@ std::string print_obj(const Points& points, const Faces& faces)
     return text;
 }
 
-} // namespace shape
+} // namespace shape::internal

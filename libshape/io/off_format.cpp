@@ -4,11 +4,11 @@
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
-#include "libshape/io/line_reader.h"
+#include "libshape/io/file/line_reader.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// Bytes of the shortest line of a vertex ("0 0 0") and of a face ("3 0 0 0"), with its line end.
@@ -54,7 +54,7 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
     if (vertices > size / vertex_bytes || faces > size / face_bytes ||
         vertices * vertex_bytes + faces * face_bytes > size)
         reader.fail(join(counted(vertices, "vertex", "vertices"), " and ", counted(faces, "face"),
-                         " cannot stand in the remaining ", counted(size - 1, "byte")));
+                         " do not fit in the remaining ", counted(size - 1, "byte")));
     mesh.reserve(vertices, faces);
 
     for (std::int64_t v = 0; v < vertices; ++v) {
@@ -97,4 +97,4 @@ std::string print_off(const Points& points, const Faces& faces)
     return text;
 }
 
-} // namespace shape
+} // namespace shape::internal

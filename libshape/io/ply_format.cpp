@@ -11,14 +11,15 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/input_file.h"
-#include "libshape/io/line_reader.h"
+#include "libshape/io/file/input_file.h"
+#include "libshape/io/file/line_reader.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
-#include "libshape/io/output_file.h"
 #include "libshape/io/vertex_scalars.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 enum class Scalar
@@ -152,7 +153,7 @@ Property parse_property(LineReader& reader, const Element& element)
     property.is_corners =
         element.is_face() && (property.name == "vertex_indices" || property.name == "vertex_index");
     if (property.coordinate >= 0 && property.count_type)
-        reader.fail(join("property ", in_quotes(property.name), " must be no list"));
+        reader.fail(join("property ", in_quotes(property.name), " must not be a list"));
     if (property.is_corners && (!property.count_type || !is_integer(property.type)))
         reader.fail(join("property ", in_quotes(property.name), " must be a list of integers"));
     return property;
@@ -327,7 +328,7 @@ private:
     bool swap_;
 };
 
-/// Counts are believed only if the rest of the file can hold so many elements.
+/// Counts are believed only if the rest of the file can hold that many elements.
 template <class Body>
 void check_counts(const Header& header, const Body& body)
 {
@@ -338,7 +339,7 @@ void check_counts(const Header& header, const Body& body)
             least += Body::least_size(property.count_type.value_or(property.type));
         if (element.count > 0 && element.count > remaining / least)
             body.fail(join(element.count, " of element ", in_quotes(element.name),
-                           " cannot stand in the remaining ", counted(remaining, "byte")));
+                           " do not fit in the remaining ", counted(remaining, "byte")));
         remaining -= element.count * least;
     }
 }

@@ -10,12 +10,13 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/io/input_file.h"
-#include "libshape/io/line_reader.h"
+#include "libshape/io/file/input_file.h"
+#include "libshape/io/file/line_reader.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_formats.h"
-#include "libshape/io/output_file.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr std::uint64_t largest_file = std::uint64_t{2} << 30;
@@ -179,7 +180,7 @@ double parse_number(const std::string& cell, const std::string& place)
 {
     const std::optional<double> value = spelled_number(cell);
     if (!value)
-        throw InvalidInput(join(place, ": ", in_quotes(cell), " is no finite number"));
+        throw InvalidInput(join(place, ": ", in_quotes(cell), " is not a finite number"));
     return *value;
 }
 

@@ -27,7 +27,7 @@ void write_vertex_scalars(const std::filesystem::path& path, const Points& point
                           const Faces& faces, const std::vector<VertexScalar>& scalars);
 
 /// Reads a property of the vertices of a PLY file, of any scalar type, #V values.
-/// @throws as read_mesh() with `triangulate`; InvalidInput, too, if the file is no PLY file, has no
+/// @throws as read_mesh() with `triangulate`; InvalidInput, too, if the file is not a PLY file, has no
 ///     such property (x, y and z do not count), or a value is not finite.
 [[nodiscard]] Eigen::VectorXd read_vertex_scalar(const std::filesystem::path& path,
                                                  std::string_view name);

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <new>
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 bool is_limited(int resource)
@@ -59,4 +59,4 @@ BlasTurn::BlasTurn()
     has_buffer = true;
 }
 
-} // namespace shape
+} // namespace shape::internal

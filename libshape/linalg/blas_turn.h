@@ -4,7 +4,7 @@
 
 #include <mutex>
 
-namespace shape {
+namespace shape::internal {
 
 /// What a thread holds while it works inside OpenBLAS.
 ///
@@ -21,4 +21,4 @@ private:
     std::unique_lock<std::mutex> lock_; ///< Held only under a limit.
 };
 
-} // namespace shape
+} // namespace shape::internal

@@ -10,7 +10,7 @@
 
 #include "libshape/base/vectorised.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 using Eigen::Index;
@@ -42,7 +42,7 @@ struct Vectors
 {
     return entry;
 }
-[[gnu::always_inline]] inline float value_of(FloatHalf entry)
+[[gnu::always_inline]] inline float value_of(Bfloat16 entry)
 {
     return std::bit_cast<float>(static_cast<std::uint32_t>(entry) << 16);
 }
@@ -56,7 +56,7 @@ struct Vectors
     sums += Pair{a, a, a, a, b, b, b, b} * vectors;
 }
 /// The second entry ends in the first one instead of in zeros, which rounded() reckons with.
-[[gnu::always_inline]] inline void add_products(const FloatHalf* entries, const Pair& vectors,
+[[gnu::always_inline]] inline void add_products(const Bfloat16* entries, const Pair& vectors,
                                                 Pair& sums)
 {
     using Words = std::uint32_t __attribute__((vector_size(32)));
@@ -210,31 +210,31 @@ float rounded(double value, std::uint32_t lower_half, double least)
 
 } // namespace
 
-SHAPE_VECTORISED void multiply_up(const FactorBlock* block, const FactorBlock* end, const int* row,
-                                  const float* values, Lanes* x)
+SHAPE_VECTORISED void forward_substitute(const FactorBlock* block, const FactorBlock* end,
+                                         const int* row, const float* values, Lanes* x)
 {
     all_up(block, end, row, values, x);
 }
-SHAPE_VECTORISED void multiply_up(const FactorBlock* block, const FactorBlock* end, const int* row,
-                                  const FloatHalf* values, Lanes* x)
+SHAPE_VECTORISED void forward_substitute(const FactorBlock* block, const FactorBlock* end,
+                                         const int* row, const Bfloat16* values, Lanes* x)
 {
     all_up(block, end, row, values, x);
 }
 
-SHAPE_VECTORISED void multiply_down(const FactorBlock* first, const FactorBlock* end,
-                                    const int* row, const float* values, Lanes* x)
+SHAPE_VECTORISED void back_substitute(const FactorBlock* first, const FactorBlock* end,
+                                      const int* row, const float* values, Lanes* x)
 {
     all_down(first, end, row, values, x);
 }
-SHAPE_VECTORISED void multiply_down(const FactorBlock* first, const FactorBlock* end,
-                                    const int* row, const FloatHalf* values, Lanes* x)
+SHAPE_VECTORISED void back_substitute(const FactorBlock* first, const FactorBlock* end,
+                                      const int* row, const Bfloat16* values, Lanes* x)
 {
     all_down(first, end, row, values, x);
 }
 
-FloatHalf upper_half(double value)
+Bfloat16 upper_half(double value)
 {
-    return static_cast<FloatHalf>(std::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 16);
+    return static_cast<Bfloat16>(std::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 16);
 }
 
 void round_to_halves(MatrixXd& matrix)
@@ -258,4 +258,4 @@ void round_to_halves(MatrixXd& matrix)
     }
 }
 
-} // namespace shape
+} // namespace shape::internal

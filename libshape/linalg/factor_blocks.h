@@ -8,7 +8,7 @@
 
 #include "libshape/linalg/lanes.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// Consecutive columns of a Cholesky factor with the same pattern: a triangle L on top of a matrix B.
 /// Solving upwards means
@@ -26,7 +26,7 @@ struct FactorBlock
 
 inline constexpr int widest_block = 16; ///< For more columns there are no registers.
 
-/// Stored are L^-1, row by row and so many rows equally long, then the rows of -B L^-1.
+/// Stored are L^-1, row by row, as many rows of equal length at a time, then the rows of -B L^-1.
 inline constexpr int triangle_step = 4;
 
 /// Stored entries of a row of L^-1, and of all.
@@ -43,23 +43,23 @@ inline constexpr int triangle_step = 4;
 }
 
 /// The upper half of a float: its sign, exponent and eight binary digits.
-using FloatHalf = std::uint16_t;
+using Bfloat16 = std::uint16_t;
 
 /// Blocks one after the other, upwards.
 /// @param row  Of B: which vectors they belong to.
 /// @param values  Of the first block.
 /// @param x  The vectors, in and out.
-void multiply_up(const FactorBlock* block, const FactorBlock* end, const int* row,
-                 const float* values, Lanes* x);
-void multiply_up(const FactorBlock* block, const FactorBlock* end, const int* row,
-                 const FloatHalf* values, Lanes* x);
+void forward_substitute(const FactorBlock* block, const FactorBlock* end, const int* row,
+                        const float* values, Lanes* x);
+void forward_substitute(const FactorBlock* block, const FactorBlock* end, const int* row,
+                        const Bfloat16* values, Lanes* x);
 
 /// Blocks from the last one to the first, downwards.
 /// @param row, values  Behind those of the last block.
-void multiply_down(const FactorBlock* first, const FactorBlock* end, const int* row,
-                   const float* values, Lanes* x);
-void multiply_down(const FactorBlock* first, const FactorBlock* end, const int* row,
-                   const FloatHalf* values, Lanes* x);
+void back_substitute(const FactorBlock* first, const FactorBlock* end, const int* row,
+                     const float* values, Lanes* x);
+void back_substitute(const FactorBlock* first, const FactorBlock* end, const int* row,
+                     const Bfloat16* values, Lanes* x);
 
 /// Rounds the entries of a matrix to what upper_half() keeps of them; but those of odd columns end in the
 /// bits of the one before instead of in zeros, which is how they are read. Every rounding error is
@@ -67,6 +67,6 @@ void multiply_down(const FactorBlock* first, const FactorBlock* end, const int* 
 void round_to_halves(Eigen::MatrixXd& matrix);
 
 /// Of the float nearest to value.
-[[nodiscard]] FloatHalf upper_half(double value);
+[[nodiscard]] Bfloat16 upper_half(double value);
 
-} // namespace shape
+} // namespace shape::internal

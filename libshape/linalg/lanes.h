@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-namespace shape {
+namespace shape::internal {
 
 /// Vectors in single precision, one a column, each in a register of its own: 4 by #V, the last row 0.
 using LaneVectors = Eigen::Matrix<float, 4, Eigen::Dynamic>;
@@ -38,4 +38,4 @@ inline void to_lanes(const double* rows, Eigen::Index count, double scale, LaneV
     to.row(3).setZero();
 }
 
-} // namespace shape
+} // namespace shape::internal

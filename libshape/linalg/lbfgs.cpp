@@ -13,7 +13,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 void check(const LbfgsOptions& options)
@@ -114,4 +114,4 @@ Minimum minimize_lbfgs(const Objective& objective, const Eigen::VectorXd& start,
     return run.result;
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <functional>
 
-namespace shape {
+namespace shape::internal {
 
 /// A function of n variables: returns its value and overwrites the gradient.
 using Objective = std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd& gradient)>;
@@ -39,4 +39,4 @@ struct LbfgsOptions
                                      const LbfgsOptions& options = {},
                                      const std::function<void(int iterations)>& after_step = {});
 
-} // namespace shape
+} // namespace shape::internal

@@ -7,7 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 std::size_t at(int i)
@@ -136,4 +136,4 @@ void PackedCholesky::solve(std::size_t index, Eigen::Vector4d* x) const
     }
 }
 
-} // namespace shape
+} // namespace shape::internal

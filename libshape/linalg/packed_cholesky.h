@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace shape {
+namespace shape::internal {
 
 /// An off-diagonal entry of a symmetric matrix.
 struct SymmetricEntry
@@ -48,4 +48,4 @@ private:
     std::vector<double> values_;
 };
 
-} // namespace shape
+} // namespace shape::internal

@@ -10,7 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 using Eigen::Index;
@@ -26,11 +26,11 @@ struct Cut
 {
     std::vector<std::size_t> part_of_column; ///< Of the factor.
     std::vector<std::size_t> parent;         ///< Of every part; itself at a root.
-    std::array<std::size_t, 3> tiers{};      ///< Where branches, limbs and the trunk end.
+    std::array<std::size_t, 3> tiers{};      ///< Where the leaf, middle and root subtrees end.
 };
 
-/// Branches are the largest subtrees with at most a sixteenth of the factor's entries, limbs those
-/// with at most 6/10. All is trunk where the factor is too small to be worth the hand-over.
+/// Leaf subtrees are the largest with at most a sixteenth of the factor's entries, middle ones those
+/// with at most 6/10; the rest is the root. All is root where the factor is too small to be worth the hand-over.
 Cut cut(const SupernodalFactor& f)
 {
     const std::size_t count = f.first_columns.size() - 1;
@@ -64,16 +64,16 @@ Cut cut(const SupernodalFactor& f)
             }
         cut.tiers[t] = tops.size();
     }
-    const std::size_t trunk = tops.size();
-    cut.tiers[2] = trunk + 1;
+    const std::size_t root = tops.size();
+    cut.tiers[2] = root + 1;
     for (std::size_t s = count; s-- > 0;)
         if (tier(s) == 2)
-            part[s] = trunk;
+            part[s] = root;
         else if (above[s] != s && tier(above[s]) == tier(s))
             part[s] = part[above[s]];
     for (const std::size_t top : tops)
         cut.parent.push_back(part[above[top]]);
-    cut.parent.push_back(trunk);
+    cut.parent.push_back(root);
     for (const std::size_t s : supernode_of)
         cut.part_of_column.push_back(part[s]);
     return cut;
@@ -206,8 +206,8 @@ void SinglePrecisionSolve::forward(const Part& part, const Entry* values, const 
         for (std::size_t i = 0; i < child.reached; ++i)
             x[to[i]] += added[i];
     }
-    multiply_up(blocks_.data() + part.first_block, blocks_.data() + part.end_block,
-                rows_.data() + part.first_row, values + part.first_value, x);
+    forward_substitute(blocks_.data() + part.first_block, blocks_.data() + part.end_block,
+                       rows_.data() + part.first_row, values + part.first_value, x);
 }
 
 /// L^T x = y for the columns of a part.
@@ -221,8 +221,8 @@ double SinglePrecisionSolve::backward(const Part& part, const Entry* values, con
     const int* const from = reached_rows_.data() + part.above;
     for (std::size_t i = 0; i < part.reached; ++i)
         x[part.columns + i] = above[from[i]];
-    multiply_down(blocks_.data() + part.first_block, blocks_.data() + part.end_block,
-                  rows_.data() + part.end_row, values + part.end_value, x);
+    back_substitute(blocks_.data() + part.first_block, blocks_.data() + part.end_block,
+                    rows_.data() + part.end_row, values + part.end_value, x);
     const int* const to = permutation_.data() + part.first_column;
     double sum = 0.0;
     for (std::size_t begin = 0; begin < part.columns; begin += short_sum) {
@@ -273,4 +273,4 @@ double SinglePrecisionSolve::precondition(const LaneVectors& rhs, LaneVectors& s
     return solve(halves_.data(), rhs, solution, workspace);
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -11,13 +11,13 @@
 #include "libshape/linalg/lanes.h"
 #include "libshape/linalg/sparse_cholesky.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// The factor of a SparseCholesky in single precision, for preconditioners: solves for three
 /// right-hand sides at once, many times faster than SparseCholesky::solve().
 ///
-/// The elimination tree is cut into parts of three tiers: branches, the limbs they grow from, and
-/// the trunk. Threads work on the parts of a tier side by side. Same bits for any number of threads.
+/// The elimination tree is cut into parts of three tiers: leaf subtrees, the middle ones above
+/// them, and the root. Threads work on the parts of a tier side by side. Same bits for any number of threads.
 class SinglePrecisionSolve
 {
 public:
@@ -69,15 +69,15 @@ private:
                  LaneVectors& workspace) const;
 
     std::vector<int> permutation_;
-    std::vector<Part> parts_;            ///< Branches, limbs, trunk.
+    std::vector<Part> parts_;            ///< Leaf, middle and root subtrees.
     std::array<std::size_t, 3> tiers_{}; ///< Where each ends.
     std::vector<FactorBlock> blocks_;
     std::vector<int> rows_; ///< Of all B, in the numbers of the part.
     std::vector<int> reached_rows_;
     std::vector<float> values_;
-    std::vector<FloatHalf> halves_; ///< The same, rounded.
-    std::size_t places_ = 0;        ///< In all.
-    float scale_ = 1.0F;            ///< The inverse as stored times this is that of A.
+    std::vector<Bfloat16> halves_; ///< The same, rounded.
+    std::size_t places_ = 0;       ///< In all.
+    float scale_ = 1.0F;           ///< The inverse as stored times this is that of A.
 };
 
-} // namespace shape
+} // namespace shape::internal

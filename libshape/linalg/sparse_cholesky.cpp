@@ -16,7 +16,7 @@ extern "C" void openblas_set_num_threads(
 extern "C" int omp_get_max_active_levels(); // omp.h
 extern "C" void omp_set_max_active_levels(int);
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// A view, nothing is copied.
@@ -211,4 +211,4 @@ std::size_t SparseCholesky::nonzeros() const
     return static_cast<std::size_t>(factor_->common.lnz);
 }
 
-} // namespace shape
+} // namespace shape::internal

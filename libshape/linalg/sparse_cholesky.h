@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-namespace shape {
+namespace shape::internal {
 
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
@@ -74,4 +74,4 @@ private:
     std::unique_ptr<Factor> factor_;
 };
 
-} // namespace shape
+} // namespace shape::internal

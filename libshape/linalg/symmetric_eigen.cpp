@@ -15,7 +15,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 Eigenpairs full_decomposition(const Eigen::MatrixXd& matrix, Eigen::Index count)
@@ -95,4 +95,4 @@ Eigenpairs largest_eigenpairs(const Eigen::MatrixXd& matrix, int count)
     return *pairs;
 }
 
-} // namespace shape
+} // namespace shape::internal

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace shape {
+namespace shape::internal {
 
 /// Leading eigenpairs of a symmetric matrix.
 struct Eigenpairs
@@ -24,4 +24,4 @@ struct Eigenpairs
 /// Accuracy: a vector solves A v = lambda v to 1e-11 times the largest |lambda| returned.
 [[nodiscard]] Eigenpairs largest_eigenpairs(const Eigen::MatrixXd& matrix, int count);
 
-} // namespace shape
+} // namespace shape::internal

@@ -13,6 +13,7 @@
 #include "libshape/mesh/rotation_fit.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

@@ -12,6 +12,7 @@
 #include "libshape/mesh/defects.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Triple = std::array<int, 3>;

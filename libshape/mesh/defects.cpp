@@ -12,6 +12,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Keeps at most `limit` defects of each kind.

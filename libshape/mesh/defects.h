@@ -25,7 +25,7 @@ enum class DefectKind
     DegenerateTriangle, ///< A face has zero area or an edge of zero length.
 };
 
-/// One defect: the kind, the place, and a sentence with the place, the rule and a way to mend it.
+/// One defect: the kind, the place, and a sentence with the place, the rule and a way to repair it.
 struct Defect
 {
     DefectKind kind;
@@ -37,15 +37,14 @@ struct Defect
 /// Lists what keeps a face list from being one connected oriented manifold, possibly with
 /// boundary; empty if nothing does. Connectivity alone, no positions.
 ///
-/// @param limit  At most so many defects of each kind are listed; > 0.
+/// @param limit  At most this many defects of each kind are listed; > 0.
 /// Cost: O(#F log #F).
-[[nodiscard]] std::vector<Defect> find_defects(const Faces& faces, int vertex_count,
-                                               int limit = 5);
+[[nodiscard]] std::vector<Defect> find_defects(const Faces& faces, int vertex_count, int limit = 5);
 
 /// Lists positions that are not finite and faces whose area [length^2] is at most 1e-14 times
 /// the square of their longest edge: there, angles have no meaning.
 /// @param faces  Indices in [0, points.rows()).
-[[nodiscard]] std::vector<Defect> find_degenerate_geometry(const Faces& faces,
-                                                           const Points& points, int limit = 5);
+[[nodiscard]] std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& points,
+                                                           int limit = 5);
 
 } // namespace shape

@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Angle in (-pi, pi] about `axis` from the normal on its left to that on its right, of any length.

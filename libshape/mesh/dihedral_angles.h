@@ -9,7 +9,7 @@
 
 namespace shape {
 
-/// Signed bending angle of one wedge [rad] in (-pi, pi]: the edge runs from a to b, vertex c lies on
+/// Signed bending angle of one hinge [rad] in (-pi, pi]: the edge runs from a to b, vertex c lies on
 /// its left and d on its right, seen from outside. 0 is flat, > 0 convex seen from outside; 0 also
 /// if a face has no area.
 [[nodiscard]] double dihedral_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,

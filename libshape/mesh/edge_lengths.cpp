@@ -10,6 +10,7 @@
 #include "libshape/base/threads.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Angle between sides a and b of the triangle with the third side c. Kahan's form of the law of

@@ -9,6 +9,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -8,6 +8,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 
 const LabelColumn& find_label(const Labels& labels, std::string_view name)
 {

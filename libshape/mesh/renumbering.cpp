@@ -7,7 +7,7 @@
 
 #include "libshape/base/threads.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// Calls work(now, then) for every number and what it was before.
@@ -83,4 +83,4 @@ Eigen::VectorXd renumbered(const Renumbering& renumbering, const Eigen::VectorXd
     return now_values;
 }
 
-} // namespace shape
+} // namespace shape::internal

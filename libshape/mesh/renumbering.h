@@ -8,7 +8,7 @@
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// A topology whose neighbours lie next to each other in memory. Loops over faces and edges of large
 /// meshes run two to three times faster on it.
@@ -33,4 +33,4 @@ struct Renumbering
 [[nodiscard]] Eigen::VectorXd renumbered(const Renumbering& renumbering,
                                          const Eigen::VectorXd& values);
 
-} // namespace shape
+} // namespace shape::internal

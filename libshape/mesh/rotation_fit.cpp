@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// Improves `rotation` until it is exact; false where Newton's method does not lead there.
@@ -84,4 +84,4 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m, const Eigen::Matrix3d
     return rotation;
 }
 
-} // namespace shape
+} // namespace shape::internal

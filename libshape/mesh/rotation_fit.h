@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace shape {
+namespace shape::internal {
 
 /// The rotation R of determinant +1 that maximises trace(R^T m), as nearest_rotation() of
 /// alignment.h finds it, but several times faster if `guess` is near it.
@@ -17,4 +17,4 @@ namespace shape {
 [[nodiscard]] Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m,
                                                const Eigen::Matrix3d& guess);
 
-} // namespace shape
+} // namespace shape::internal

@@ -2,7 +2,7 @@
 
 #pragma once
 
-namespace shape {
+namespace shape::internal {
 
 /// 16 A^2 of the triangle with these sides [length^4] (Heron): < 0 where a side is longer than the
 /// two others together, 0 where it is as long.
@@ -15,4 +15,4 @@ namespace shape {
     return (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c);
 }
 
-} // namespace shape
+} // namespace shape::internal

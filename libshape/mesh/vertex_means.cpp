@@ -6,6 +6,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 
 Eigen::VectorXd vertex_means(const Topology& topology, const Eigen::VectorXd& edge_values)
 {

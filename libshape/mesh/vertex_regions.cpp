@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 template <class Visit>
@@ -52,4 +52,4 @@ std::vector<std::vector<int>> regions_around(const Topology& topology,
     return regions;
 }
 
-} // namespace shape
+} // namespace shape::internal

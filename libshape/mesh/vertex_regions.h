@@ -6,7 +6,7 @@
 
 #include "libshape/mesh/topology.h"
 
-namespace shape {
+namespace shape::internal {
 
 /// Some vertices and `rings` rings of neighbours around them, as connected regions: in ascending order
 /// of their lowest vertices, each breadth first from there.
@@ -17,4 +17,4 @@ namespace shape {
                                                            const std::vector<int>& seeds,
                                                            int rings);
 
-} // namespace shape
+} // namespace shape::internal

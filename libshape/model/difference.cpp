@@ -10,6 +10,7 @@
 #include "libshape/statistics/mean.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Members of one group: value of the pairing label -> index of the mesh.
@@ -80,7 +81,7 @@ Pairs find_pairs(const Collection& collection, const DifferenceOptions& options)
 DifferenceVector mean_difference(const Collection& collection, const DifferenceOptions& options)
 {
     auto [paired, pairs] = find_pairs(collection, options);
-    const ShapeVectors vectors = encode(paired, options.scale);
+    const ShapeVectors vectors = shape_vectors(paired, options.scale);
     const auto count = static_cast<Eigen::Index>(pairs.size());
     const auto mean_change = [&](const RowMatrix& rows) {
         return mean_of_rows(rows.bottomRows(count) - rows.topRows(count));
@@ -100,7 +101,7 @@ DifferenceVector mean_difference(const Collection& collection, const DifferenceO
 ColumnEffects difference_effects(const Collection& collection, const DifferenceOptions& options)
 {
     const Pairs pairs = find_pairs(collection, options);
-    const ShapeVectors vectors = encode(pairs.members, options.scale);
+    const ShapeVectors vectors = shape_vectors(pairs.members, options.scale);
     const auto count = static_cast<Eigen::Index>(pairs.values.size());
     return paired_effects(vectors.edge_lengths.topRows(count),
                           vectors.edge_lengths.bottomRows(count));

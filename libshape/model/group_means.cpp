@@ -9,6 +9,7 @@
 #include "libshape/statistics/inner_products.h"
 
 namespace shape {
+using namespace internal;
 
 GroupedShapes group_shapes(const Collection& collection, const Grouping& groups,
                            const SpaceOptions& options)

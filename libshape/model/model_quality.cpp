@@ -20,6 +20,7 @@
 #include "libshape/model/shape_model.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -132,8 +133,7 @@ public:
     std::vector<Points> operator()(const ShapeModel& model, const RowMatrix& scores,
                                    const Eigen::VectorXd& sizes)
     {
-        if (std::holds_alternative<EdgeSpace>(model.space) &&
-            !(embedder_ && reference_ == model.reference_points)) {
+        if (!(embedder_ && reference_ == model.reference_points)) {
             reference_ = model.reference_points;
             embedder_.emplace(model.topology, std::vector<Points>{reference_}, options_.embedding);
         }
@@ -145,15 +145,9 @@ public:
                 progress_("decoding", static_cast<std::size_t>(decoded), total_);
             parallel_for(counts, 1, [&](std::size_t k, std::size_t) {
                 const Eigen::VectorXd first = scores.row(row).head(options_.modes[k]).transpose();
-                DecodedShape shape = model_point(model, first, sizes[row]);
-                Points& mesh = meshes[static_cast<std::size_t>(row) * counts + k];
-                if (Points* points = std::get_if<Points>(&shape)) {
-                    mesh = std::move(*points);
-                    return;
-                }
-                Embedding embedding = embedder_->embed(std::get<ShapePoint>(shape));
+                Embedding embedding = embedder_->embed(model_point(model, first, sizes[row]));
                 nearest += embedding.report.status == EmbeddingStatus::Infeasible ? 1 : 0;
-                mesh = std::move(embedding.points);
+                meshes[static_cast<std::size_t>(row) * counts + k] = std::move(embedding.points);
             });
             decoded += static_cast<int>(counts);
         }

@@ -38,7 +38,7 @@ struct QualityCurve
 struct ModelQuality
 {
     std::vector<int> modes;
-    Eigen::VectorXd compactness;        ///< Share of the total variance in so many modes [1].
+    Eigen::VectorXd compactness;        ///< Share of the total variance in the first K modes [1].
     QualityCurve generalisation_vertex; ///< From meshes left out to their reconstructions [length].
     QualityCurve generalisation_edge;   ///< The same in edge lengths [1].
     QualityCurve specificity_vertex;    ///< From samples to the nearest mesh of the collection.
@@ -65,7 +65,7 @@ struct ModelQuality
                                            const QualityOptions& options,
                                            const Progress& progress = {});
 
-/// N meshes in so many folds of equal size (within one), drawn by chance; groups_of_one() if
+/// N meshes in `count` folds of equal size (within one), drawn by chance; groups_of_one() if
 /// count = N.
 /// @throws InvalidInput if count is not in [2, N].
 [[nodiscard]] Grouping random_folds(Eigen::Index meshes, int count, std::uint64_t seed);

@@ -8,6 +8,7 @@
 #include "libshape/statistics/projection.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 void check_topology(const Nuisance& nuisance, const Topology& topology)

@@ -10,6 +10,7 @@
 #include "libshape/statistics/distance_matrix.h"
 
 namespace shape {
+using namespace internal;
 
 ShapeDistances shape_distances(const Collection& collection, const SpaceOptions& options)
 {

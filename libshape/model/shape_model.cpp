@@ -13,6 +13,7 @@
 #include "libshape/statistics/projection.h"
 
 namespace shape {
+using namespace internal;
 
 ShapeModel fit_model(const Collection& collection, const ModelOptions& options)
 {

@@ -2,7 +2,7 @@
 
 #include "libshape/report/base64.h"
 
-namespace shape {
+namespace shape::internal {
 
 std::string base64(std::string_view bytes)
 {
@@ -20,4 +20,4 @@ std::string base64(std::string_view bytes)
     return text;
 }
 
-} // namespace shape
+} // namespace shape::internal

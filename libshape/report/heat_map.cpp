@@ -11,6 +11,7 @@
 #include "libshape/report/svg.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr double tree_height = 110.0; // [px], as all below

@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 
 std::string hex(Colour colour)
 {

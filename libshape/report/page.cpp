@@ -15,6 +15,7 @@
 #include "libshape/report/svg.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr std::string_view style = R"css(

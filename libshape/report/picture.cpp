@@ -15,6 +15,7 @@
 #include "libshape/mesh/alignment.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr double page_width = 1200.0; // [px]

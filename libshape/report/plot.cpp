@@ -13,6 +13,7 @@
 #include "libshape/report/colour_map.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr Colour grid_colour{232, 232, 232};

@@ -15,6 +15,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Vector3d;

@@ -11,6 +11,7 @@
 #include "libshape/report/base64.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// At most two decimals, no exponent.

@@ -48,7 +48,7 @@ struct Interval
 [[nodiscard]] Interval percentile_interval(const Eigen::VectorXd& replicates, double confidence);
 
 /// Quantile of values by linear interpolation of their order statistics (type 7 of Hyndman & Fan
-/// 1996). NaN is no value.
+/// 1996). NaN does not count as a value.
 /// @param probability  In [0, 1].
 /// @throws InvalidInput if there is no value or probability is out of its range.
 [[nodiscard]] double quantile(Eigen::VectorXd values, double probability);

@@ -11,6 +11,7 @@
 #include "libshape/statistics/inner_products.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 void fix_sign(Eigen::Ref<Eigen::VectorXd> column)

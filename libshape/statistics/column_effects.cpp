@@ -12,6 +12,7 @@
 #include "libshape/statistics/student_t.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 void check(const char* name, const RowMatrix& sample)

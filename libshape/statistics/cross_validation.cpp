@@ -16,6 +16,7 @@
 #include "libshape/statistics/discriminant_analysis.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

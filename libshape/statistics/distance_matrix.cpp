@@ -9,6 +9,7 @@
 #include "libshape/base/threads.h"
 
 namespace shape {
+using namespace internal;
 
 Eigen::MatrixXd distance_matrix(const RowMatrix& data)
 {

@@ -13,6 +13,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

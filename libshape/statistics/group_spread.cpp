@@ -11,6 +11,7 @@
 #include "libshape/statistics/group_comparison.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -27,7 +28,7 @@ MatrixXd distances_of(const MatrixXd& products)
     return result.cwiseMax(0.0).cwiseSqrt();
 }
 
-/// Groups of which every observation counts so many times.
+/// Groups of which every observation counts several times.
 class WeightedGroups
 {
 public:

@@ -8,6 +8,7 @@
 #include "libshape/base/format.h"
 
 namespace shape {
+using namespace internal;
 
 Grouping group_by(const std::vector<std::string>& values)
 {

@@ -7,6 +7,7 @@
 #include "libshape/base/threads.h"
 
 namespace shape {
+using namespace internal;
 
 SubspaceProjection project_onto_subspace(const RowMatrix& data, const Eigen::VectorXd& mean,
                                          const RowMatrix& modes)

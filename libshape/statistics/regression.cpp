@@ -10,6 +10,7 @@
 #include "libshape/statistics/mean.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

@@ -8,7 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 
-namespace shape {
+namespace shape::internal {
 namespace {
 
 /// 1 / (1 + d_1 / (1 + d_2 / (1 + ...))) of DLMF 8.17.22 by the modified Lentz algorithm; converges
@@ -61,4 +61,4 @@ double two_sided_t_probability(double t, double degrees_of_freedom)
     return 1.0 - factor / b * beta_fraction(b, a, ratio / (1.0 + ratio));
 }
 
-} // namespace shape
+} // namespace shape::internal

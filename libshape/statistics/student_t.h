@@ -2,7 +2,7 @@
 
 #pragma once
 
-namespace shape {
+namespace shape::internal {
 
 /// P(|T| >= |t|) for Student's t distribution: I_x(n/2, 1/2), x = n / (n + t^2), where I is the
 /// regularised incomplete beta function, here by its continued fraction (DLMF 8.17.22).
@@ -12,4 +12,4 @@ namespace shape {
 /// Accuracy: 1e-11 relative for n <= 1e4, however small the result.
 [[nodiscard]] double two_sided_t_probability(double t, double degrees_of_freedom);
 
-} // namespace shape
+} // namespace shape::internal

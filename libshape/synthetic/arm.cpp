@@ -9,7 +9,7 @@
 #include "libshape/synthetic/grids.h"
 #include "libshape/synthetic/profiles.h"
 
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 namespace {
 
 using std::numbers::pi;
@@ -85,4 +85,4 @@ Collection make_thin_cylinder(const SyntheticOptions& options)
     return members.take();
 }
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

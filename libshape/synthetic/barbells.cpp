@@ -10,7 +10,7 @@
 #include "libshape/synthetic/generators.h"
 #include "libshape/synthetic/grids.h"
 
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 namespace {
 
 using std::numbers::pi;
@@ -97,4 +97,4 @@ Collection make_barbells(const SyntheticOptions& options)
     return members.take();
 }
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

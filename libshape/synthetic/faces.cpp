@@ -15,7 +15,7 @@
 // to the front, the origin of x and y midway between the eyes. Every vertex has a place (x, y) on
 // the mean face seen from the front; features are bumps and grooves there, and people and moods
 // move the places themselves, so that a vertex stays on its eyelid or lip.
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 namespace {
 
 using Eigen::Vector2d;
@@ -518,4 +518,4 @@ Collection make_heads(const SyntheticOptions& options)
     return make_people(options, mask, back);
 }
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

@@ -11,7 +11,7 @@
 #include "libshape/synthetic/grids.h"
 #include "libshape/synthetic/profiles.h"
 
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 namespace {
 
 using std::numbers::pi;
@@ -108,4 +108,4 @@ Collection make_femurs(const SyntheticOptions& options)
     return members.take();
 }
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

@@ -6,7 +6,7 @@
 #include "libshape/synthetic/synthetic.h"
 
 /// The makers behind make_synthetic(), one a file. Options are complete and in range here.
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 
 [[nodiscard]] Collection make_arm(const SyntheticOptions& options);
 [[nodiscard]] Collection make_barbells(const SyntheticOptions& options);
@@ -40,4 +40,4 @@ private:
 /// A whole number with leading zeros.
 [[nodiscard]] std::string padded(int number, int width);
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 namespace {
 
 using std::numbers::pi;
@@ -161,4 +161,4 @@ Points place(const Tube& tube, const std::function<Eigen::Vector3d(const TubeVer
     return points;
 }
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

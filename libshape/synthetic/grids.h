@@ -9,7 +9,7 @@
 #include "libshape/mesh/points.h"
 
 /// Triangulations with almost equilateral triangles, and curves to lay them along.
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 
 /// A vertex of a disc: vertex `index` of the 6 * ring vertices of a ring (1 for ring 0).
 struct DiscVertex
@@ -80,4 +80,4 @@ struct Bend
 [[nodiscard]] Points place(const Tube& tube,
                            const std::function<Eigen::Vector3d(const TubeVertex&)>& position);
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

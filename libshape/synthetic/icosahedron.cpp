@@ -5,7 +5,7 @@
 
 #include "libshape/synthetic/generators.h"
 
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 
 Collection make_icosahedron(const SyntheticOptions&)
 {
@@ -37,4 +37,4 @@ Collection make_icosahedron(const SyntheticOptions&)
     return members.take();
 }
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

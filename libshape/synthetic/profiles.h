@@ -6,7 +6,7 @@
 #include <cmath>
 
 /// The two smooth functions of one variable that the synthetic shapes are sculpted with.
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 
 /// Gaussian of height 1 and standard deviation `width`.
 [[nodiscard]] inline double bump(double x, double centre, double width)
@@ -22,4 +22,4 @@ namespace shape::synthetic {
     return t * t * (3.0 - 2.0 * t);
 }
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

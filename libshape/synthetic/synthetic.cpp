@@ -9,6 +9,7 @@
 #include "libshape/synthetic/generators.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 struct Entry

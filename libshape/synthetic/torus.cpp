@@ -8,7 +8,7 @@
 #include "libshape/base/random.h"
 #include "libshape/synthetic/generators.h"
 
-namespace shape::synthetic {
+namespace shape::internal::synthetic {
 
 Collection make_torus(const SyntheticOptions& options)
 {
@@ -53,4 +53,4 @@ Collection make_torus(const SyntheticOptions& options)
     return members.take();
 }
 
-} // namespace shape::synthetic
+} // namespace shape::internal::synthetic

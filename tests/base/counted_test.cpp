@@ -8,6 +8,7 @@
 #include <cstdint>
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(Counted, OneIsTheOnlySingular)

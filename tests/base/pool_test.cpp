@@ -11,6 +11,7 @@
 #include "libshape/base/threads.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(Pool, MakesAsManyAsAreBorrowedAtOnceAndLendsThemAgain)

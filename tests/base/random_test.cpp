@@ -8,6 +8,7 @@
 #include <cmath>
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(Random, GivesThePublishedNumbersOfSplitMix64)

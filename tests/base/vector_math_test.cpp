@@ -11,6 +11,7 @@
 #include "libshape/base/random.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr double pi = std::numbers::pi;

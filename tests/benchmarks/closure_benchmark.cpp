@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/threads.h"
-#include "libshape/embedding/closure_embedding.h"
+#include "libshape/embedding/closure/closure_embedding.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"

@@ -31,6 +31,7 @@
 namespace {
 
 using namespace shape;
+using namespace shape::internal;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
@@ -99,7 +100,7 @@ class Benchmark
 public:
     Benchmark(const std::string& a, const std::string& b)
         : meshes_(collect({read_mesh(a), read_mesh(b)})),
-          vectors_(encode(meshes_, Scale::None)),
+          vectors_(shape_vectors(meshes_, Scale::None)),
           bad_(bad_faces(meshes_.topology, meshes_.points[0]))
     {
         const std::vector<bool> bad = bad_faces(meshes_.topology, meshes_.points[1]);
@@ -131,7 +132,7 @@ public:
             seconds.push_back(half.report.seconds);
         }
         nlohmann::json figures = measure(half.points);
-        figures["setup_ms"] = 1e3 * embedder.setup_seconds();
+        figures["setup_ms"] = 1e3 * embedding.report.setup_seconds;
         figures["ms"] = 1e3 * median(seconds);
         figures["iterations"] = half.report.iterations;
         figures["converged"] = half.report.converged;
@@ -180,7 +181,7 @@ int main(int argc, char** argv)
         ->delimiter(',')
         ->check(CLI::IsMember(&methods));
     app.add_option("--repeat", repeats, "Meshes per method")->check(CLI::PositiveNumber);
-    app.add_option("--frames", frames, "Measure the rate of so many blends");
+    app.add_option("--frames", frames, "Measure the rate of this many blends");
     app.add_option("--threads", threads, "Threads");
     app.add_option("--smoothness", smoothness, "Weight of the angles");
     app.add_option("--measure", measured, "A mesh to be measured as well");

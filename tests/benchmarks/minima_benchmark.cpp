@@ -17,14 +17,15 @@
 #include "libshape/base/threads.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/embedding/embedder.h"
-#include "libshape/embedding/gauss_newton.h"
-#include "libshape/embedding/length_dihedral_energy.h"
+#include "libshape/embedding/energy/gauss_newton.h"
+#include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/mesh/collection.h"
 
 namespace {
 
 using namespace shape;
+using namespace shape::internal;
 using Eigen::VectorXd;
 
 constexpr GaussNewtonOptions on_the_way{.max_iterations = 5, .decrease_tolerance = 1e-2};
@@ -40,7 +41,7 @@ class Minima
 public:
     Minima(const Collection& meshes, double smoothness)
         : meshes_(meshes),
-          vectors_(encode(meshes, Scale::None)),
+          vectors_(shape_vectors(meshes, Scale::None)),
           smoothness_(smoothness),
           half_(energy(0.5)),
           solver_(meshes.topology, all_vertices())

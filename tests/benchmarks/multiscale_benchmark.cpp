@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "libshape/base/threads.h"
-#include "libshape/embedding/multiscale_embedding.h"
+#include "libshape/embedding/multiscale/multiscale_embedding.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"

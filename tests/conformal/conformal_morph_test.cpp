@@ -52,8 +52,8 @@ TEST(ConformalMorph, FollowsEquation13)
     const ConformalMorph morph = make_conformal_morph(mesh.topology, mesh.points, map);
     for (const double k : {0.25, 0.5, 0.75}) {
         const MorphFrame frame = morph_frame(morph, k);
-        EXPECT_TRUE(frame.mended_faces.empty());
-        EXPECT_EQ(frame.largest_mend, 0.0);
+        EXPECT_TRUE(frame.corrected_faces.empty());
+        EXPECT_EQ(frame.largest_correction, 0.0);
         for (int e = 0; e < lengths.size(); ++e) {
             const double u =
                 map.factors[mesh.topology.edges()(e, 0)] + map.factors[mesh.topology.edges()(e, 1)];
@@ -73,14 +73,14 @@ TEST(ConformalMorph, MendsBrokenFacesAsLittleAsItCan)
         const MorphFrame frame = morph_frame(morph, k);
         const Eigen::VectorXd wanted = (morph.log_lengths + k * morph.log_ratios).array().exp();
         EXPECT_TRUE(check_admissibility(mesh.topology, frame.point.edge_lengths).triangles.empty());
-        mended += static_cast<int>(frame.mended_faces.size());
-        EXPECT_EQ(frame.largest_mend == 0.0, frame.mended_faces.empty());
+        mended += static_cast<int>(frame.corrected_faces.size());
+        EXPECT_EQ(frame.largest_correction == 0.0, frame.corrected_faces.empty());
         for (const TriangleViolation& violation :
              check_admissibility(mesh.topology, wanted).triangles)
-            EXPECT_TRUE(std::binary_search(frame.mended_faces.begin(), frame.mended_faces.end(),
-                                           violation.face));
+            EXPECT_TRUE(std::binary_search(frame.corrected_faces.begin(),
+                                           frame.corrected_faces.end(), violation.face));
         // Minimal: going any part of the way back to the wanted lengths breaks a face again.
-        if (frame.mended_faces.empty())
+        if (frame.corrected_faces.empty())
             continue;
         const Eigen::VectorXd nearer =
             frame.point.edge_lengths + 1e-3 * (wanted - frame.point.edge_lengths);
@@ -118,7 +118,7 @@ TEST(ConformalMorph, HasAPaceThatIsUndone)
     EXPECT_EQ(morph_parameter(0.0), 0.0);
     EXPECT_EQ(morph_parameter(1.0), 1.0);
     for (const double k : {0.0, 0.1, 0.5, 0.9, 1.0})
-        EXPECT_NEAR(morph_parameter(morph_pace(k)), k, 1e-15);
+        EXPECT_NEAR(morph_parameter(inverse_morph_parameter(k)), k, 1e-15);
 }
 
 TEST(ConformalMorph, RefusesWhatDoesNotFit)

@@ -17,6 +17,7 @@
 #include "tests/conformal/closed_meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 IntrinsicTriangulation triangulate(const test::TestMesh& mesh)

@@ -9,6 +9,7 @@
 #include "libshape/base/random.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Complex = std::complex<double>;

@@ -14,6 +14,7 @@
 #include "tests/support/thread_scope.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using std::numbers::pi;

@@ -14,6 +14,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 Eigen::VectorXd lengths_of(const test::TestMesh& mesh)

@@ -12,6 +12,7 @@
 #include "libshape/base/random.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Vector2d;

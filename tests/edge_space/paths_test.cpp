@@ -11,6 +11,7 @@
 #include "libshape/base/random.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::VectorXd;
@@ -141,7 +142,7 @@ TEST(BSplineWeights, BendWithoutJumps)
 TEST(PointOnTrack, MovesAtConstantSpeed)
 {
     Eigen::MatrixX2d track(4, 2);
-    track << 0, 0, 3, 0, 3, 0, 3, 1; // a point twice is no stop
+    track << 0, 0, 3, 0, 3, 0, 3, 1; // a point twice is not a stop
     EXPECT_EQ(point_on_track(track, 0.0), Eigen::Vector2d(0, 0));
     EXPECT_EQ(point_on_track(track, 1.0), Eigen::Vector2d(3, 1));
     EXPECT_LT((point_on_track(track, 0.5) - Eigen::Vector2d(2, 0)).norm(), 1e-15);

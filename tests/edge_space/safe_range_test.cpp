@@ -85,7 +85,7 @@ TEST(SafeReach, AgreesWithACheckOfEveryTriangle)
 {
     for (unsigned seed = 1; seed <= 6; ++seed) {
         const Collection collection = test::bumpy_spheres(4, seed);
-        const ShapeVectors vectors = encode(collection, Scale::None);
+        const ShapeVectors vectors = shape_vectors(collection, Scale::None);
         const VectorXd start = VectorXd::Unit(4, 0);
         VectorXd away(4);
         away << 2.0, -1.0, -1.5, 0.5;
@@ -112,7 +112,7 @@ TEST(SafeReach, AgreesWithACheckOfEveryTriangle)
 TEST(SafeReach, OfWeightsStartsAtTheirPositivePart)
 {
     const Collection collection = test::bumpy_spheres(2, 3);
-    const ShapeVectors vectors = encode(collection, Scale::None);
+    const ShapeVectors vectors = shape_vectors(collection, Scale::None);
     for (const LengthBlend lengths : blends) {
         const double line =
             safe_reach(collection.topology, vectors, Vector2d(0, 1), Vector2d(-1, 1), lengths)

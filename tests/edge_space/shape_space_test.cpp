@@ -30,7 +30,7 @@ TEST(ShapeSpace, OfPlainLengthsIsThatOfShapeVectors)
 {
     const Collection collection = test::bumpy_spheres(6, 1);
     for (const Scale scale : {Scale::Unit, Scale::None}) {
-        const ShapeVectors vectors = encode(collection, scale);
+        const ShapeVectors vectors = shape_vectors(collection, scale);
         const ShapeSpace space = make_space(collection, {.scale = scale});
         EXPECT_TRUE(is_plain(space));
         EXPECT_EQ(scale_of(space), scale);

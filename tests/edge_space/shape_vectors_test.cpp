@@ -40,8 +40,8 @@ void expect_near(const std::vector<double>& actual, const std::vector<double>& e
 TEST(Encode, GivesLengthsOfUnitSumAnglesAndSizes)
 {
     const Collection collection = test::bumpy_spheres(4, 1);
-    const ShapeVectors unit = encode(collection, Scale::Unit);
-    const ShapeVectors plain = encode(collection, Scale::None);
+    const ShapeVectors unit = shape_vectors(collection, Scale::Unit);
+    const ShapeVectors plain = shape_vectors(collection, Scale::None);
     for (Eigen::Index i = 0; i < 4; ++i) {
         const Points& points = collection.points[static_cast<std::size_t>(i)];
         const Eigen::VectorXd lengths = edge_lengths(collection.topology, points);
@@ -59,8 +59,8 @@ TEST(Encode, GivesLengthsOfUnitSumAnglesAndSizes)
 TEST(Encode, KnowsNoPose)
 {
     const Collection collection = test::bumpy_spheres(5, 2);
-    const ShapeVectors here = encode(collection, Scale::None);
-    const ShapeVectors there = encode(test::moved(collection, 77), Scale::None);
+    const ShapeVectors here = shape_vectors(collection, Scale::None);
+    const ShapeVectors there = shape_vectors(test::moved(collection, 77), Scale::None);
     EXPECT_LE((here.edge_lengths - there.edge_lengths).cwiseAbs().maxCoeff(), 1e-14);
     EXPECT_LE((here.dihedral_angles - there.dihedral_angles).cwiseAbs().maxCoeff(), 1e-13);
 }
@@ -71,8 +71,8 @@ TEST(Encode, KnowsNoSizeIfAskedForUnitScale)
     Collection scaled = collection;
     for (std::size_t i = 0; i < scaled.size(); ++i)
         scaled.points[i] *= 0.3 + static_cast<double>(i);
-    const ShapeVectors a = encode(collection, Scale::Unit);
-    const ShapeVectors b = encode(scaled, Scale::Unit);
+    const ShapeVectors a = shape_vectors(collection, Scale::Unit);
+    const ShapeVectors b = shape_vectors(scaled, Scale::Unit);
     EXPECT_LE((a.edge_lengths - b.edge_lengths).cwiseAbs().maxCoeff(), 1e-17);
     EXPECT_LE((a.dihedral_angles - b.dihedral_angles).cwiseAbs().maxCoeff(), 1e-13);
     for (Eigen::Index i = 0; i < 5; ++i)
@@ -85,8 +85,8 @@ TEST(Encode, NegatesTheAnglesOfAMirrorImageAndKeepsItsLengths)
     Collection mirror = collection;
     for (Points& points : mirror.points)
         points.col(0) *= -1.0;
-    const ShapeVectors a = encode(collection, Scale::Unit);
-    const ShapeVectors b = encode(mirror, Scale::Unit);
+    const ShapeVectors a = shape_vectors(collection, Scale::Unit);
+    const ShapeVectors b = shape_vectors(mirror, Scale::Unit);
     EXPECT_EQ(a.edge_lengths, b.edge_lengths);
     EXPECT_LE((a.dihedral_angles + b.dihedral_angles).cwiseAbs().maxCoeff(), 1e-13);
 }
@@ -96,7 +96,7 @@ TEST(Encode, HasTheSameBitsForAnyThreadCount)
     const Collection collection = test::bumpy_spheres(9, 5);
     const auto encoded = [&](int threads) {
         const test::ThreadScope scope(threads);
-        return encode(collection, Scale::Unit);
+        return shape_vectors(collection, Scale::Unit);
     };
     EXPECT_EQ(encoded(1).edge_lengths, encoded(3).edge_lengths);
     EXPECT_EQ(encoded(1).dihedral_angles, encoded(3).dihedral_angles);
@@ -161,7 +161,7 @@ TEST(UnifyBranches, TakesNoRows)
 
 TEST(Blend, GivesAnInputBackForAUnitWeight)
 {
-    const ShapeVectors vectors = encode(test::bumpy_spheres(3, 7), Scale::None);
+    const ShapeVectors vectors = shape_vectors(test::bumpy_spheres(3, 7), Scale::None);
     for (const LengthBlend lengths : {LengthBlend::Plain, LengthBlend::Squared})
         for (int i = 0; i < 3; ++i) {
             const ShapePoint point = blend(vectors, Eigen::Vector3d::Unit(i), lengths);
@@ -188,7 +188,7 @@ TEST(Blend, CombinesLengthsOrTheirSquaresAndAnglesPlainly)
 
 TEST(Blend, RefusesWeightsThatBreakARule)
 {
-    const ShapeVectors vectors = encode(test::bumpy_spheres(2, 8), Scale::Unit);
+    const ShapeVectors vectors = shape_vectors(test::bumpy_spheres(2, 8), Scale::Unit);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW((void)blend(vectors, Eigen::Vector3d(1, 0, 0)), InvalidInput);
     EXPECT_THROW((void)blend(vectors, Eigen::Vector2d(0.5, 0.5 + 2e-9)), InvalidInput);

@@ -11,13 +11,14 @@
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
-#include "libshape/embedding/dihedral_embedding.h"
+#include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::VectorXd;

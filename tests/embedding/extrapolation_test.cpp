@@ -13,6 +13,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using std::numbers::pi;
@@ -71,7 +72,7 @@ TEST(Extrapolation, BendsPastTheFold)
     const test::TestMesh bent = strip(80.0 * pi / 180.0);
     const test::TestMesh wanted = strip(200.0 * pi / 180.0);
     const Collection pair{flat.topology, {"flat", "bent"}, {flat.points, bent.points}, {}};
-    const ShapePoint target = blend(encode(pair, Scale::None), Eigen::Vector2d(-1.5, 2.5));
+    const ShapePoint target = blend(shape_vectors(pair, Scale::None), Eigen::Vector2d(-1.5, 2.5));
     EXPECT_GT(target.dihedral_angles.cwiseAbs().maxCoeff(), pi);
     for (const EmbeddingMethod method : methods) {
         const Embedding embedding =

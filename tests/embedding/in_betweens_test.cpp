@@ -93,7 +93,7 @@ protected:
     }
 
     const Collection collection_ = pair();
-    const ShapeVectors vectors_ = encode(collection_, Scale::None);
+    const ShapeVectors vectors_ = shape_vectors(collection_, Scale::None);
     const std::vector<Keyframe> keys_ = keyframes(collection_, vectors_);
 };
 

@@ -43,14 +43,14 @@ protected:
                            read_mesh(folder / (std::string(GetParam().second) + ".ply"))});
     }
 
-    /// The blend of the meshes in a unit so many times smaller.
+    /// The blend of the meshes in a unit that many times smaller.
     [[nodiscard]] Points half_way(EmbeddingQuality quality, double scale = 1.0) const
     {
         Collection meshes = *meshes_;
         for (Points& points : meshes.points)
             points *= scale;
         const ShapePoint target =
-            blend(encode(meshes, Scale::None), Eigen::Vector2d::Constant(0.5));
+            blend(shape_vectors(meshes, Scale::None), Eigen::Vector2d::Constant(0.5));
         return Embedder(meshes.topology, meshes.points, {.quality = quality}).embed(target).points;
     }
 

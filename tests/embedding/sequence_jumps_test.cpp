@@ -154,7 +154,7 @@ TEST(SequenceJumps, FollowTheInequalityThatIsStated)
     EXPECT_NEAR(found[0].ratio, 1.01 / 0.15, 1e-12);
     EXPECT_TRUE(find_jumps(steps({0.1, 0.1, 0.5, 0.1, 0.1})).empty()); // 5 is not more than 5
     EXPECT_EQ(find_jumps(steps({0.1, 0.1, 0.4, 0.1, 0.1}), {.ratio = 3.0}).size(), 1U);
-    // A change of speed is no jump.
+    // A change of speed is not a jump.
     EXPECT_TRUE(find_jumps(steps({8, 8, 8, 8, 8, 1, 1, 1, 1, 1})).empty());
     // Only steps within reach count.
     EXPECT_EQ(find_jumps(steps({9, 9, 8, 1, 6, 1, 9, 9, 9}), {.reach = 1}).size(), 1U);

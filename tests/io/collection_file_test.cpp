@@ -15,6 +15,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 Collection bumpy_collection()
@@ -131,7 +132,7 @@ TEST(CollectionFile, RefusesWhatIsNoHdf5)
         test::write_bytes(directory / "c.h5", content);
         const std::string message =
             test::message_of<InvalidInput>([&] { (void)read_collection(directory / "c.h5"); });
-        EXPECT_NE(message.find("c.h5: is no HDF5 file"), std::string::npos) << message;
+        EXPECT_NE(message.find("c.h5: is not an HDF5 file"), std::string::npos) << message;
     }
     std::filesystem::create_directory(directory / "d.h5");
     EXPECT_THROW((void)read_collection(directory / "d.h5"), FileError);

@@ -8,6 +8,7 @@
 #include "tests/support/files.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(IndexFile, HoldsIndicesInAnyLayout)

@@ -21,6 +21,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using namespace std::string_view_literals;
@@ -414,9 +415,9 @@ std::vector<BadFile> bad_files()
         {"a.ply", std::string(std::size_t{3} << 20, 'x'), "line 1", "longer than"},
         {"a.obj", "v 0 0 \\\n0\n", "line 1", "backslash"},
         // Counts.
-        {"a.off", off_counts("4000000000 1 0"), "line 2", "cannot stand in"},
-        {"a.off", off_counts("100000000 1 0"), "line 2", "cannot stand in"},
-        {"a.off", off_counts("1 100000000 0"), "line 2", "cannot stand in"},
+        {"a.off", off_counts("4000000000 1 0"), "line 2", "do not fit in"},
+        {"a.off", off_counts("100000000 1 0"), "line 2", "do not fit in"},
+        {"a.off", off_counts("1 100000000 0"), "line 2", "do not fit in"},
         {"a.off", off_counts("99999999999999999999 1 0"), "line 2", "must be an integer"},
         {"a.off", off_counts("9223372036854775807 9223372036854775807 0"), "line 2",
          "cannot stand"},
@@ -431,9 +432,9 @@ std::vector<BadFile> bad_files()
         {"a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n# not more\n", "line 7",
          "ends before face 1 of 2"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", "line 7", "more lines"},
-        {"a.ply", ply_counts("4000000000", "1"), "line 9", "cannot stand in"},
-        {"a.ply", ply_counts("100000000", "1"), "line 9", "cannot stand in"},
-        {"a.ply", ply_counts("3", "100000000"), "line 9", "cannot stand in"},
+        {"a.ply", ply_counts("4000000000", "1"), "line 9", "do not fit in"},
+        {"a.ply", ply_counts("100000000", "1"), "line 9", "do not fit in"},
+        {"a.ply", ply_counts("3", "100000000"), "line 9", "do not fit in"},
         {"a.ply", ply_counts("-4", "1"), "line 3", "is -4"},
         {"a.ply", ply_counts("3.5", "1"), "line 3", "'3.5'"},
         {"a.ply", ply_counts("4", "1"), "line 13", "unexpected '2'"},
@@ -442,7 +443,7 @@ std::vector<BadFile> bad_files()
         {"a.ply", ply_counts("3", "0"), "line 13", "more lines"},
         {"a.ply", binary_face(3, {0, 1, 2}) + "x", "byte", "1 byte more"},
         {"a.ply", binary_face(3, {0, 1}), "byte", "within an element"},
-        {"a.ply", binary_points, "byte", "cannot stand in the remaining 0 bytes"},
+        {"a.ply", binary_points, "byte", "do not fit in the remaining 0 bytes"},
         // Polygons.
         {"a.obj", obj + "f 1 2\n", "line 4", "2 corners"},
         {"a.obj", obj + "f\n", "line 4", "0 corners"},
@@ -485,7 +486,7 @@ std::vector<BadFile> bad_files()
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list float int x\n", "line 4",
          "integer type"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list uchar int x\n", "line 4",
-         "must be no list"},
+         "must not be a list"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex\n", "line 3", "count of the element"},
         {"a.ply", "ply\nformat ascii 1.0\nelement\n", "line 3", "name of the element"},
         {"a.ply", "ply\nformat ascii 1.0\nvertices 3\n", "line 3", "'vertices'"},

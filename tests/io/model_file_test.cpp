@@ -16,6 +16,7 @@
 #include "tests/support/spaces.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Three subjects, each calm and bumpy.

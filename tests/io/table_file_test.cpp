@@ -12,6 +12,7 @@
 #include "tests/support/files.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;

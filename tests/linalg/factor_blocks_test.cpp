@@ -11,6 +11,7 @@
 #include "tests/support/lane_vectors.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -74,12 +75,12 @@ void expect_products(const Sample& sample, const std::vector<Entry>& values, Ran
     const FactorBlock* const block = &sample.block;
 
     LaneVectors up = before;
-    multiply_up(block, block + 1, sample.row.data(), values.data(), lanes(up));
+    forward_substitute(block, block + 1, sample.row.data(), values.data(), lanes(up));
     EXPECT_LT((up.topRows<3>().transpose().cast<double>() - sample.up(x)).norm(), 1e-5);
 
     LaneVectors down = before;
-    multiply_down(block, block + 1, sample.row.data() + sample.row.size(),
-                  values.data() + values.size(), lanes(down));
+    back_substitute(block, block + 1, sample.row.data() + sample.row.size(),
+                    values.data() + values.size(), lanes(down));
     EXPECT_LT((down.topRows<3>().transpose().cast<double>() - sample.down(x)).norm(), 1e-5);
 }
 
@@ -97,7 +98,7 @@ TEST(FactorBlocks, MultiplyBothWays)
             // Rounded matrices are what their halves are read as.
             round_to_halves(sample.inverse);
             round_to_halves(sample.below);
-            expect_products(sample, sample.values<FloatHalf>(upper_half), random);
+            expect_products(sample, sample.values<Bfloat16>(upper_half), random);
         }
 }
 
@@ -129,7 +130,7 @@ TEST(FactorBlocks, RoundingLeavesZerosNextToNothing)
     for (Index i = 0; i < matrix.size(); ++i)
         if (before(i) == 0.0) {
             EXPECT_LT(std::abs(matrix(i)), 1e-11);
-            // What is calculated with is no denormal number.
+            // What is calculated with is not a denormal number.
             EXPECT_TRUE(matrix(i) == 0.0 || std::abs(matrix(i)) > 1e-30);
         }
     EXPECT_LT(matrix(2, 1), 0.0);

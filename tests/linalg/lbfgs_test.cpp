@@ -10,6 +10,7 @@
 #include "libshape/base/error.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// sum of i (x_i - i)^2 over i = 1 ... n: 0 at x_i = i.

@@ -13,6 +13,7 @@
 #include "tests/support/thread_scope.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// A grid's Laplacian with a random positive diagonal added: fills in, has wide supernodes.

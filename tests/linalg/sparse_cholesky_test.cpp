@@ -12,6 +12,7 @@
 #include "tests/support/thread_scope.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Five-point Laplacian of a rows by columns grid plus `shift` on the diagonal.

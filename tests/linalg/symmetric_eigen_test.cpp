@@ -15,6 +15,7 @@
 #include "tests/support/matrices.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// The pairs must have the known values, solve A v = lambda v and be orthonormal.

@@ -12,6 +12,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 double squared_distance(const Points& a, const Points& b)

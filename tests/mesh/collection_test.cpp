@@ -12,6 +12,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 NamedMesh named(const std::string& name, const test::TestMesh& mesh)

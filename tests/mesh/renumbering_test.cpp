@@ -12,6 +12,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(Renumbering, KeepsTheSurface)

@@ -13,6 +13,7 @@
 #include "libshape/mesh/alignment.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 Eigen::Matrix3d random_matrix(Random& random)

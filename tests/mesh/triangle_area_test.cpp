@@ -10,6 +10,7 @@
 #include "libshape/base/random.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Any order of the sides must give the same, up to rounding.

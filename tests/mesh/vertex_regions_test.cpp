@@ -12,6 +12,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 /// Distance of every vertex from the nearest seed, in edges.

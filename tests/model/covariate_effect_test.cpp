@@ -36,7 +36,7 @@ VectorXd slope_of(const RowMatrix& rows, const VectorXd& covariate)
 TEST(CovariateEffect, RegressesLengthsAndAnglesAlike)
 {
     const Collection collection = test::bumpy_spheres(count, 1);
-    const ShapeVectors v = encode(collection, Scale::Unit);
+    const ShapeVectors v = shape_vectors(collection, Scale::Unit);
     const CovariateEffect effect = effect_on(collection, ages);
     const VectorXd lengths = slope_of(v.edge_lengths, ages.col(0));
     const VectorXd angles = slope_of(v.dihedral_angles, ages.col(0));
@@ -83,7 +83,7 @@ TEST(CovariateEffect, IsGoneOnceEveryMeshIsMovedToTheMean)
 TEST(CovariateEffect, LeavesAMeshAloneThatStaysWhereItIs)
 {
     const Collection collection = test::bumpy_spheres(count, 3);
-    const ShapeVectors v = encode(collection, Scale::None);
+    const ShapeVectors v = shape_vectors(collection, Scale::None);
     const CovariateEffect effect = effect_on(collection, ages);
     const auto same = std::get<ShapePoint>(
         move_along_slopes(effect, subset(collection, {4}), ages.row(4), ages.row(4)));
@@ -95,7 +95,7 @@ TEST(CovariateEffect, WithinBlocksIsThatOfTheirDeviations)
 {
     const Collection collection = test::bumpy_spheres(count, 4);
     const Grouping blocks = group_by({"x", "x", "x", "y", "y", "y", "y"});
-    RowMatrix rows = encode(collection, Scale::Unit).edge_lengths;
+    RowMatrix rows = shape_vectors(collection, Scale::Unit).edge_lengths;
     VectorXd covariate = ages.col(0);
     for (const auto& [first, size] : {std::pair{0, 3}, std::pair{3, 4}}) {
         covariate.segment(first, size).array() -= covariate.segment(first, size).mean();

@@ -46,7 +46,7 @@ TEST(MeanDifference, IsTheMeanOverThePairs)
 {
     for (const Scale scale : {Scale::Unit, Scale::None}) {
         const Collection collection = people();
-        const ShapeVectors v = encode(collection, scale);
+        const ShapeVectors v = shape_vectors(collection, scale);
         const DifferenceVector d = mean_difference(collection, rest_to_bent(scale));
         EXPECT_EQ(d.pairs, (std::vector<std::string>{"anna", "bert"}));
         const auto mean = [](const RowMatrix& m, int a, int b) -> Eigen::VectorXd {
@@ -119,7 +119,7 @@ ShapePoint applied(const DifferenceVector& difference, double amount, double siz
 TEST(ApplyDifferences, StartsAtTheMeanAndEndsAtTheMeanOfTheOtherGroup)
 {
     const Collection collection = people();
-    const ShapeVectors v = encode(collection, Scale::Unit);
+    const ShapeVectors v = shape_vectors(collection, Scale::Unit);
     const DifferenceVector d = mean_difference(collection, rest_to_bent());
     const ShapePoint start = applied(d, 0.0, 7.0);
     EXPECT_LE((start.edge_lengths - 7.0 * d.mean_edge_lengths).norm(), 1e-15);
@@ -140,7 +140,7 @@ TEST(ApplyDifferences, TakesTheStartOfOneMeshOfAPairToItsEnd)
     // With one pair the difference is that of its two meshes; sizes differ, that of the start stays.
     Collection collection = people();
     collection.labels[0].values = {"bert", "anna", "cleo", "bert", "dora"};
-    const ShapeVectors v = encode(collection, Scale::None);
+    const ShapeVectors v = shape_vectors(collection, Scale::None);
     const auto point = [&](int mesh) {
         return ShapePoint{v.edge_lengths.row(mesh), v.dihedral_angles.row(mesh)};
     };
@@ -201,7 +201,7 @@ TEST(DifferenceEffects, AreThePairedEffectsOfTheShapeVectors)
 {
     for (const Scale scale : {Scale::Unit, Scale::None}) {
         const Collection collection = people();
-        const RowMatrix lengths = encode(collection, scale).edge_lengths;
+        const RowMatrix lengths = shape_vectors(collection, scale).edge_lengths;
         RowMatrix from(2, lengths.cols());
         RowMatrix to(2, lengths.cols());
         from << lengths.row(1), lengths.row(0);

@@ -19,7 +19,7 @@ const Grouping& two_groups()
 TEST(GroupShapes, AveragesLengthsAnglesAndSizesOfTheMembers)
 {
     const Collection collection = test::bumpy_spheres(5, 1);
-    const ShapeVectors v = encode(collection, Scale::Unit);
+    const ShapeVectors v = shape_vectors(collection, Scale::Unit);
     const GroupedShapes shapes = group_shapes(collection, two_groups());
     EXPECT_NEAR(shapes.mean_sizes[1], 0.5 * (v.sizes[1] + v.sizes[4]), 1e-13);
     const auto mean = std::get<ShapePoint>(mean_shape(shapes, 1));
@@ -36,7 +36,7 @@ TEST(GroupShapes, AveragesLengthsAnglesAndSizesOfTheMembers)
 TEST(GroupShapes, HasTheDistancesOfTheMeshesInItsProducts)
 {
     const Collection collection = test::bumpy_spheres(5, 2);
-    const ShapeVectors v = encode(collection, Scale::Unit);
+    const ShapeVectors v = shape_vectors(collection, Scale::Unit);
     const GroupedShapes shapes = group_shapes(collection, two_groups());
     const Eigen::MatrixXd& g = shapes.products;
     EXPECT_NEAR(std::sqrt(g(0, 0) + g(3, 3) - 2.0 * g(0, 3)),

@@ -67,7 +67,7 @@ TEST(Nuisance, LeavesAMeshAloneThatKeepsItsAmounts)
 TEST(Nuisance, GivesAllMeshesTheAmountsOfOne)
 {
     const Collection collection = test::bumpy_spheres(6, 3);
-    const ShapeVectors v = encode(collection, Scale::Unit);
+    const ShapeVectors v = shape_vectors(collection, Scale::Unit);
     const ShapeModel model = fit_model(collection);
     const Nuisance nuisance = leading_modes(model, 2);
     const VectorXd wanted = model.scores.row(3).head(2);
@@ -95,12 +95,12 @@ TEST(Nuisance, OfADifferenceIsItsDirection)
     const auto shape =
         std::get<ShapePoint>(with_amounts(nuisance, one(collection, 4), VectorXd::Zero(1)));
     const double share = amounts(4, 0) / difference.edge_lengths.norm();
-    const ShapeVectors v = encode(collection, Scale::Unit);
+    const ShapeVectors v = shape_vectors(collection, Scale::Unit);
     EXPECT_LE((shape.edge_lengths / v.sizes[4] -
                (v.edge_lengths.row(4).transpose() - share * difference.edge_lengths))
                   .norm(),
               1e-14);
-    const ShapeVectors alone = encode(one(collection, 4), Scale::Unit);
+    const ShapeVectors alone = shape_vectors(one(collection, 4), Scale::Unit);
     EXPECT_LE((shape.dihedral_angles -
                (alone.dihedral_angles.row(0).transpose() - share * difference.dihedral_angles))
                   .norm(),

@@ -18,6 +18,7 @@
 #include "tests/support/spaces.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

@@ -31,7 +31,7 @@ TEST(FitModel, CarriesWhatTheCollectionHas)
 {
     Collection collection = test::bumpy_spheres(6, 1);
     collection.labels = {{"group", {"a", "b", "a", "b", "a", "b"}}};
-    const ShapeVectors vectors = encode(collection, Scale::Unit);
+    const ShapeVectors vectors = shape_vectors(collection, Scale::Unit);
     const ShapeModel model = fit_model(collection, {.modes = 3});
     EXPECT_EQ(model.mode_count(), 3);
     EXPECT_TRUE(model.topology == collection.topology);
@@ -53,7 +53,7 @@ TEST(FitModel, GivesEveryMeshBackFromAllModesLengthsAndAnglesAlike)
 {
     for (const Scale scale : {Scale::Unit, Scale::None}) {
         const Collection collection = test::bumpy_spheres(8, 2);
-        const ShapeVectors vectors = encode(collection, Scale::None);
+        const ShapeVectors vectors = shape_vectors(collection, Scale::None);
         const ShapeModel model = fit_model(collection, {.space = {.scale = scale}});
         ASSERT_EQ(model.mode_count(), 7);
         for (Index i = 0; i < 8; ++i) {
@@ -85,7 +85,7 @@ TEST(FitModel, KnowsNoPose)
 TEST(FitModel, OfTwoMeshesIsTheLineThroughThem)
 {
     const Collection collection = test::bumpy_spheres(2, 4);
-    const ShapeVectors vectors = encode(collection, Scale::Unit);
+    const ShapeVectors vectors = shape_vectors(collection, Scale::Unit);
     const ShapeModel model = fit_model(collection);
     ASSERT_EQ(model.mode_count(), 1);
     const double distance = (vectors.edge_lengths.row(0) - vectors.edge_lengths.row(1)).norm();
@@ -178,7 +178,7 @@ TEST(Project, SplitsTheDistanceFromTheMeanIntoScoresAndResidual)
 {
     const ShapeModel model = fit_model(test::bumpy_spheres(8, 11), {.modes = 3});
     const Collection others = test::bumpy_spheres(5, 12);
-    const ShapeVectors vectors = encode(others, Scale::Unit);
+    const ShapeVectors vectors = shape_vectors(others, Scale::Unit);
     const Projection projection = project(model, others);
     for (Index i = 0; i < 5; ++i) {
         const double distance = (vectors.edge_lengths.row(i) - model.mean.transpose()).norm();

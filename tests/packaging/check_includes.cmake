@@ -2,20 +2,22 @@
 #
 # Reads the table of modules in ROOT/docs/architecture.md and fails on every include outside it:
 # a module its row does not name, a third party library that it does not own, and anything but
-# Eigen and the standard library in a header of libshape/. Checks the licence line as well.
+# Eigen and the standard library in a public header. A module is a folder, so the rooms of a
+# module have rows of their own. Checks the licence line as well.
 cmake_minimum_required(VERSION 3.25)
 set(failures "")
+include(${ROOT}/cmake/public_headers.cmake OPTIONAL) # without it all headers are public
 
 file(STRINGS ${ROOT}/docs/architecture.md rows REGEX "^\\| [0-9] \\|")
 set(modules "")
 foreach(row IN LISTS rows)
-    string(REGEX REPLACE "^\\| ([0-9]) \\| `([a-z_]+)` \\|[^|]*\\|([^|]*)\\|([^|]*)\\|$"
+    string(REGEX REPLACE "^\\| ([0-9]) \\| `([a-z0-9_/]+)` \\|[^|]*\\|([^|]*)\\|([^|]*)\\|$"
            "\\1;\\2;\\3;\\4" cells "${row}")
     list(GET cells 0 level)
     list(GET cells 1 module)
     list(GET cells 2 includes)
     list(GET cells 3 third_party)
-    string(REGEX MATCHALL "[a-z_]+" may_include_${module} "${includes}")
+    string(REGEX MATCHALL "[a-z0-9_/]+" may_include_${module} "${includes}")
     string(REGEX MATCHALL "[A-Za-z0-9_.]+" third_party_${module} "${third_party}")
     set(level_${module} ${level})
     foreach(other IN LISTS may_include_${module})
@@ -36,7 +38,10 @@ set(system "^([a-z_]+|sys/[a-z]+\\.h|(unistd|fcntl|signal|stdlib|malloc)\\.h)$")
 file(GLOB_RECURSE files RELATIVE ${ROOT}
      ${ROOT}/libshape/*.h ${ROOT}/libshape/*.cpp ${ROOT}/tools/*.h ${ROOT}/tools/*.cpp)
 foreach(path IN LISTS files)
-    string(REGEX REPLACE "^(libshape/)?([a-z_]+)/.*" "\\2" module ${path})
+    string(REGEX REPLACE "^(libshape/)?(.+)/[^/]+$" "\\2" module ${path})
+    if(path STREQUAL "libshape/shape.h")
+        continue() # all public headers: check_public_headers.cmake
+    endif()
     if(NOT module IN_LIST modules)
         list(APPEND failures "${path}: docs/architecture.md has no row for ${module}")
     endif()
@@ -46,7 +51,7 @@ foreach(path IN LISTS files)
     endif()
     file(STRINGS ${ROOT}/${path} includes REGEX "^ *# *include")
     foreach(line IN LISTS includes)
-        if(line MATCHES "\"(libshape/)?([a-z_]+)/[^\"]*\"")
+        if(line MATCHES "\"(libshape/)?([a-z0-9_/]+)/[^\"/]*\"")
             set(other ${CMAKE_MATCH_2})
             if(NOT other STREQUAL module AND NOT other IN_LIST may_include_${module})
                 list(APPEND failures "${path}: ${module} may not include ${other}: ${line}")
@@ -55,7 +60,9 @@ foreach(path IN LISTS files)
             set(name ${CMAKE_MATCH_1})
             string(REGEX REPLACE "/.*" "" library ${name})
             set(is_public FALSE)
-            if(path MATCHES "^libshape/.*\\.h$")
+            if(path MATCHES "^libshape/.*\\.h$" AND
+               (NOT DEFINED public_headers OR path IN_LIST public_headers OR
+                path IN_LIST public_picture_headers))
                 set(is_public TRUE)
             endif()
             if(library STREQUAL "Eigen" OR name MATCHES "^[a-z_]+$")

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(Base64, IsThatOfTheTestVectorsOfItsStandard)

@@ -15,6 +15,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 Page sample()
@@ -34,7 +35,7 @@ Page sample()
     return page;
 }
 
-/// The document without what is no XML, and what stood in the first such element.
+/// The document without what is not XML, and what stood in the first such element.
 std::pair<std::string, std::string> without(std::string html, const std::string& from,
                                             const std::string& to)
 {

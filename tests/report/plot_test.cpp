@@ -13,6 +13,7 @@
 #include "tests/report/xml.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(RoundTicks, CoverTheDataInEvenRoundSteps)

@@ -155,7 +155,8 @@ TEST(CrossValidateFaces, AgreesWithNumpy)
         GTEST_SKIP() << "no ict_faces600";
     // Confusion of 600 faces by an independent program that decomposes every fold anew.
     const Collection faces = test::ict_faces();
-    const MatrixXd products = centred_inner_products(encode(faces, Scale::Unit).edge_lengths);
+    const MatrixXd products =
+        centred_inner_products(shape_vectors(faces, Scale::Unit).edge_lengths);
     const Grouping groups = group_by(find_label(faces.labels, "expression").values);
     ASSERT_EQ(groups.names, (std::vector<std::string>{"angry", "happy", "neutral"}));
     const Grouping subjects = group_by(find_label(faces.labels, "subject").values);

@@ -16,6 +16,7 @@
 #include "tests/support/uniformity.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -174,7 +175,8 @@ TEST_F(CompareFaces, AgreesWithNumpy)
 {
     // F of the 600 faces by an independent program, in double precision.
     const Collection faces = test::ict_faces();
-    const MatrixXd products = centred_inner_products(encode(faces, Scale::Unit).edge_lengths);
+    const MatrixXd products =
+        centred_inner_products(shape_vectors(faces, Scale::Unit).edge_lengths);
     const Grouping expressions = group_by(find_label(faces.labels, "expression").values);
     const Grouping subjects = group_by(find_label(faces.labels, "subject").values);
     const PermutationOptions few{.permutations = 9};
@@ -192,7 +194,7 @@ TEST_F(CompareFaces, FindsExpressionsButNotShuffledOnes)
     const Collection faces = test::ict_faces();
     const Labels& expression = find_label(faces.labels, "expression").values;
     const Labels& subject = find_label(faces.labels, "subject").values;
-    const ShapeVectors vectors = encode(faces, Scale::Unit);
+    const ShapeVectors vectors = shape_vectors(faces, Scale::Unit);
     // Happy and neutral faces of the first 30 subjects.
     std::vector<int> chosen;
     for (int i = 0; chosen.size() < 60; ++i)

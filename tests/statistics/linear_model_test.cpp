@@ -17,6 +17,7 @@
 #include "tests/support/uniformity.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

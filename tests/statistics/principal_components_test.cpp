@@ -18,6 +18,7 @@
 #include "tests/support/thread_scope.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;

@@ -11,6 +11,7 @@
 #include "libshape/base/error.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 constexpr double pi = std::numbers::pi;

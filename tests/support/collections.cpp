@@ -12,6 +12,7 @@
 #include "tests/support/meshes.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 std::filesystem::path ict_folder()

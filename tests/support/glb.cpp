@@ -11,6 +11,7 @@
 #include "tests/support/files.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 template <class Value>

@@ -2,11 +2,12 @@
 
 #pragma once
 
-#include "libshape/embedding/local_frames.h"
+#include "libshape/embedding/start/local_frames.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
 namespace shape::test {
+using namespace internal;
 
 /// The ladybug's walk around an interior vertex, Z_0 X_0 ... Z_k X_k (Rojas 2014, eq. 1), turn by
 /// turn. It closes if this is the identity.

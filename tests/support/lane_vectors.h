@@ -6,6 +6,7 @@
 #include "libshape/linalg/lanes.h"
 
 namespace shape::test {
+using namespace internal;
 
 /// Entries uniform in [-1, 1).
 [[nodiscard]] inline LaneVectors random_lane_vectors(Eigen::Index count, Random& random)

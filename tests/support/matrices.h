@@ -7,6 +7,7 @@
 #include "libshape/base/random.h"
 
 namespace shape::test {
+using namespace internal;
 
 /// Independent standard normal entries.
 [[nodiscard]] inline Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns,

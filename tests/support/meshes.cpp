@@ -12,6 +12,7 @@
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 using std::numbers::pi;

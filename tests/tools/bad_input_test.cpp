@@ -11,6 +11,7 @@
 #include "tests/tools/program.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 /// Something that the program must refuse, and how.

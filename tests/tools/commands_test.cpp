@@ -12,6 +12,7 @@
 #include "tests/tools/program_test.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 class Commands : public SilentProgramTest

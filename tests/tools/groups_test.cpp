@@ -11,10 +11,11 @@
 #include "tests/tools/program_test.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 /// Six subjects, calm and glad (longer along z), in people/ and people.h5. Three are of each sex;
-/// one mesh has no value of `gap`, `word` is no number, and `same` is one for all.
+/// one mesh has no value of `gap`, `word` is not a number, and `same` is one for all.
 class Groups : public ProgramTest
 {
 protected:

@@ -6,6 +6,7 @@
 #include "tests/tools/program_test.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 /// A folder with four meshes, a.ply to d.ply, where every run must succeed.

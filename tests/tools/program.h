@@ -39,7 +39,7 @@ struct Launch
     std::string interrupt_at_file = {};        ///< or when this file of the folder exists.
     bool close_stdout = false;                 ///< stdout is a pipe that nobody reads.
     std::vector<std::string> environment = {}; ///< NAME=VALUE, added to that of the test.
-    std::size_t largest_file = 0;              ///< > 0: writing beyond so many bytes fails.
+    std::size_t largest_file = 0;              ///< > 0: writing beyond this many bytes fails.
 };
 
 /// Runs the program in a folder; ends it after a minute.

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: MIT
 
-#include <iostream>
+#include <libshape/shape.h>
 
-#include "libshape/base/version.h"
-#include "libshape/mesh/edge_lengths.h"
+#include <cmath>
 
-int main()
+// Fits a model to the meshes named by the arguments and writes mode1.ply, the mesh two standard
+// deviations along mode 1.
+int main(int argc, char** argv)
 {
-    const shape::Faces faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-    const shape::Points points{{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
-    const shape::Topology tetrahedron(faces, 4);
-    std::cout << "shape " << shape::version() << ", "
-              << shape::edge_lengths(tetrahedron, points).squaredNorm() << "\n"; // 6 edges, sqrt(8)
+    std::vector<shape::NamedMesh> meshes;
+    for (int i = 1; i < argc; ++i)
+        meshes.push_back(shape::read_mesh(argv[i]));
+    const shape::ShapeModel model = shape::fit_model(shape::collect(std::move(meshes)));
+
+    const Eigen::VectorXd scores{{2.0 * std::sqrt(model.variances[0])}};
+    const shape::Embedder embedder(model.topology, {model.reference_points});
+    const shape::Embedding mesh =
+        embedder.embed(shape::model_point(model, scores, model.mean_size()));
+    shape::write_mesh("mode1.ply", mesh.points, model.topology.faces());
 }

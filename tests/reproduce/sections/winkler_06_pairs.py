@@ -33,7 +33,7 @@ Outer columns the inputs, between them t = 0.25, 0.5, 0.75 by `multiscale`.
 Largest errors of the three:
 
 {markdown_table(["pair", "vertices", "method", "edge RMS", "edges 99 %", "worst edge", "drift 99 % [deg]"], rows)}
-As in the paper, turns of far more than 180 degrees are followed and large meshes are no obstacle. Where surfaces fold, in the fist
+As in the paper, turns of far more than 180 degrees are followed and large meshes are not an obstacle. Where surfaces fold, in the fist
 and at the hip, `multiscale` lets single edges go far further off than the 12 % that the paper reports for its elephant; 99 % of them
 are within a few per cent, but for the fist. `dihedral` on the large body: [performance.md](performance.md).
 """

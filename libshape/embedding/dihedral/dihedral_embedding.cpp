@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/dihedral/dihedral_embedding.h"
+
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/pool.h"
+#include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/energy/descent.h"
+#include "libshape/embedding/energy/length_dihedral_energy.h"
+#include "libshape/embedding/repair/hot_spots.h"
+#include "libshape/embedding/start/edge_laplacian.h"
+#include "libshape/embedding/start/face_fit.h"
+#include "libshape/embedding/start/face_layout.h"
+#include "libshape/embedding/start/linear_start.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/renumbering.h"
+
+namespace shape::internal {
+namespace {
+
+using Eigen::VectorXd;
+
+VectorXd mean_lengths(const Topology& topology, const std::vector<Points>& meshes)
+{
+    VectorXd sum = VectorXd::Zero(topology.edge_count());
+    for (const Points& mesh : meshes)
+        sum += edge_lengths(topology, mesh);
+    return sum / static_cast<double>(meshes.size());
+}
+
+} // namespace
+
+struct DihedralEmbedder::State
+{
+    Renumbering renumbering; // all else is in its order
+    std::vector<Points> references;
+    EdgeLaplacian laplacian; // of the references' mean lengths
+    SinglePrecisionSolve preconditioner;
+    Pool<LinearStart> starts;
+
+    State(const Topology& topology, const std::vector<Points>& meshes)
+        : renumbering(renumber_for_locality(topology)),
+          references(in_order(renumbering, meshes)),
+          laplacian(renumbering.topology, mean_lengths(renumbering.topology, references)),
+          preconditioner(laplacian.single_precision()),
+          starts([this, patches = std::make_shared<FacePatches>(renumbering.topology, 64)] {
+              return std::make_unique<LinearStart>(renumbering.topology, patches, laplacian,
+                                                   preconditioner);
+          })
+    {
+    }
+
+    static std::vector<Points> in_order(const Renumbering& renumbering,
+                                        const std::vector<Points>& meshes)
+    {
+        std::vector<Points> ordered;
+        for (const Points& mesh : meshes)
+            ordered.push_back(renumbered(renumbering, mesh));
+        return ordered;
+    }
+};
+
+DihedralEmbeddingOptions dihedral_preview()
+{
+    DihedralEmbeddingOptions preview;
+    preview.local_global_steps = 2;
+    preview.relax_start = true;
+    preview.max_iterations = 9;
+    preview.first_linear_steps = 4;
+    preview.repairs = {9};
+    preview.folds.fold_angle = 2.0; // what is about to turn over
+    preview.repair.descent.newton_steps = 4;
+    return preview;
+}
+
+DihedralEmbedder::DihedralEmbedder(const Topology& topology, const std::vector<Points>& references)
+{
+    if (references.empty())
+        throw InvalidInput("the embedding needs at least one reference mesh");
+    for (const Points& reference : references)
+        if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
+            throw InvalidInput("a reference mesh has an edge of length 0");
+    state_ = std::make_unique<State>(topology, references);
+}
+
+DihedralEmbedder::~DihedralEmbedder() = default;
+DihedralEmbedder::DihedralEmbedder(DihedralEmbedder&&) noexcept = default;
+DihedralEmbedder& DihedralEmbedder::operator=(DihedralEmbedder&&) noexcept = default;
+
+DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
+                                          const DihedralEmbeddingOptions& options) const
+{
+    State& s = *state_;
+    const Topology& topology = s.renumbering.topology;
+    if (point.edge_lengths.size() != topology.edge_count() ||
+        point.dihedral_angles.size() != topology.edge_count())
+        throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
+                                point.dihedral_angles.size(), " dihedral angles, the topology ",
+                                topology.edge_count(), " edges"));
+    const ShapePoint target{positive_lengths(renumbered(s.renumbering, point.edge_lengths)),
+                            renumbered(s.renumbering, point.dihedral_angles)};
+    LengthDihedralEnergy energy(topology, target, options.smoothness);
+    const auto start = s.starts.borrow();
+    const Points& linear = start->points(target, options.local_global_steps);
+
+    DihedralEmbedding result;
+    result.back_substitutions = options.local_global_steps + 1;
+    // Rounding: strains of 1e-12 an edge are none.
+    const double nothing = 1e-24 * topology.edge_count();
+    VectorXd points = linear.reshaped<Eigen::RowMajor>();
+    Descender descender(energy, s.preconditioner);
+    const auto descend_to = [&](int iterations) {
+        Descent descent = descender.descend(std::move(points),
+                                            {.max_linear_steps = iterations - result.iterations,
+                                             .first_linear_steps = options.first_linear_steps,
+                                             .decrease_tolerance = options.decrease_tolerance,
+                                             .value_tolerance = nothing});
+        points = std::move(descent.points);
+        result.iterations += descent.linear_steps;
+        result.energy = descent.energy;
+        result.converged = descent.converged;
+    };
+    const auto repair = [&](std::vector<std::vector<int>> regions) {
+        RegionRepair repaired = repair_regions(energy, s.references, std::move(points),
+                                               std::move(regions), options.repair);
+        points = std::move(repaired.points);
+        result.energy -= repaired.decrease;
+        result.repaired_regions += repaired.replaced;
+        result.converged = result.converged && repaired.replaced == 0;
+    };
+    if (options.relax_start)
+        repair(hot_spots(energy, points));
+    // Folds show once what is rough about the start is gone.
+    for (const int iterations : options.repairs)
+        if (iterations <= options.max_iterations && !result.converged) {
+            descend_to(iterations);
+            repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
+        }
+    if (result.iterations == 0 ||
+        (result.iterations < options.max_iterations && !result.converged)) {
+        energy.keep_areas();
+        descend_to(options.max_iterations);
+    }
+    result.back_substitutions += result.iterations;
+    const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
+    result.points = restored(s.renumbering, vertices);
+    result.points.rowwise() -= centroid(result.points);
+    return result;
+}
+
+} // namespace shape::internal

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/repair/fold_regions.h"
+#include "libshape/embedding/repair/region_repair.h"
+#include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
+
+namespace shape::internal {
+
+struct DihedralEmbeddingOptions
+{
+    double smoothness = 5e-3;            ///< mu of length_dihedral_energy.h; > 0.
+    int local_global_steps = 3;          ///< Face steps after the linear start; >= 0.
+    bool relax_start = false;            ///< Whether hot spots are solved before the descent.
+    int max_iterations = 120;            ///< Linear steps of descent.h; 0 leaves out what follows.
+    int first_linear_steps = 12;         ///< Of descent.h.
+    std::vector<int> repairs = {24, 60}; ///< Linear steps before folds are repaired; ascending.
+    FoldRegionOptions folds = {};
+    RegionRepairOptions repair = {};
+    double decrease_tolerance = 1e-4; ///< Of descent.h.
+};
+
+/// What --quality preview does: 12 back-substitutions, and no fold stays.
+[[nodiscard]] DihedralEmbeddingOptions dihedral_preview();
+
+struct DihedralEmbedding
+{
+    Points points;       ///< #V by 3 [length], centroid at 0.
+    double energy = 0.0; ///< E of length_dihedral_energy.h.
+    int iterations = 0;  ///< Linear steps of descent.h.
+    int back_substitutions =
+        0;                    ///< With the factor of the vertex Laplacian, three right-hand sides.
+    int repaired_regions = 0; ///< region_repair.h
+    bool converged = false;
+};
+
+/// Our embedding: the closed mesh nearest to wanted lengths and dihedral angles.
+///
+/// 1. Frames: every face laid out by lengths and angles, oriented patch by patch, transitions
+///    trusted by how well the walks around their ends close (patch_frames.h, face_layout.h).
+/// 2. Positions: one Laplace solve; then face steps, each rotating every face to its
+///    best fit and solving again.
+/// 3. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); between them
+///    folds are turned back (fold_regions.h, region_repair.h). A preview starts with the hot spots
+///    (hot_spots.h): what is wrong with a start is in a few places, where global steps are small.
+///
+/// What depends on topology and references alone is kept: patches and the factor of the Laplacian
+/// weighted by 1 / l^2.
+class DihedralEmbedder
+{
+public:
+    /// @param references  At least one mesh of the topology; its lengths weight the Laplacian, all
+    ///     of them serve the repair of folds.
+    /// @throws InvalidInput if there is none, or one has another size or edges of length 0.
+    DihedralEmbedder(const Topology& topology, const std::vector<Points>& references);
+    ~DihedralEmbedder();
+    DihedralEmbedder(DihedralEmbedder&&) noexcept;
+    DihedralEmbedder& operator=(DihedralEmbedder&&) noexcept;
+
+    /// Lengths that break a triangle inequality are taken as they are, those <= 0 as in
+    /// positive_lengths(): the nearest mesh results.
+    /// @throws InvalidInput if point has other sizes or a value that is not finite, or options
+    ///     break a rule.
+    [[nodiscard]] DihedralEmbedding embed(const ShapePoint& point,
+                                          const DihedralEmbeddingOptions& options = {}) const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace shape::internal

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <array>
+
+#include "libshape/embedding/energy/eight_lane_energy.h"
+#include "libshape/linalg/eight_lane_solve.h"
+
+namespace shape::internal {
+
+struct EightLaneDescentOptions
+{
+    int newton_steps = 8;
+    int linear_steps = 12; ///< In each of them.
+    int halvings = 3;      ///< Times that a Newton step is halved if E does not fall.
+};
+
+/// descend() of descent.h for eight positions of a region in eight SIMD lanes: a fixed number of
+/// Gauss-Newton steps, each by a fixed number of conjugate gradient steps. A position whose energy
+/// does not fall stays; so no energy rises.
+/// @param preconditioner  Of the Laplacian of the moving vertices, weighted by 1 / l^2.
+/// @param points  All vertices of the region, in units of energy.unit(); the moving ones are moved.
+/// @return the energies.
+std::array<float, EightLanes::lanes> descend(EightLaneEnergy& energy,
+                                             const EightLaneSolve& preconditioner,
+                                             EightLanePoints& points,
+                                             const EightLaneDescentOptions& options = {});
+
+} // namespace shape::internal

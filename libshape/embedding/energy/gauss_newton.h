@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "libshape/embedding/energy/graded_unknowns.h"
+#include "libshape/embedding/energy/length_dihedral_energy.h"
+#include "libshape/linalg/sparse_cholesky.h"
+
+namespace shape::internal {
+
+struct GaussNewtonOptions
+{
+    int max_iterations = 20; ///< Factorisations at most; >= 0.
+    /// Converged once a step lowers E by <= decrease_tolerance * E.
+    double decrease_tolerance = 1e-6;
+    double damping = 1e-4;       ///< Of the first step, relative to the diagonal.
+    double least_damping = 1e-9; ///< Of any step.
+    int halvings =
+        0; ///< Times that a step is halved if E does not fall, before it is damped; >= 0.
+    /// phi(c s) / c^2 takes the place of phi(s) in E: edges grow stiffer from stretch_onset / c on; > 0.
+    double stiffness = 1.0;
+};
+
+struct GaussNewtonResult
+{
+    Eigen::VectorXd points; ///< All vertices, row by row [length].
+    double value = 0.0;     ///< Terms of E that the moved vertices take part in.
+    int iterations = 0;
+    bool converged = false;
+};
+
+/// Levenberg's damped Gauss-Newton method on a LengthDihedralEnergy, for some vertices while the
+/// others are held. The pattern of the normal matrix is found once.
+class GaussNewton
+{
+public:
+    /// @param vertices  To be moved; distinct, not empty. All of them may be named: then the rigid
+    ///     motion is held by the damping, which never vanishes.
+    GaussNewton(const Topology& topology, std::vector<int> vertices);
+
+    /// Moves all vertices but the one that is held, by unknowns for lengths that range over many
+    /// orders of magnitude.
+    GaussNewton(const Topology& topology, const GradedUnknowns& unknowns);
+
+    /// @param points  Row by row [length].
+    /// @param kept  A factor of an earlier call, or none: its analysis is used and it is left for
+    ///     the next call. Null for a factor of this call alone.
+    /// @throws NumericalError if E is not finite at the start.
+    /// Cost: a sparse Cholesky factorisation of size 3 #vertices an iteration.
+    [[nodiscard]] GaussNewtonResult minimize(const LengthDihedralEnergy& energy,
+                                             Eigen::VectorXd points,
+                                             const GaussNewtonOptions& options = {},
+                                             std::optional<SparseCholesky>* kept = nullptr) const;
+
+    [[nodiscard]] const std::vector<int>& vertices() const { return vertices_; }
+
+    /// Edges of the terms that the vertices take part in, ascending.
+    [[nodiscard]] const std::vector<int>& edges() const { return edges_; }
+
+private:
+    /// An unknown translation that moves some of the vertices of a hinge, not all of them.
+    struct Part
+    {
+        int row;
+        unsigned moved; // bit a: vertex a of the hinge
+    };
+    struct Linearisation;
+    void find_pattern(const std::vector<std::vector<int>>& rows);
+    double evaluate(const LengthDihedralEnergy& energy, const Eigen::VectorXd& points,
+                    double stiffness, Linearisation* linearisation) const;
+
+    Topology topology_;
+    std::vector<int> vertices_;
+    std::vector<int> edges_;
+    std::vector<int> carried_begin_; // vertices that move with vertices_[i], and itself
+    std::vector<int> carried_;
+    std::vector<int> part_begin_; // first part of the hinge of edges_[i]
+    std::vector<Part> parts_;
+    SparseMatrix pattern_;         // lower block triangle, all values 0
+    std::vector<int> block_begin_; // first block of a block column, and their rows
+    std::vector<int> block_row_;
+};
+
+} // namespace shape::internal

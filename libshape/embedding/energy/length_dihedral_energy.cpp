@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/energy/length_dihedral_energy.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "libshape/base/blocks.h"
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/threads.h"
+#include "libshape/base/vector_math.h"
+#include "libshape/base/vectorised.h"
+#include "libshape/mesh/triangle_area.h"
+
+namespace shape::internal {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+namespace {
+
+struct alignas(64) Vectors
+{
+    Row x, y, z;
+
+    void set(int i, double to_x, double to_y, double to_z)
+    {
+        x[i] = to_x;
+        y[i] = to_y;
+        z[i] = to_z;
+    }
+    void set(int i, const double* from) { set(i, from[0], from[1], from[2]); }
+    void get(int i, double* to) const
+    {
+        to[0] = x[i];
+        to[1] = y[i];
+        to[2] = z[i];
+    }
+};
+
+/// Normals as long as twice the area, and their inverse squares, bounded for heights below 1e-3 of
+/// the sides: angles change abruptly where such a face turns over, and no other edge must starve.
+SHAPE_VECTORISED void normals_of(int count, const Vectors& a, const Vectors& b, const Vectors& c,
+                                 Vectors& __restrict normal, double* __restrict inverse_squares)
+{
+    for (int i = 0; i < count; ++i) {
+        const double px = b.x[i] - a.x[i], py = b.y[i] - a.y[i], pz = b.z[i] - a.z[i];
+        const double qx = c.x[i] - a.x[i], qy = c.y[i] - a.y[i], qz = c.z[i] - a.z[i];
+        const double x = py * qz - pz * qy;
+        const double y = pz * qx - px * qz;
+        const double z = px * qy - py * qx;
+        const double square = x * x + y * y + z * z;
+        normal.x[i] = x;
+        normal.y[i] = y;
+        normal.z[i] = z;
+        const double p2 = px * px + py * py + pz * pz;
+        const double q2 = qx * qx + qy * qy + qz * qz;
+        const double bounded = std::max(square, 1e-6 * p2 * q2);
+        inverse_squares[i] = bounded > 0.0 ? 1.0 / bounded : 0.0;
+    }
+}
+
+/// Lengths of edges p - q, and a vector in the direction theta - theta*: the bending of the normals
+/// on the left and the right, turned back by theta*.
+SHAPE_VECTORISED void bends(int count, const Vectors& p, const Vectors& q, const Vectors& left,
+                            const Vectors& right, const double* sines, const double* cosines,
+                            double* __restrict lengths, double* __restrict bend_sines,
+                            double* __restrict bend_cosines)
+{
+    for (int i = 0; i < count; ++i) {
+        const double x = q.x[i] - p.x[i], y = q.y[i] - p.y[i], z = q.z[i] - p.z[i];
+        const double length = std::sqrt(x * x + y * y + z * z);
+        const double s = x * (left.y[i] * right.z[i] - left.z[i] * right.y[i]) +
+                         y * (left.z[i] * right.x[i] - left.x[i] * right.z[i]) +
+                         z * (left.x[i] * right.y[i] - left.y[i] * right.x[i]);
+        const double c =
+            length * (left.x[i] * right.x[i] + left.y[i] * right.y[i] + left.z[i] * right.z[i]);
+        lengths[i] = length;
+        bend_sines[i] = s * cosines[i] - c * sines[i];
+        bend_cosines[i] = c * cosines[i] + s * sines[i];
+    }
+}
+
+/// What every edge adds to the energy, dE/dl / l, and dE/dtheta in the place of theta - theta*.
+SHAPE_VECTORISED void edge_terms(int count, const double* bend_weights, const double* lengths,
+                                 const double* inverse_lengths, double* __restrict energies,
+                                 double* __restrict pulls, double* __restrict angles)
+{
+    for (int i = 0; i < count; ++i) {
+        const double strain = lengths[i] * inverse_lengths[i] - 1.0;
+        const auto [value, weight] = stretch_term(strain);
+        energies[i] = value + bend_weights[i] * angles[i] * angles[i];
+        pulls[i] = lengths[i] > 0.0 ? 2.0 * weight * strain * inverse_lengths[i] / lengths[i] : 0.0;
+        angles[i] *= 2.0 * bend_weights[i];
+    }
+}
+
+/// What the angles of every face add to the gradient at its corners, as multiples of its normal; of
+/// edge quantities x, y, z belong to the edges 0-1, 1-2, 2-0.
+///
+/// Over edge i-j with opposite corner m, d theta / d x_m = -l n / |n|^2, and i and j share the
+/// opposite of it in proportion to where the foot of m lies.
+SHAPE_VECTORISED void corner_lifts(int count, const double* inverse_squares, const Vectors& lengths,
+                                   const Vectors& moments, Vectors& __restrict lifts)
+{
+    for (int i = 0; i < count; ++i) {
+        const double a = lengths.x[i], b = lengths.y[i], c = lengths.z[i];
+        const double u = moments.x[i], v = moments.y[i], w = moments.z[i];
+        const double aa = a * a, bb = b * b, cc = c * c;
+        // From the first corner of each edge to the foot.
+        const double foot_a = a > 0.0 ? 0.5 * (aa + cc - bb) / a : 0.0;
+        const double foot_b = b > 0.0 ? 0.5 * (bb + aa - cc) / b : 0.0;
+        const double foot_c = c > 0.0 ? 0.5 * (cc + bb - aa) / c : 0.0;
+        lifts.x[i] = inverse_squares[i] * (u * (a - foot_a) - v * b + w * foot_c);
+        lifts.y[i] = inverse_squares[i] * (v * (b - foot_b) - w * c + u * foot_a);
+        lifts.z[i] = inverse_squares[i] * (w * (c - foot_c) - u * a + v * foot_b);
+    }
+}
+
+/// The gradient at vertices [begin, end), from lifts of corners and pulls of edges.
+SHAPE_VECTORISED void gather_gradient(int begin, int end, const Topology& topology,
+                                      const double* points, const double* normals,
+                                      const double* lifts, const double* pulls,
+                                      double* __restrict gradient)
+{
+    for (int v = begin; v < end; ++v) {
+        const double* const here = points + 3 * v;
+        double x = 0.0, y = 0.0, z = 0.0;
+        for (const Topology::Spoke& spoke : topology.spokes(v)) {
+            const double* const there = points + 3 * spoke.vertex;
+            const double pull = pulls[spoke.edge];
+            x += pull * (here[0] - there[0]);
+            y += pull * (here[1] - there[1]);
+            z += pull * (here[2] - there[2]);
+            if (spoke.halfedge < 0)
+                break;
+            const double* const normal = normals + 3 * (spoke.halfedge / 3);
+            const double lift = lifts[spoke.halfedge];
+            x += lift * normal[0];
+            y += lift * normal[1];
+            z += lift * normal[2];
+        }
+        gradient[3 * v] = x;
+        gradient[3 * v + 1] = y;
+        gradient[3 * v + 2] = z;
+    }
+}
+
+/// bend_weights().
+VectorXd trusted_bends(const Topology& topology, const VectorXd& lengths, double smoothness)
+{
+    constexpr double least = 0.01;
+    VectorXd of_faces(topology.face_count());
+    for_blocks(topology.face_count(), [&](int first, int count) {
+        for (int f = first; f < first + count; ++f) {
+            const int* const e = topology.face_edges().data() + 3 * f;
+            const double a = lengths[e[0]], b = lengths[e[1]], c = lengths[e[2]];
+            const double longest = std::max({a, b, c});
+            const double q2 = 0.25 * sixteen_squared_areas(a / longest, b / longest, c / longest);
+            of_faces[f] = smoothness * std::clamp(q2 / (sliver_shape * sliver_shape), least, 1.0);
+        }
+    });
+    VectorXd weights(topology.edge_count());
+    for_blocks(topology.edge_count(), [&](int first, int count) {
+        for (int e = first; e < first + count; ++e) {
+            const int* const h = topology.edge_halfedges().data() + 2 * e;
+            weights[e] = h[1] < 0 ? 0.0 : std::min(of_faces[h[0] / 3], of_faces[h[1] / 3]);
+        }
+    });
+    return weights;
+}
+
+} // namespace
+
+LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const ShapePoint& target,
+                                           double smoothness)
+    : topology_(topology), target_(target)
+{
+    const int edges = topology.edge_count();
+    if (target.edge_lengths.size() != edges || target.dihedral_angles.size() != edges)
+        throw InvalidInput(join("target has ", target.edge_lengths.size(), " lengths and ",
+                                target.dihedral_angles.size(), " dihedral angles, the topology ",
+                                edges, " edges"));
+    for (int e = 0; e < edges; ++e)
+        if (!(target.edge_lengths[e] > 0.0 && std::isfinite(target.edge_lengths[e]) &&
+              std::isfinite(target.dihedral_angles[e])))
+            throw InvalidInput(join("target: edge ", e, " (", topology.edges()(e, 0), "-",
+                                    topology.edges()(e, 1), ") has length ", target.edge_lengths[e],
+                                    " and dihedral angle ", target.dihedral_angles[e],
+                                    "; lengths must be > 0, both finite"));
+    if (!(smoothness > 0.0 && std::isfinite(smoothness)))
+        throw InvalidInput(join("smoothness is ", smoothness, ", must be > 0 and finite"));
+    bend_weights_ = trusted_bends(topology, target.edge_lengths, smoothness);
+    inverse_lengths_ = target.edge_lengths.cwiseInverse();
+    sines_.resize(edges);
+    cosines_.resize(edges);
+    sines_cosines(target.dihedral_angles.data(), static_cast<std::size_t>(edges), sines_.data(),
+                  cosines_.data());
+    for (int e = 0; e < edges; ++e)
+        if (topology.is_boundary_edge(e)) {
+            sines_[e] = 0.0;
+            cosines_[e] = 1.0;
+        }
+}
+
+void LengthDihedralEnergy::keep_areas()
+{
+    const Topology& t = topology_;
+    const VectorXd& l = target_.edge_lengths;
+    areas_kept_ = true;
+    least_squares_.resize(t.face_count());
+    for (int f = 0; f < t.face_count(); ++f) {
+        const auto e = t.face_edges().row(f);
+        least_squares_[f] =
+            0.25 * 0.25 * std::max(0.0, sixteen_squared_areas(l[e[0]], l[e[1]], l[e[2]]));
+    }
+}
+
+/// Faces below half of their areas: what they add to E, to the energies of one of their edges, and to
+/// its gradient, to the pulls of all three; d|n| / dl = l cot(opposite angle), n as long as 2 A.
+void LengthDihedralEnergy::add_collapses(const VectorXd& points)
+{
+    constexpr double beta = 0.01;
+    const Topology& t = topology_;
+    collapses_.clear();
+    for (int f = 0; f < t.face_count(); ++f) {
+        if (!(inverse_squares_[f] * least_squares_[f] > 1.0))
+            continue;
+        const Vector3d normal = normals_.row(f);
+        const double square = normal.squaredNorm();
+        if (!(square > 1e-30 * least_squares_[f]))
+            continue; // nothing says which way it would grow
+        const double residual = 0.5 * std::sqrt(beta) * std::log(least_squares_[f] / square);
+        const double pull = std::sqrt(beta) / square;
+        const auto corner = [&](int k) -> Vector3d {
+            return points.segment<3>(3 * t.faces()(f, k % 3));
+        };
+        const auto by_corner = [&](int k) -> Vector3d {
+            return pull * normal.cross(corner(k + 1) - corner(k + 2));
+        };
+        collapses_.push_back({f, residual, {by_corner(0), by_corner(1), by_corner(2)}});
+        energies_[t.face_edges()(f, 0)] += residual * residual;
+        for (int k = 0; k < 3; ++k)
+            pulls_[t.face_edges()(f, k)] -=
+                2.0 * residual * pull *
+                (corner(k) - corner(k + 2)).dot(corner(k + 1) - corner(k + 2));
+    }
+}
+
+double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient)
+{
+    const Topology& t = topology_;
+    const int* const faces = t.faces().data();
+    const int* const face_edges = t.face_edges().data();
+    normals_.resize(t.face_count(), 3);
+    inverse_squares_.resize(t.face_count());
+    for_blocks(t.face_count(), [&](int first, int count) {
+        Vectors p{}, q{}, r{}, normal{};
+        for (int i = 0; i < count; ++i) {
+            const int* const face = faces + 3 * (first + i);
+            p.set(i, points.data() + 3 * face[0]);
+            q.set(i, points.data() + 3 * face[1]);
+            r.set(i, points.data() + 3 * face[2]);
+        }
+        normals_of(count, p, q, r, normal, inverse_squares_.data() + first);
+        for (int i = 0; i < count; ++i)
+            normal.get(i, normals_.data() + 3 * (first + i));
+    });
+
+    for (VectorXd* const of_edges : {&lengths_, &energies_, &pulls_, &moments_})
+        of_edges->resize(t.edge_count());
+    for_blocks(t.edge_count(), [&](int first, int count) {
+        Vectors p{}, q{}, left{}, right{};
+        for (int i = 0; i < count; ++i) {
+            const int* const ends = t.edges().data() + 2 * (first + i);
+            const int* const halfedges = t.edge_halfedges().data() + 2 * (first + i);
+            const int other = halfedges[halfedges[1] < 0 ? 0 : 1]; // the boundary is flat
+            p.set(i, points.data() + 3 * ends[0]);
+            q.set(i, points.data() + 3 * ends[1]);
+            left.set(i, normals_.data() + 3 * (halfedges[0] / 3));
+            right.set(i, normals_.data() + 3 * (other / 3));
+        }
+        Row sines, cosines;
+        bends(count, p, q, left, right, sines_.data() + first, cosines_.data() + first,
+              lengths_.data() + first, sines, cosines);
+        double* const angles = moments_.data() + first;
+        vector_angles(sines, cosines, static_cast<std::size_t>(count), angles);
+        edge_terms(count, bend_weights_.data() + first, lengths_.data() + first,
+                   inverse_lengths_.data() + first, energies_.data() + first, pulls_.data() + first,
+                   angles);
+    });
+
+    if (areas_kept_)
+        add_collapses(points);
+
+    lifts_.resize(t.halfedge_count());
+    for_blocks(t.face_count(), [&](int first, int count) {
+        Vectors length{}, moment{}, lift{};
+        for (int i = 0; i < count; ++i) {
+            const int* const e = face_edges + 3 * (first + i);
+            length.set(i, lengths_[e[0]], lengths_[e[1]], lengths_[e[2]]);
+            moment.set(i, moments_[e[0]], moments_[e[1]], moments_[e[2]]);
+        }
+        corner_lifts(count, inverse_squares_.data() + first, length, moment, lift);
+        for (int i = 0; i < count; ++i)
+            lift.get(i, lifts_.data() + 3 * (first + i));
+    });
+
+    gradient.resize(points.size());
+    parallel_for(
+        static_cast<std::size_t>(t.vertex_count()), 512, [&](std::size_t begin, std::size_t end) {
+            gather_gradient(static_cast<int>(begin), static_cast<int>(end), t, points.data(),
+                            normals_.data(), lifts_.data(), pulls_.data(), gradient.data());
+        });
+    return parallel_sum(static_cast<std::size_t>(t.edge_count()), 8 * block_size,
+                        [&](std::size_t begin, std::size_t end) {
+                            return std::accumulate(energies_.data() + begin, energies_.data() + end,
+                                                   0.0);
+                        });
+}
+
+} // namespace shape::internal

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
+
+namespace shape::internal {
+
+/// s0 of phi.
+inline constexpr double stretch_onset = 0.06;
+
+/// q0 of bend_weights(): a triangle whose height is less than this part of its longest side is a sliver.
+inline constexpr double sliver_shape = 0.2;
+
+/// phi(s) = s^2 + s^4 / (s0^2 + s^2 / 8): the square of a relative edge error s,
+/// stiffer by up to 9 times beyond a few per cent, so that no edge pays for all others.
+struct StretchTerm
+{
+    double value;  ///< phi(s).
+    double weight; ///< phi'(s) / (2 s).
+};
+[[nodiscard]] constexpr StretchTerm stretch_term(double strain)
+{
+    constexpr double onset = stretch_onset * stretch_onset;
+    const double square = strain * strain;
+    const double scale = onset + 0.125 * square;
+    return {square + square * square / scale,
+            1.0 + square * (2.0 * onset + 0.125 * square) / (scale * scale)};
+}
+
+/// The energy whose minimum is the closed mesh nearest to wanted lengths and dihedral angles,
+///
+///     E(x) = sum_e phi((l_e - l*_e) / l*_e)  +  sum_e mu_e (theta_e - theta*_e)^2,
+///
+/// differences of angles wrapped into (-pi, pi]. mu_e is mu, 0 on the boundary, and less beside a
+/// sliver: the normal of a wanted triangle says the less the flatter it is, see bend_weights(). (Cf.
+/// Froehlich and Botsch 2011; Sassen et al. 2020, with squares in the place of phi, and mu_e = mu.)
+///
+/// Same bits for any number of threads.
+class LengthDihedralEnergy
+{
+public:
+    /// @param smoothness  mu [1], > 0.
+    /// @throws InvalidInput if target has other sizes or a length <= 0, or mu <= 0.
+    LengthDihedralEnergy(const Topology& topology, const ShapePoint& target, double smoothness);
+
+    /// From now on E has another term for every face,
+    ///
+    ///     beta log(A*_f / (2 A_f))^2,  beta = 0.01,  where its area A_f is below half of the wanted,
+    ///
+    /// so that none collapses: where it would, E jumps, and minima lie on the jump. Nothing but
+    /// Descender knows this term.
+    void keep_areas();
+
+    /// A face that this term acts on: r = sqrt(beta) log(A* / (2 A)), and dr by its corners.
+    struct Collapse
+    {
+        int face;
+        double residual;
+        std::array<Eigen::Vector3d, 3> gradients;
+    };
+    /// Of the last evaluate().
+    [[nodiscard]] const std::vector<Collapse>& collapses() const { return collapses_; }
+
+    /// Value and gradient [1/length]. A face without area adds nothing to the gradient of angles.
+    /// @param points  #V by 3, row by row in one vector [length].
+    /// Cost: O(#E). Works in memory that is kept: not safe to call concurrently.
+    [[nodiscard]] double evaluate(const Eigen::VectorXd& points, Eigen::VectorXd& gradient);
+
+    // Of the last evaluate():
+    [[nodiscard]] const Eigen::VectorXd& lengths() const { return lengths_; }
+    [[nodiscard]] const Eigen::VectorXd& edge_energies() const { return energies_; }
+    [[nodiscard]] const Points& normals() const { return normals_; } ///< As long as twice the area.
+    [[nodiscard]] const Eigen::VectorXd& inverse_squares() const { return inverse_squares_; }
+
+    [[nodiscard]] const Topology& topology() const { return topology_; }
+    [[nodiscard]] const ShapePoint& target() const { return target_; }
+
+    /// mu_e, #E: mu min(1, (q / q0)^2) but not below mu / 100, where q is the height of the flatter of
+    /// the two wanted triangles over its longest side, divided by this side.
+    [[nodiscard]] const Eigen::VectorXd& bend_weights() const { return bend_weights_; }
+
+private:
+    void add_collapses(const Eigen::VectorXd& points);
+
+    Topology topology_;
+    ShapePoint target_;
+    Eigen::VectorXd bend_weights_;
+    Eigen::VectorXd inverse_lengths_; // of the target
+    Eigen::VectorXd sines_;           // of its dihedral angles; 0 on the boundary
+    Eigen::VectorXd cosines_;         // 1 on the boundary
+
+    bool areas_kept_ = false;
+    Eigen::VectorXd least_squares_; // of normals of faces with half of the wanted area
+
+    // What evaluate() works in. Pages that are asked for anew at every step cost more than the work.
+    Points normals_;                  // of the faces, as long as twice the area
+    Eigen::VectorXd inverse_squares_; // of the normals, bounded; see normals_of()
+    Eigen::VectorXd lengths_;
+    Eigen::VectorXd energies_; // of the edges
+    Eigen::VectorXd pulls_;    // dE/dl / l
+    Eigen::VectorXd moments_;  // dE/dtheta
+    std::vector<Collapse> collapses_;
+    Eigen::VectorXd lifts_; // what angles add to the gradient at every corner, over the normal
+};
+
+} // namespace shape::internal

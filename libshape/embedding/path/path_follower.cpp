@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/path/path_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+
+namespace shape {
+using namespace internal;
+
+using Eigen::VectorXd;
+
+namespace {
+
+/// Angles that lie the share t of the shorter way from a to b.
+VectorXd blend_angles(const VectorXd& a, const VectorXd& b, double t)
+{
+    return a + t * (b - a).unaryExpr([](double angle) { return wrapped_angle(angle); });
+}
+
+} // namespace
+
+PathFollower::PathFollower(const Topology& topology, const Points& start,
+                           std::function<VectorXd(double s)> lengths, VectorXd end_angles,
+                           const PathFollowerOptions& options)
+    : topology_(topology),
+      lengths_(std::move(lengths)),
+      end_angles_(std::move(end_angles)),
+      options_(options),
+      continuation_(topology, lengths_(0.0).cwiseMin(lengths_(1.0))), // as fine as both ends
+      start_{start, dihedral_angles(topology, start)}
+{
+    if (end_angles_.size() != topology.edge_count())
+        throw InvalidInput(join("end_angles has ", end_angles_.size(), " values, the topology ",
+                                topology.edge_count(), " edges"));
+    if (options.steps < 1)
+        throw InvalidInput(join("steps is ", options.steps, ", must be >= 1"));
+    if (!(options.angle_gain > 0.0))
+        throw InvalidInput(join("angle_gain is ", options.angle_gain, ", must be > 0"));
+    if (options.rounds < 0)
+        throw InvalidInput(join("rounds is ", options.rounds, ", must be >= 0"));
+    here_ = start_;
+    next_ = next_stop();
+}
+
+/// Adjusts a mesh until its lengths are met, bending it as little as that takes.
+ContinuedMesh PathFollower::settle(ContinuedMesh mesh, const VectorXd& lengths)
+{
+    double smoothness = options_.smoothness;
+    for (int round = 0; round < options_.rounds; ++round, smoothness *= 0.3) {
+        const VectorXd ratios = edge_lengths(topology_, mesh.points).cwiseQuotient(lengths);
+        if ((ratios.array() - 1.0).abs().maxCoeff() <= options_.edge_tolerance)
+            break;
+        const int iterations = mesh.iterations;
+        mesh = continuation_.adjust(mesh.points, {lengths, dihedral_angles(topology_, mesh.points)},
+                                    {.smoothness = smoothness, .stiffness = options_.stiffness});
+        mesh.iterations += iterations;
+    }
+    return mesh;
+}
+
+PathFollower::Stop PathFollower::next_stop()
+{
+    const double share = std::min(1.0, options_.angle_gain / (options_.steps - step_));
+    const ShapePoint target{lengths_((step_ + 1.0) / options_.steps),
+                            blend_angles(here_.angles, end_angles_, share)};
+    const ContinuedMesh mesh =
+        settle(continuation_.move(here_.points, target, {.smoothness = options_.guidance}),
+               target.edge_lengths);
+    return {mesh.points, dihedral_angles(topology_, mesh.points)};
+}
+
+PathMesh PathFollower::at(double s)
+{
+    if (!(s >= 0.0 && s <= 1.0))
+        throw InvalidInput(join("s is ", s, ", must be in [0, 1]"));
+    if (s == 0.0)
+        return {{lengths_(0.0), start_.angles}, {start_.points, 0.0, 0, true}};
+    const int wanted = std::min(static_cast<int>(s * options_.steps), options_.steps - 1);
+    if (wanted < step_) {
+        step_ = 0;
+        here_ = start_;
+        next_ = next_stop();
+    }
+    for (; step_ < wanted;) {
+        here_ = std::move(next_);
+        ++step_;
+        next_ = next_stop();
+    }
+    const double share = s * options_.steps - step_;
+    ShapePoint target{lengths_(s), blend_angles(here_.angles, next_.angles, share)};
+    ContinuedMesh mesh = settle(
+        continuation_.move(share < 0.5 ? here_.points : next_.points, target,
+                           {.smoothness = options_.smoothness, .stiffness = options_.stiffness}),
+        target.edge_lengths);
+    return {std::move(target), std::move(mesh)};
+}
+
+} // namespace shape

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "libshape/mesh/topology.h"
+
+namespace shape::internal {
+
+struct FoldRegionOptions
+{
+    double fold_angle = 1.0;    ///< An edge is folded where |theta - theta*| exceeds this [rad],
+    double suspect_angle = 0.5; ///< and suspect where it exceeds this [rad]; <= fold_angle.
+    int rings = 3;              ///< Rings of vertices around suspect hinges; >= 0.
+};
+
+/// Where a mesh is folded over: vertices of suspect hinges and the rings around them, as connected
+/// regions that have a fold among them. Regions in ascending order of their first vertices, vertices
+/// breadth first.
+/// @param points  #V by 3, row by row in one vector [length].
+/// @param dihedral_angles  As wanted, #E [rad]; those of the boundary are not looked at.
+/// Cost: O(#E).
+[[nodiscard]] std::vector<std::vector<int>> folded_regions(const Topology& topology,
+                                                           const Eigen::VectorXd& points,
+                                                           const Eigen::VectorXd& dihedral_angles,
+                                                           const FoldRegionOptions& options = {});
+
+} // namespace shape::internal

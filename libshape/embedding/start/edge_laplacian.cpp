@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/start/edge_laplacian.h"
+
+#include <array>
+#include <cmath>
+
+#include "libshape/base/blocks.h"
+#include "libshape/base/threads.h"
+#include "libshape/base/vectorised.h"
+
+namespace shape::internal {
+namespace {
+
+using Eigen::VectorXd;
+
+VectorXd weights_of(const VectorXd& lengths)
+{
+    constexpr double shortest = 1e-3; // of the mean: more would cost the factor its digits
+    return lengths.cwiseMax(shortest * lengths.mean()).array().square().inverse();
+}
+
+/// Lower triangle. Edges are sorted by their lower vertex, then by their higher one: column v holds
+/// its diagonal and then its edges, in order.
+SparseMatrix laplacian(const Topology& topology, const VectorXd& weights)
+{
+    const int vertices = topology.vertex_count();
+    VectorXd diagonal = VectorXd::Zero(vertices);
+    VectorXd doubled(topology.edge_count());
+    for (int e = 0; e < topology.edge_count(); ++e) {
+        doubled[e] = topology.is_boundary_edge(e) ? weights[e] : 2.0 * weights[e];
+        diagonal[topology.edges()(e, 0)] += doubled[e];
+        diagonal[topology.edges()(e, 1)] += doubled[e];
+    }
+    diagonal[0] += weights.mean();
+    SparseMatrix matrix(vertices, vertices);
+    matrix.resizeNonZeros(vertices + topology.edge_count());
+    int entry = 0;
+    int e = 0;
+    for (int v = 0; v < vertices; ++v) {
+        matrix.outerIndexPtr()[v] = entry;
+        matrix.innerIndexPtr()[entry] = v;
+        matrix.valuePtr()[entry++] = diagonal[v];
+        for (; e < topology.edge_count() && topology.edges()(e, 0) == v; ++e) {
+            matrix.innerIndexPtr()[entry] = topology.edges()(e, 1);
+            matrix.valuePtr()[entry++] = -doubled[e];
+        }
+    }
+    matrix.outerIndexPtr()[vertices] = entry;
+    return matrix;
+}
+
+/// Faces as they are laid out: u and v of their sides, what these weigh, and their frames.
+struct FaceBlock
+{
+    Row first_u, second_u, third_u, second_v; // third_v is -second_v
+    Row first_weight, second_weight, third_weight;
+    Row w, x, y, z;
+};
+
+/// What a block of faces pulls its corners by: x, y, z of the first, of the second, of the third.
+using Pulls = std::array<Row, 9>;
+
+/// The weighted side that comes in at a corner less that which goes out.
+SHAPE_VECTORISED void find_pulls(int count, const FaceBlock& of, Pulls& __restrict pulls)
+{
+    for (int i = 0; i < count; ++i) {
+        const double w = of.w[i], x = of.x[i], y = of.y[i], z = of.z[i];
+        const double first_u = of.first_weight[i] * of.first_u[i];
+        const double second_u = of.second_weight[i] * of.second_u[i];
+        const double second_v = of.second_weight[i] * of.second_v[i];
+        const double third_u = of.third_weight[i] * of.third_u[i];
+        const double third_v = of.third_weight[i] * -of.second_v[i];
+        const auto along = [&](double u, double v, double& first, double& second, double& third) {
+            const double a = first_u * u;
+            const double b = second_u * u + second_v * v;
+            const double c = third_u * u + third_v * v;
+            first = c - a;
+            second = a - b;
+            third = b - c;
+        };
+        along(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), pulls[0][i], pulls[3][i],
+              pulls[6][i]);
+        along(2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), pulls[1][i], pulls[4][i],
+              pulls[7][i]);
+        along(2.0 * (x * z - w * y), 2.0 * (y * z + w * x), pulls[2][i], pulls[5][i], pulls[8][i]);
+    }
+}
+
+/// Calls take(h, x, y, z) for every half-edge: what its face pulls its source by.
+template <class Take>
+void for_pulls(const Topology& topology, const VectorXd& weights, const FaceLayout& layout,
+               const Rotations& frames, const Take& take)
+{
+    for_blocks(topology.face_count(), [&](int first, int count) {
+        FaceBlock of{};
+        Pulls pulls;
+        for (int i = 0; i < count; ++i) {
+            const int f = first + i;
+            const double* const side = layout.sides.data() + 4 * f;
+            of.first_u[i] = side[0];
+            of.second_u[i] = side[1];
+            of.third_u[i] = side[2];
+            of.second_v[i] = side[3];
+            const int* const edges = topology.face_edges().data() + 3 * f;
+            of.first_weight[i] = weights[edges[0]];
+            of.second_weight[i] = weights[edges[1]];
+            of.third_weight[i] = weights[edges[2]];
+            const Eigen::Quaterniond& frame = frames[static_cast<std::size_t>(f)];
+            of.w[i] = frame.w();
+            of.x[i] = frame.x();
+            of.y[i] = frame.y();
+            of.z[i] = frame.z();
+        }
+        find_pulls(count, of, pulls);
+        for (int i = 0; i < count; ++i)
+            for (int c = 0; c < 3; ++c) {
+                const Row* const pull = pulls.data() + 3 * c;
+                take(3 * (first + i) + c, pull[0][i], pull[1][i], pull[2][i]);
+            }
+    });
+}
+
+template <class Work>
+void for_vertices(const Topology& topology, const Work& work)
+{
+    parallel_for(static_cast<std::size_t>(topology.vertex_count()), 2048,
+                 [&](std::size_t begin, std::size_t end) {
+                     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v)
+                         work(v);
+                 });
+}
+
+} // namespace
+
+EdgeLaplacian::EdgeLaplacian(const Topology& topology, const VectorXd& lengths)
+    : topology_(topology), weights_(weights_of(lengths)), factor_(laplacian(topology, weights_))
+{
+}
+
+Points EdgeLaplacian::solve(const Points& rhs) const
+{
+    return factor_.solve(rhs);
+}
+
+Points EdgeLaplacian::positions(const FaceLayout& layout, const Rotations& frames) const
+{
+    Points pulls(topology_.halfedge_count(), 3);
+    for_pulls(topology_, weights_, layout, frames,
+              [&](int h, double x, double y, double z) { pulls.row(h) << x, y, z; });
+    Points rhs(topology_.vertex_count(), 3);
+    for_vertices(topology_, [&](int v) {
+        rhs.row(v).setZero();
+        for (const int h : topology_.outgoing(v))
+            rhs.row(v) += pulls.row(h);
+    });
+    return solve(rhs);
+}
+
+void EdgeLaplacian::positions(const FaceLayout& layout, const Rotations& frames,
+                              const SinglePrecisionSolve& solve, Memory& memory,
+                              Points& points) const
+{
+    // Vectors of about the size of edges: neither large nor small numbers leave float's range.
+    const double unit = 1.0 / std::sqrt(weights_.maxCoeff());
+    memory.pulls.resize(4, topology_.halfedge_count());
+    for_pulls(topology_, weights_, layout, frames, [&](int h, double x, double y, double z) {
+        lanes(memory.pulls)[h] = Lanes{static_cast<float>(unit * x), static_cast<float>(unit * y),
+                                       static_cast<float>(unit * z), 0.0F};
+    });
+    memory.rhs.resize(4, topology_.vertex_count());
+    for_vertices(topology_, [&](int v) {
+        Lanes sum{};
+        for (const int h : topology_.outgoing(v))
+            sum += lanes(memory.pulls)[h];
+        lanes(memory.rhs)[v] = sum;
+    });
+    solve.solve(memory.rhs, memory.solution, memory.workspace);
+    points.resize(topology_.vertex_count(), 3);
+    for_vertices(topology_, [&](int v) {
+        points.row(v) = memory.solution.col(v).head<3>().cast<double>() / unit;
+    });
+}
+
+} // namespace shape::internal

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/start/linear_start.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "libshape/base/threads.h"
+#include "libshape/embedding/start/face_fit.h"
+
+namespace shape::internal {
+namespace {
+
+using Eigen::VectorXd;
+
+/// Trust in the transition across every edge: 1 / (1 + (r_u^2 + r_v^2) / 0.1^2) with the closure
+/// angles r [rad] at its ends. A few wild loops (slivers, folds) must not turn all frames.
+void set_transition_weights(const Topology& topology, const Rotations& transitions,
+                            VectorXd& weights)
+{
+    constexpr double scale = 0.1;
+    const VectorXd angles = closure_angles(topology, transitions);
+    weights.resize(topology.edge_count());
+    parallel_for(static_cast<std::size_t>(topology.edge_count()), 8192,
+                 [&](std::size_t begin, std::size_t end) {
+                     for (int e = static_cast<int>(begin); e < static_cast<int>(end); ++e) {
+                         const double u = angles[topology.edges()(e, 0)];
+                         const double v = angles[topology.edges()(e, 1)];
+                         weights[e] = 1.0 / (1.0 + (u * u + v * v) / (scale * scale));
+                     }
+                 });
+}
+
+} // namespace
+
+LinearStart::LinearStart(const Topology& topology, std::shared_ptr<const FacePatches> patches,
+                         const EdgeLaplacian& laplacian, const SinglePrecisionSolve& solve)
+    : topology_(topology),
+      laplacian_(laplacian),
+      single_precision_(solve),
+      patch_frames_(std::move(patches))
+{
+}
+
+const Points& LinearStart::points(const ShapePoint& target, int face_steps)
+{
+    layout_ =
+        lay_out_faces(topology_, target.edge_lengths, target.dihedral_angles, std::move(layout_));
+    set_transition_weights(topology_, layout_.transitions, trust_);
+    // Where every walk closes (r < 3e-6) there may be a mesh with all lengths and angles as wanted, and
+    // single precision would lose it.
+    closes_ = trust_.minCoeff() > 1.0 - 1e-9;
+    frames_ = patch_frames_.face_frames(layout_.transitions, trust_, std::move(frames_));
+    solve_for_points();
+    for (int step = 0; step < face_steps; ++step) {
+        frames_ = fit_faces(topology_, layout_, laplacian_.weights(), points_, std::move(frames_));
+        solve_for_points();
+    }
+    return points_;
+}
+
+void LinearStart::solve_for_points()
+{
+    if (closes_)
+        points_ = laplacian_.positions(layout_, frames_);
+    else
+        laplacian_.positions(layout_, frames_, single_precision_, memory_, points_);
+}
+
+} // namespace shape::internal

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string_view>
+
+namespace shape::internal {
+
+/// Writes a file so that nothing that existed is lost: `content` goes into a new hidden file beside
+/// the target, which is synced and renamed into place. On any error that file is removed and the
+/// target is as it was. Permissions follow the umask.
+/// @param check  Called with the new file before the renaming; what it throws passes through.
+/// @throws FileError naming path and cause if the directory is missing or not writable, the target
+///     is not a regular file, or the system refuses.
+void write_file_atomically(
+    const std::filesystem::path& path, std::string_view content,
+    const std::function<void(const std::filesystem::path& temporary)>& check = {});
+
+} // namespace shape::internal

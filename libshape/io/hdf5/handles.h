@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "libshape/io/hdf5/extents.h"
+
+namespace shape::internal {
+
+inline constexpr std::size_t longest_string = 4096; ///< [byte]
+
+/// Keeps HDF5 from printing its errors in this thread while it lives.
+class Silence
+{
+public:
+    Silence()
+    {
+        H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    }
+    ~Silence()
+    {
+        if (!stays_)
+            H5Eset_auto2(H5E_DEFAULT, function_, data_);
+    }
+    Silence(const Silence&) = delete;
+    Silence& operator=(const Silence&) = delete;
+
+    /// For good: HDF5 1.10 loses memory when it opens a damaged file, and would print that at exit.
+    void stay() { stays_ = true; }
+
+private:
+    bool stays_ = false;
+    H5E_auto2_t function_ = nullptr;
+    void* data_ = nullptr;
+};
+
+/// An HDF5 call failed; the callers say which file and what it means there.
+class Hdf5Failure : public std::runtime_error
+{
+public:
+    Hdf5Failure(); ///< With what HDF5 says about its last error, as the innermost function put it.
+};
+
+/// Passes on a result that is not negative: so every call is checked.
+template <class Result>
+Result checked(Result result)
+{
+    if (result < 0)
+        throw Hdf5Failure();
+    return result;
+}
+
+/// An identifier and the function that closes it.
+class Id
+{
+public:
+    Id(hid_t id, herr_t (*closer)(hid_t)) : id_(checked(id)), close_(closer) {}
+    ~Id()
+    {
+        if (id_ >= 0)
+            close_(id_);
+    }
+    Id(Id&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+    Id& operator=(Id&&) = delete;
+
+    operator hid_t() const { return id_; }
+
+    /// Closing may write, and fail.
+    void close() { checked(close_(std::exchange(id_, -1))); }
+
+private:
+    hid_t id_;
+    herr_t (*close_)(hid_t);
+};
+
+[[nodiscard]] std::vector<hsize_t> dimensions(const Extents& extents);
+
+[[nodiscard]] Id make_space(const Extents& extents);
+
+/// Opens a file for reading.
+[[nodiscard]] Id open_file(const std::filesystem::path& path);
+
+} // namespace shape::internal

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/hdf5/reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/file/input_file.h"
+#include "libshape/io/file/line_reader.h"
+#include "libshape/io/hdf5/handles.h"
+
+namespace shape::internal {
+namespace {
+
+constexpr std::uint64_t largest_file = std::uint64_t{8} << 30;
+constexpr hsize_t largest_chunk = hsize_t{64} << 20; // [byte]
+
+using IntMatrix = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// "(3, 0, 1)": the position of a value in row-major order.
+std::string print_position(const Extents& extents, Eigen::Index index)
+{
+    std::string text = ")";
+    for (auto length = extents.rbegin(); length != extents.rend(); ++length) {
+        text.insert(0, join(length == std::prev(extents.rend()) ? "" : ", ", index % *length));
+        index /= *length;
+    }
+    return "(" + text;
+}
+
+std::string print_extents(const Extents& extents)
+{
+    std::string text;
+    for (const Eigen::Index length : extents)
+        text += (text.empty() ? "" : " by ") + (length == any_length ? "any" : join(length));
+    return text.empty() ? "single value" : text;
+}
+
+struct OpenFile
+{
+    std::string path;
+    Eigen::Index size; ///< [byte]
+    Id id;
+};
+
+/// A dataset whose declaration has passed all checks; nothing is read yet.
+struct StoredDataset
+{
+    Id dataset;
+    Id type;
+    Extents extents;
+    Eigen::Index count; ///< Product of the extents.
+};
+
+/// A part of a file to be read; errors name it.
+class Item
+{
+public:
+    Item(const OpenFile& file, std::string name) : file_(file), name_(std::move(name)) {}
+
+    [[noreturn]] void fail(const std::string& rule) const
+    {
+        throw InvalidInput(join(file_.path, ": ", name_, ": ", rule));
+    }
+
+    /// Runs `read`; what HDF5 refuses is the file's fault.
+    template <class Read>
+    auto guarded(const Read& read) const
+    {
+        Silence silence;
+        try {
+            return read();
+        } catch (const Hdf5Failure& failure) {
+            silence.stay();
+            fail(join("cannot be read, the file is damaged or not written by libshape (HDF5: ",
+                      failure.what(), ")"));
+        }
+    }
+
+    /// Whether all groups on the way and the object itself exist, as plain members of this file.
+    [[nodiscard]] bool exists() const
+    {
+        for (std::size_t end = name_.find('/', 1); true; end = name_.find('/', end + 1)) {
+            const std::string part = name_.substr(0, end);
+            if (checked(H5Lexists(file_.id, part.c_str(), H5P_DEFAULT)) == 0)
+                return false;
+            H5L_info_t info;
+            checked(H5Lget_info(file_.id, part.c_str(), &info, H5P_DEFAULT));
+            if (info.type != H5L_TYPE_HARD)
+                fail("is a link to elsewhere; only plain members are read");
+            if (end == std::string::npos)
+                return true;
+        }
+    }
+
+    [[nodiscard]] StoredDataset open() const
+    {
+        if (!exists())
+            fail("is missing");
+        Id dataset(H5Dopen2(file_.id, name_.c_str(), H5P_DEFAULT), H5Dclose);
+        Id type(H5Dget_type(dataset), H5Tclose);
+        const Id space(H5Dget_space(dataset), H5Sclose);
+        const Id creation(H5Dget_create_plist(dataset), H5Pclose);
+        StoredDataset stored{std::move(dataset), std::move(type), read_extents(space), 1};
+        const std::size_t value_size = H5Tget_size(stored.type);
+        if (value_size == 0 || value_size > longest_string)
+            fail(join("has values of ", value_size, " bytes; the limit is ", longest_string));
+        for (const Eigen::Index length : stored.extents) {
+            if (length < 1)
+                fail("has no values");
+            if (length > file_.size / static_cast<Eigen::Index>(value_size) / stored.count)
+                fail(join("declares ", print_extents(stored.extents), " values of ", value_size,
+                          " bytes, more than the file can hold"));
+            stored.count *= length;
+        }
+        check_storage(creation, value_size);
+        return stored;
+    }
+
+    void check_extents(const Extents& extents, const Extents& expected) const
+    {
+        const bool agree =
+            std::equal(extents.begin(), extents.end(), expected.begin(), expected.end(),
+                       [](Eigen::Index a, Eigen::Index b) { return b == any_length || a == b; });
+        if (!agree)
+            fail(join("is ", print_extents(extents), ", must be ", print_extents(expected)));
+    }
+
+    /// Values of a numeric type that must be stored as exactly that.
+    template <class Matrix>
+    Matrix read(const Extents& expected, hid_t type, hid_t memory_type, const char* what) const
+    {
+        const StoredDataset stored = open();
+        check_extents(stored.extents, expected);
+        if (checked(H5Tequal(stored.type, type)) == 0)
+            fail(join("has values of another type, must be ", what));
+        const Eigen::Index rows = stored.extents.empty() ? 1 : stored.extents.front();
+        Matrix values(rows, stored.count / rows);
+        checked(H5Dread(stored.dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+        return values;
+    }
+
+private:
+    [[nodiscard]] Extents read_extents(hid_t space) const
+    {
+        const H5S_class_t kind = H5Sget_simple_extent_type(space);
+        const int rank = checked(H5Sget_simple_extent_ndims(space));
+        if ((kind != H5S_SCALAR && kind != H5S_SIMPLE) || rank > 3)
+            fail("must be a single value or an array of at most 3 dimensions");
+        std::vector<hsize_t> lengths(static_cast<std::size_t>(rank));
+        checked(H5Sget_simple_extent_dims(space, lengths.data(), nullptr));
+        Extents extents;
+        for (const hsize_t length : lengths)
+            extents.push_back(static_cast<Eigen::Index>(std::min<hsize_t>(length, PTRDIFF_MAX)));
+        return extents;
+    }
+
+    /// Refuses storage in other files, other filters than the checksum, and huge chunks.
+    void check_storage(hid_t creation, std::size_t value_size) const
+    {
+        const H5D_layout_t layout = H5Pget_layout(creation);
+        if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
+            fail("has a virtual or unknown layout");
+        if (checked(H5Pget_external_count(creation)) > 0)
+            fail("has its values in another file");
+        for (int i = checked(H5Pget_nfilters(creation)) - 1; i >= 0; --i) {
+            unsigned flags = 0;
+            std::size_t parameters = 0;
+            unsigned configuration = 0;
+            const H5Z_filter_t filter =
+                checked(H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &parameters,
+                                       nullptr, 0, nullptr, &configuration));
+            if (filter != H5Z_FILTER_FLETCHER32)
+                fail(join("is stored with filter ", filter,
+                          " (compression?); only the checksum fletcher32 is read"));
+        }
+        if (layout != H5D_CHUNKED)
+            return;
+        std::array<hsize_t, H5S_MAX_RANK> chunk{};
+        hsize_t room = largest_chunk / value_size;
+        for (int d = checked(H5Pget_chunk(creation, H5S_MAX_RANK, chunk.data())) - 1; d >= 0; --d)
+            room /= std::max<hsize_t>(chunk[static_cast<std::size_t>(d)], 1);
+        if (room == 0)
+            fail(join("has chunks of more than ", largest_chunk, " bytes"));
+    }
+
+    const OpenFile& file_;
+    std::string name_;
+};
+
+/// Opens an attribute of the root group that is a single value.
+Id open_attribute(const Item& item, hid_t file, const std::string& name)
+{
+    if (checked(H5Aexists(file, name.c_str())) == 0)
+        item.fail("is missing");
+    Id attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
+    const Id space(H5Aget_space(attribute), H5Sclose);
+    if (checked(H5Sget_simple_extent_npoints(space)) != 1)
+        item.fail("must be a single value");
+    return attribute;
+}
+
+/// The text up to its padding.
+std::string unpadded(std::string text)
+{
+    text.resize(std::min(text.find('\0'), text.size()));
+    return text;
+}
+
+bool is_fixed_string(hid_t type)
+{
+    return H5Tget_class(type) == H5T_STRING && checked(H5Tis_variable_str(type)) == 0;
+}
+
+} // namespace
+
+struct Hdf5File::State : OpenFile
+{
+};
+
+Hdf5File::Hdf5File(const std::filesystem::path& path)
+{
+    const std::uint64_t size = checked_file_size(path, largest_file);
+    std::array<char, 8> signature{};
+    std::ifstream(path, std::ios::binary).read(signature.data(), signature.size());
+    if (std::string_view(signature.data(), signature.size()) != "\x89HDF\r\n\x1a\n")
+        throw InvalidInput(path.string() + ": is not an HDF5 file");
+    Silence silence;
+    try {
+        state_.reset(new State{{path.string(), static_cast<Eigen::Index>(size), open_file(path)}});
+    } catch (const Hdf5Failure& failure) {
+        throw InvalidInput(
+            join(path.string(), ": the HDF5 file is truncated or damaged (", failure.what(), ")"));
+    }
+}
+
+Hdf5File::~Hdf5File()
+{
+    const Silence silence;
+    state_.reset();
+}
+
+const std::string& Hdf5File::path() const
+{
+    return state_->path;
+}
+
+bool Hdf5File::has(const std::string& name) const
+{
+    const Item item(*state_, name);
+    return item.guarded([&] { return item.exists(); });
+}
+
+std::vector<std::string> Hdf5File::members(const std::string& group) const
+{
+    const Item item(*state_, group);
+    return item.guarded([&] {
+        std::vector<std::string> names;
+        if (!item.exists())
+            return names;
+        const Id opened(H5Gopen2(state_->id, group.c_str(), H5P_DEFAULT), H5Gclose);
+        const Id creation(H5Gget_create_plist(opened), H5Pclose);
+        unsigned order = 0;
+        checked(H5Pget_link_creation_order(creation, &order));
+        const H5_index_t index = order & H5P_CRT_ORDER_INDEXED ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
+        H5G_info_t info;
+        checked(H5Gget_info(opened, &info));
+        for (hsize_t i = 0; i < info.nlinks; ++i) {
+            std::array<char, longest_string + 1> name{};
+            const ssize_t size = checked(H5Lget_name_by_idx(opened, ".", index, H5_ITER_INC, i,
+                                                            name.data(), name.size(), H5P_DEFAULT));
+            if (size > static_cast<ssize_t>(longest_string))
+                item.fail("has a member with too long a name");
+            names.emplace_back(name.data());
+        }
+        return names;
+    });
+}
+
+Extents Hdf5File::extents(const std::string& name) const
+{
+    const Item item(*state_, name);
+    return item.guarded([&] { return item.open().extents; });
+}
+
+RowMatrix Hdf5File::numbers(const std::string& name, const Extents& expected) const
+{
+    const Item item(*state_, name);
+    RowMatrix values = item.guarded([&] {
+        return item.read<RowMatrix>(expected, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, "float64");
+    });
+    if (!values.allFinite()) {
+        const double* bad = std::find_if(values.data(), values.data() + values.size(),
+                                         [](double value) { return !std::isfinite(value); });
+        item.fail(join("value ", print_position(extents(name), bad - values.data()), " is ", *bad,
+                       ", must be finite"));
+    }
+    return values;
+}
+
+IntMatrix Hdf5File::integers(const std::string& name, const Extents& expected) const
+{
+    const Item item(*state_, name);
+    return item.guarded(
+        [&] { return item.read<IntMatrix>(expected, H5T_STD_I32LE, H5T_NATIVE_INT, "int32"); });
+}
+
+std::vector<std::string> Hdf5File::strings(const std::string& name, Eigen::Index expected) const
+{
+    const Item item(*state_, name);
+    return item.guarded([&] {
+        const StoredDataset stored = item.open();
+        item.check_extents(stored.extents, {expected});
+        if (!is_fixed_string(stored.type))
+            item.fail("must hold strings of fixed length");
+        const std::size_t size = H5Tget_size(stored.type);
+        std::string packed(size * static_cast<std::size_t>(stored.count), '\0');
+        checked(H5Dread(stored.dataset, stored.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, packed.data()));
+        std::vector<std::string> strings;
+        for (std::size_t begin = 0; begin < packed.size(); begin += size) {
+            std::string text = unpadded(packed.substr(begin, size));
+            if (!is_utf8(text))
+                item.fail(join("string ", strings.size(), " is not UTF-8"));
+            strings.push_back(std::move(text));
+        }
+        return strings;
+    });
+}
+
+bool Hdf5File::has_attribute(const std::string& name) const
+{
+    const Item item(*state_, "attribute " + name);
+    return item.guarded([&] { return checked(H5Aexists(state_->id, name.c_str())) > 0; });
+}
+
+std::string Hdf5File::text_attribute(const std::string& name) const
+{
+    const Item item(*state_, "attribute " + name);
+    return item.guarded([&] {
+        const Id attribute = open_attribute(item, state_->id, name);
+        const Id type(H5Aget_type(attribute), H5Tclose);
+        const std::size_t size = H5Tget_size(type);
+        if (!is_fixed_string(type) || size > longest_string)
+            item.fail("must be a string of fixed length");
+        std::string text(size, '\0');
+        checked(H5Aread(attribute, type, text.data()));
+        return unpadded(std::move(text));
+    });
+}
+
+std::int64_t Hdf5File::integer_attribute(const std::string& name) const
+{
+    const Item item(*state_, "attribute " + name);
+    return item.guarded([&] {
+        const Id attribute = open_attribute(item, state_->id, name);
+        const Id type(H5Aget_type(attribute), H5Tclose);
+        if (H5Tget_class(type) != H5T_INTEGER || H5Tget_size(type) > sizeof(std::int64_t))
+            item.fail("must be an integer");
+        std::int64_t value = 0;
+        checked(H5Aread(attribute, H5T_NATIVE_INT64, &value));
+        return value;
+    });
+}
+
+void Hdf5File::fail(const std::string& name, const std::string& rule) const
+{
+    throw InvalidInput(join(state_->path, ": ", name, ": ", rule));
+}
+
+} // namespace shape::internal

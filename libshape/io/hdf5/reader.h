@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libshape/io/hdf5/extents.h"
+#include "libshape/linalg/dense.h"
+
+namespace shape::internal {
+
+/// An HDF5 file open for reading. Every member throws InvalidInput naming file, dataset and rule.
+///
+/// Only what write_hdf5() (writer.h) could have written is read: plain datasets in plain groups, of 32-bit
+/// integers, doubles and fixed-length UTF-8 strings, with no filter but the checksum, no larger than
+/// the file.
+class Hdf5File
+{
+public:
+    /// @throws FileError if the file cannot be read; LimitExceeded if it is larger than 8 GiB.
+    explicit Hdf5File(const std::filesystem::path& path);
+    ~Hdf5File();
+
+    [[nodiscard]] const std::string& path() const;
+
+    [[nodiscard]] bool has(const std::string& name) const;
+    [[nodiscard]] std::vector<std::string> members(const std::string& group) const;
+    [[nodiscard]] Extents extents(const std::string& name) const;
+
+    /// Finite numbers: the first extent as rows, the others together as columns.
+    [[nodiscard]] RowMatrix numbers(const std::string& name, const Extents& expected) const;
+    [[nodiscard]] Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> integers(
+        const std::string& name, const Extents& expected) const;
+    [[nodiscard]] std::vector<std::string> strings(const std::string& name,
+                                                   Eigen::Index expected) const;
+
+    [[nodiscard]] bool has_attribute(const std::string& name) const;
+    [[nodiscard]] std::string text_attribute(const std::string& name) const;
+    [[nodiscard]] std::int64_t integer_attribute(const std::string& name) const;
+
+    /// @throws InvalidInput always.
+    [[noreturn]] void fail(const std::string& name, const std::string& rule) const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace shape::internal

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/hdf5/writer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <numeric>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/file/line_reader.h"
+#include "libshape/io/file/output_file.h"
+#include "libshape/io/hdf5/handles.h"
+
+namespace shape::internal {
+namespace {
+
+constexpr std::size_t chunk_size = 1 << 20; // [byte]
+
+/// Fixed-length UTF-8, padded with NUL: unlike the heap of variable-length strings it has checksums.
+Id make_string_type(std::size_t size)
+{
+    Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+    checked(H5Tset_size(type, size));
+    checked(H5Tset_strpad(type, H5T_STR_NULLPAD));
+    checked(H5Tset_cset(type, H5T_CSET_UTF8));
+    return type;
+}
+
+/// Values as HDF5 takes them.
+struct Encoded
+{
+    Id type;                ///< On file.
+    Id memory_type;         ///< In memory.
+    const void* values;     ///< The caller's numbers.
+    std::size_t value_size; ///< [byte]
+    std::size_t count;
+    std::string strings; ///< Or strings side by side, padded to equal size.
+    Hdf5Rows rows = {};  ///< Or what makes them.
+
+    [[nodiscard]] const void* data() const { return strings.empty() ? values : strings.data(); }
+    [[nodiscard]] std::size_t size() const { return count * value_size; }
+};
+
+Encoded encode(std::span<const double> values, const std::string&)
+{
+    return {{H5Tcopy(H5T_IEEE_F64LE), H5Tclose},
+            {H5Tcopy(H5T_NATIVE_DOUBLE), H5Tclose},
+            values.data(),
+            sizeof(double),
+            values.size(),
+            {}};
+}
+
+Encoded encode(std::span<const int> values, const std::string&)
+{
+    return {{H5Tcopy(H5T_STD_I32LE), H5Tclose},
+            {H5Tcopy(H5T_NATIVE_INT), H5Tclose},
+            values.data(),
+            sizeof(int),
+            values.size(),
+            {}};
+}
+
+Encoded encode(std::span<const std::int64_t> values, const std::string&)
+{
+    return {{H5Tcopy(H5T_STD_I64LE), H5Tclose},
+            {H5Tcopy(H5T_NATIVE_INT64), H5Tclose},
+            values.data(),
+            sizeof(std::int64_t),
+            values.size(),
+            {}};
+}
+
+Encoded encode(std::span<const std::string> values, const std::string& name)
+{
+    std::size_t size = 1;
+    for (const std::string& text : values) {
+        if (text.find('\0') != std::string::npos || !is_utf8(text) || text.size() > longest_string)
+            throw InvalidInput(join(name, ": ", in_quotes(text),
+                                    " must be UTF-8 without NUL, at most ", longest_string,
+                                    " bytes"));
+        size = std::max(size, text.size());
+    }
+    std::string packed;
+    packed.reserve(size * values.size());
+    for (const std::string& text : values) {
+        packed += text;
+        packed.append(size - text.size(), '\0');
+    }
+    return {make_string_type(size), make_string_type(size), nullptr, size,
+            values.size(),          std::move(packed)};
+}
+
+Encoded encode(const Hdf5Rows& rows, const std::string& name)
+{
+    Encoded encoded = encode(std::span<const double>(), name);
+    encoded.rows = rows;
+    return encoded;
+}
+
+std::size_t product(std::span<const Eigen::Index> extents)
+{
+    return static_cast<std::size_t>(
+        std::accumulate(extents.begin(), extents.end(), Eigen::Index{1}, std::multiplies()));
+}
+
+Encoded encode(const Hdf5Dataset& dataset)
+{
+    Encoded encoded = std::visit([&](const auto& values) { return encode(values, dataset.name); },
+                                 dataset.values);
+    if (encoded.rows)
+        encoded.count = product(dataset.extents);
+    return encoded;
+}
+
+Encoded encode(const std::string& name, const Hdf5Value& value)
+{
+    return std::visit([&](const auto& v) { return encode(std::span(&v, 1), name); }, value);
+}
+
+/// Objects without time stamps, so that equal contents give equal bytes.
+Id make_creation_list(hid_t kind)
+{
+    Id list(H5Pcreate(kind), H5Pclose);
+    checked(H5Pset_obj_track_times(list, false));
+    return list;
+}
+
+/// Chunks of about 1 MiB of consecutive values.
+std::vector<hsize_t> chunk_dimensions(const Extents& extents, std::size_t value_size)
+{
+    std::vector<hsize_t> chunk = dimensions(extents);
+    hsize_t budget = std::max<hsize_t>(chunk_size / value_size, 1);
+    for (auto length = chunk.rbegin(); length != chunk.rend(); ++length) {
+        *length = std::min(*length, budget);
+        budget = std::max<hsize_t>(budget / *length, 1);
+    }
+    return chunk;
+}
+
+/// A part of a dataset: where it is on file and in memory, and its values.
+struct Block
+{
+    hid_t file_space;
+    hid_t memory_space;
+    const void* values;
+    std::size_t size; ///< [byte]
+};
+
+/// Runs action(block) for a dataset's values, whole rows of about 1 MiB together at a time.
+void for_each_block(const Encoded& values, const Extents& extents,
+                    const std::function<void(const Block&)>& action)
+{
+    if (extents.empty())
+        return action({H5S_ALL, H5S_ALL, values.data(), values.size()});
+    const std::size_t row_size = product(std::span(extents).subspan(1));
+    const std::vector<hsize_t> whole = dimensions(extents);
+    const hsize_t step = chunk_dimensions(extents, values.value_size).front();
+    const Id file_space = make_space(extents);
+    std::vector<double> made;
+    std::vector<hsize_t> start(whole.size(), 0);
+    for (; start[0] < whole[0]; start[0] += step) {
+        std::vector<hsize_t> count = whole;
+        count[0] = std::min(step, whole[0] - start[0]);
+        checked(H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start.data(), nullptr, count.data(),
+                                    nullptr));
+        const Id memory_space(
+            H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+        const void* block = nullptr;
+        if (values.rows) {
+            made.resize(count[0] * row_size);
+            for (std::size_t i = 0; i < count[0]; ++i)
+                values.rows(static_cast<Eigen::Index>(start[0] + i),
+                            std::span(made).subspan(i * row_size, row_size));
+            block = made.data();
+        } else {
+            block =
+                static_cast<const char*>(values.data()) + start[0] * row_size * values.value_size;
+        }
+        action({file_space, memory_space, block, count[0] * row_size * values.value_size});
+    }
+}
+
+/// Creates the group of a dataset. Groups remember the order of their members: that of labels.
+void create_group(hid_t file, const std::string& dataset)
+{
+    const std::string group = dataset.substr(0, dataset.rfind('/'));
+    if (group.empty() || checked(H5Lexists(file, group.c_str(), H5P_DEFAULT)) > 0)
+        return;
+    const Id list = make_creation_list(H5P_GROUP_CREATE);
+    checked(H5Pset_link_creation_order(list, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
+    Id(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, list, H5P_DEFAULT), H5Gclose).close();
+}
+
+void write_dataset(hid_t file, const Hdf5Dataset& dataset)
+{
+    const Encoded values = encode(dataset);
+    const Id space = make_space(dataset.extents);
+    const auto count = static_cast<std::size_t>(checked(H5Sget_simple_extent_npoints(space)));
+    if (count != values.count || count == 0)
+        throw InvalidInput(join(dataset.name, ": has ", values.count, " values, must have ", count,
+                                " and at least 1"));
+    create_group(file, dataset.name);
+    const Id creation = make_creation_list(H5P_DATASET_CREATE);
+    if (dataset.extents.empty()) {
+        checked(H5Pset_layout(creation, H5D_COMPACT)); // within the checksummed header
+    } else {
+        const std::vector<hsize_t> chunk = chunk_dimensions(dataset.extents, values.value_size);
+        checked(H5Pset_chunk(creation, static_cast<int>(chunk.size()), chunk.data()));
+        checked(H5Pset_fletcher32(creation));
+    }
+    const Id link(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+    checked(H5Pset_char_encoding(link, H5T_CSET_UTF8));
+    Id stored(
+        H5Dcreate2(file, dataset.name.c_str(), values.type, space, link, creation, H5P_DEFAULT),
+        H5Dclose);
+    for_each_block(values, dataset.extents, [&](const Block& block) {
+        checked(H5Dwrite(stored, values.memory_type, block.memory_space, block.file_space,
+                         H5P_DEFAULT, block.values));
+    });
+    stored.close();
+}
+
+void write_attribute(hid_t file, const std::string& name, const Hdf5Value& value)
+{
+    const Encoded encoded = encode(name, value);
+    Id attribute(
+        H5Acreate2(file, name.c_str(), encoded.type, make_space({}), H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose);
+    checked(H5Awrite(attribute, encoded.memory_type, encoded.data()));
+    attribute.close();
+}
+
+/// The bytes of an HDF5 file made in memory.
+class Image
+{
+public:
+    Image() = default;
+    ~Image() { std::free(bytes_); }
+    Image(const Image&) = delete;
+    Image& operator=(const Image&) = delete;
+
+    /// Up to the end that the superblock names: the buffer is longer.
+    [[nodiscard]] std::string_view bytes() const
+    {
+        constexpr std::size_t end_of_file = 28; // offset in superblocks of version 2 and 3
+        std::uint64_t size = 0;
+        std::memcpy(&size, static_cast<char*>(bytes_) + end_of_file, sizeof(size));
+        return {static_cast<char*>(bytes_), size};
+    }
+
+    /// Makes a file with this access list live in memory, and leave its bytes here when it closes.
+    /// (H5Fget_file_image() gives bytes before that, with a wrong checksum of the superblock.)
+    void receive(hid_t access)
+    {
+        using Operation = H5FD_file_image_op_t;
+        H5FD_file_image_callbacks_t calls{};
+        calls.image_malloc = [](std::size_t size, Operation, void*) { return std::malloc(size); };
+        calls.image_memcpy = [](void* to, const void* from, std::size_t size, Operation, void*) {
+            return std::memcpy(to, from, size);
+        };
+        calls.image_realloc = [](void* bytes, std::size_t size, Operation, void*) {
+            return std::realloc(bytes, size);
+        };
+        calls.image_free = [](void* bytes, Operation operation, void* image) -> herr_t {
+            if (operation == H5FD_FILE_IMAGE_OP_FILE_CLOSE)
+                static_cast<Image*>(image)->bytes_ = bytes;
+            else
+                std::free(bytes);
+            return 0;
+        };
+        calls.udata_copy = [](void* image) { return image; };
+        calls.udata_free = [](void*) -> herr_t { return 0; };
+        calls.udata = this;
+        checked(H5Pset_fapl_core(access, std::size_t{4} << 20, false));
+        checked(H5Pset_file_image_callbacks(access, &calls));
+    }
+
+private:
+    void* bytes_ = nullptr;
+};
+
+/// Makes the file in memory: thus no error of the disk meets HDF5, which does not report them all.
+void make_image(const Hdf5Content& content, Image& image)
+{
+    static std::atomic<unsigned> counter{0};
+    const std::string unique = join("/dev/null/shape-", counter++); // no such file can exist
+    const Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    image.receive(access);
+    checked(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST));
+    Id file(H5Fcreate(unique.c_str(), H5F_ACC_TRUNC, make_creation_list(H5P_FILE_CREATE), access),
+            H5Fclose);
+    for (const auto& [name, value] : content.attributes)
+        write_attribute(file, name, value);
+    for (const Hdf5Dataset& dataset : content.datasets)
+        write_dataset(file, dataset);
+    file.close();
+}
+
+/// Whether a file holds the content, bit by bit.
+bool holds(const std::filesystem::path& path, const Hdf5Content& content)
+{
+    const Id file = open_file(path);
+    bool is_equal = true;
+    std::string bytes;
+    const auto compare = [&](const void* values, std::size_t size, const auto& read) {
+        bytes.assign(size, '\0');
+        checked(read(bytes.data()));
+        is_equal = is_equal && std::memcmp(bytes.data(), values, size) == 0;
+    };
+    for (const auto& [name, value] : content.attributes) {
+        const Id attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
+        const Encoded encoded = encode(name, value);
+        compare(encoded.data(), encoded.size(),
+                [&](void* out) { return H5Aread(attribute, encoded.memory_type, out); });
+    }
+    for (const Hdf5Dataset& dataset : content.datasets) {
+        const Id stored(H5Dopen2(file, dataset.name.c_str(), H5P_DEFAULT), H5Dclose);
+        const Encoded encoded = encode(dataset);
+        for_each_block(encoded, dataset.extents, [&](const Block& block) {
+            compare(block.values, block.size, [&](void* out) {
+                return H5Dread(stored, encoded.memory_type, block.memory_space, block.file_space,
+                               H5P_DEFAULT, out);
+            });
+        });
+    }
+    return is_equal;
+}
+
+} // namespace
+
+void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content)
+{
+    const Silence silence;
+    const auto fail = [&](const std::string& cause) {
+        throw FileError(join("cannot write ", path.string(), ": ", cause));
+    };
+    try {
+        Image image;
+        make_image(content, image);
+        write_file_atomically(path, image.bytes(), [&](const auto& temporary) {
+            if (!holds(temporary, content))
+                fail("what was read back differs");
+        });
+    } catch (const Hdf5Failure& failure) {
+        fail(join("HDF5: ", failure.what()));
+    }
+}
+
+} // namespace shape::internal

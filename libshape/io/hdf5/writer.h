@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "libshape/io/hdf5/extents.h"
+
+namespace shape::internal {
+
+/// Numbers that are made when they are written, so that they need not be held together: those of
+/// one index of the first extent, in row-major order. Equal calls must give equal numbers.
+using Hdf5Rows = std::function<void(Eigen::Index row, std::span<double> numbers)>;
+
+/// A dataset to write; its values, in row-major order, stay with the caller.
+struct Hdf5Dataset
+{
+    std::string name; ///< "/group/name".
+    Extents extents;
+    std::variant<std::span<const double>, std::span<const int>, std::span<const std::string>,
+                 Hdf5Rows>
+        values;
+};
+
+using Hdf5Value = std::variant<std::string, std::int64_t, double>;
+
+/// What an HDF5 file holds: attributes of the root group, and datasets.
+struct Hdf5Content
+{
+    std::vector<std::pair<std::string, Hdf5Value>> attributes;
+    std::vector<Hdf5Dataset> datasets;
+};
+
+/// Writes a file beside the target, reads every dataset back and compares it bit by bit, and renames
+/// it into place. Equal contents give equal bytes.
+/// @throws FileError if it cannot be written.
+/// @throws InvalidInput if a string is not UTF-8, holds a NUL or has more than 4096 bytes, or a
+///     name is empty or ".".
+void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content);
+
+} // namespace shape::internal

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/linalg/eight_lane_solve.h"
+
+#include <Eigen/SparseCholesky>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/vectorised.h"
+
+namespace shape::internal {
+namespace {
+
+SHAPE_VECTORISED void substitute(int size, const int* order, const int* begins, const int* rows,
+                                 const float* values, const float* inverse_pivots,
+                                 EightLanePoint* __restrict x)
+{
+    for (int j = 0; j < size; ++j) {
+        const EightLanePoint known = inverse_pivots[j] * x[order[j]];
+        x[order[j]] = known;
+        for (int p = begins[j]; p < begins[j + 1]; ++p)
+            x[rows[p]] = x[rows[p]] - values[p] * known;
+    }
+    for (int j = size - 1; j >= 0; --j) {
+        EightLanePoint sum = x[order[j]];
+        for (int p = begins[j]; p < begins[j + 1]; ++p)
+            sum = sum - values[p] * x[rows[p]];
+        x[order[j]] = inverse_pivots[j] * sum;
+    }
+}
+
+} // namespace
+
+EightLaneSolve::EightLaneSolve(const SparseMatrix& matrix)
+{
+    const Eigen::SimplicialLLT<SparseMatrix> cholesky(matrix);
+    if (cholesky.info() != Eigen::Success)
+        throw NumericalError(join("Cholesky factorisation of a matrix of size ", matrix.rows(),
+                                  ": it is not positive definite"));
+    const auto size = static_cast<std::size_t>(matrix.rows());
+    order_.resize(size);
+    for (std::size_t i = 0; i < size; ++i)
+        order_[static_cast<std::size_t>(cholesky.permutationP().indices()[static_cast<int>(i)])] =
+            static_cast<int>(i);
+    const SparseMatrix factor = cholesky.matrixL();
+    for (int j = 0; j < matrix.cols(); ++j) {
+        begins_.push_back(static_cast<int>(rows_.size()));
+        for (SparseMatrix::InnerIterator entry(factor, j); entry; ++entry) {
+            const auto value = static_cast<float>(entry.value());
+            if (entry.row() == j) {
+                inverse_pivots_.push_back(1.0F / value);
+            } else {
+                rows_.push_back(order_[static_cast<std::size_t>(entry.row())]);
+                values_.push_back(value);
+            }
+        }
+    }
+    begins_.push_back(static_cast<int>(rows_.size()));
+}
+
+void EightLaneSolve::solve(EightLanePoints& x) const
+{
+    substitute(static_cast<int>(order_.size()), order_.data(), begins_.data(), rows_.data(),
+               values_.data(), inverse_pivots_.data(), x.data());
+}
+
+} // namespace shape::internal

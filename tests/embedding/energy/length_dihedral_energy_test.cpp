@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/energy/length_dihedral_energy.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/random.h"
+#include "libshape/base/threads.h"
+#include "libshape/embedding/energy/gauss_newton.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tests/support/meshes.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+using Eigen::VectorXd;
+
+VectorXd flat(const Points& points)
+{
+    return points.reshaped<Eigen::RowMajor>();
+}
+
+/// Every coordinate moved by up to `amount` of the mean edge length.
+Points perturbed(const test::TestMesh& mesh, double amount, unsigned seed)
+{
+    Random random(seed);
+    const double reach = amount * edge_lengths(mesh.topology, mesh.points).mean();
+    return mesh.points + Points::NullaryExpr(mesh.points.rows(), 3,
+                                             [&] { return random.uniform(-reach, reach); });
+}
+
+/// mu_e from where the vertices of the wanted triangles are.
+VectorXd trusted_bends(const test::TestMesh& mesh, double mu)
+{
+    const Topology& t = mesh.topology;
+    VectorXd weights(t.edge_count());
+    for (int e = 0; e < t.edge_count(); ++e) {
+        double weight = mu;
+        for (const int h : t.edge_halfedges().row(e)) {
+            if (h < 0) {
+                weight = 0.0;
+                continue;
+            }
+            const Eigen::RowVector3d a = mesh.points.row(t.source(h));
+            const Eigen::RowVector3d b = mesh.points.row(t.target(h));
+            const Eigen::RowVector3d c = mesh.points.row(t.source(Topology::previous(h)));
+            const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+            const double height = (b - a).cross(c - a).norm() / longest;
+            const double shape = height / longest / sliver_shape;
+            weight = std::min(weight, mu * std::clamp(shape * shape, 0.01, 1.0));
+        }
+        weights[e] = weight;
+    }
+    return weights;
+}
+
+/// The sample meshes, each with a few vertices next to an edge opposite.
+std::vector<test::TestMesh> meshes_with_slivers()
+{
+    std::vector<test::TestMesh> meshes = test::sample_meshes();
+    Random random(8);
+    for (test::TestMesh& mesh : meshes)
+        for (int f = 0; f < mesh.topology.face_count(); f += 7) {
+            const auto face = mesh.topology.faces().row(f);
+            const double height = random.uniform(0.001, 0.3);
+            mesh.points.row(face[0]) =
+                height * mesh.points.row(face[0]) +
+                (1.0 - height) * 0.5 * (mesh.points.row(face[1]) + mesh.points.row(face[2]));
+        }
+    return meshes;
+}
+
+TEST(StretchTerm, IsTheSquareOfSmallStrainsAndItsWeightTheSlope)
+{
+    EXPECT_NEAR(stretch_term(1e-4).value, 1e-8, 1e-13);
+    EXPECT_NEAR(stretch_term(1e3).value / 1e6, 9.0, 1e-3);
+    for (const double s : {-0.5, -0.03, 0.001, 0.02, 0.1, 2.0}) {
+        const double h = 1e-6 * std::abs(s);
+        const double slope = (stretch_term(s + h).value - stretch_term(s - h).value) / (2.0 * h);
+        EXPECT_NEAR(stretch_term(s).weight, slope / (2.0 * s), 1e-7 * slope / s);
+    }
+}
+
+TEST(LengthDihedralEnergy, VanishesAtTheMeshItself)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        SCOPED_TRACE(mesh.name);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+        VectorXd gradient;
+        EXPECT_LT(energy.evaluate(flat(test::moved(mesh.points, 3)), gradient), 1e-24);
+        EXPECT_LT(gradient.norm(), 1e-11);
+    }
+}
+
+TEST(LengthDihedralEnergy, IsTheSumOfItsDefinition)
+{
+    constexpr double mu = 0.03;
+    std::vector<test::TestMesh> meshes = test::sample_meshes();
+    for (test::TestMesh& mesh : meshes_with_slivers())
+        meshes.push_back(std::move(mesh));
+    for (const test::TestMesh& mesh : meshes) {
+        SCOPED_TRACE(mesh.name);
+        const ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+        const Points points = perturbed(mesh, 0.2, 5);
+        const ShapePoint found = test::shape_of(mesh.topology, points);
+        LengthDihedralEnergy energy(mesh.topology, target, mu);
+        VectorXd gradient;
+        const double value = energy.evaluate(flat(points), gradient);
+        const VectorXd bend_weights = trusted_bends(mesh, mu);
+        double sum = 0.0;
+        for (int e = 0; e < mesh.topology.edge_count(); ++e) {
+            const double strain = found.edge_lengths[e] / target.edge_lengths[e] - 1.0;
+            const double bend = wrapped_angle(found.dihedral_angles[e] - target.dihedral_angles[e]);
+            const double of_edge = stretch_term(strain).value + bend_weights[e] * bend * bend;
+            EXPECT_NEAR(energy.edge_energies()[e], of_edge, 1e-12 * value);
+            sum += of_edge;
+        }
+        EXPECT_NEAR(value, sum, 1e-12 * sum);
+    }
+}
+
+TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferences)
+{
+    std::vector<test::TestMesh> meshes = test::sample_meshes();
+    for (test::TestMesh& mesh : meshes_with_slivers())
+        meshes.push_back(std::move(mesh));
+    for (const test::TestMesh& mesh : meshes) {
+        SCOPED_TRACE(mesh.name);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.7);
+        VectorXd x = flat(perturbed(mesh, 0.1, 7));
+        VectorXd gradient;
+        VectorXd unused;
+        (void)energy.evaluate(x, gradient);
+        Random random(9);
+        const double step = 1e-6;
+        for (int sample = 0; sample < 30; ++sample) {
+            const auto i =
+                static_cast<Eigen::Index>(random.index(static_cast<std::uint64_t>(x.size())));
+            const double here = x[i];
+            x[i] = here + step;
+            const double above = energy.evaluate(x, unused);
+            x[i] = here - step;
+            const double below = energy.evaluate(x, unused);
+            x[i] = here;
+            EXPECT_NEAR((above - below) / (2.0 * step), gradient[i], 1e-7 * gradient.norm());
+        }
+    }
+}
+
+TEST(LengthDihedralEnergy, TrustsBendsBesideWellShapedTriangles)
+{
+    constexpr double mu = 0.2;
+    for (const test::TestMesh& mesh : {test::tetrahedron(), test::icosphere(3)}) {
+        const LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points),
+                                          mu);
+        EXPECT_EQ(energy.bend_weights(), VectorXd::Constant(mesh.topology.edge_count(), mu));
+    }
+}
+
+TEST(LengthDihedralEnergy, TrustsBendsBesideSliversByTheSquareOfTheirFlatness)
+{
+    constexpr double mu = 0.2;
+    const Topology two((Faces(2, 3) << 0, 1, 2, 1, 0, 3).finished(), 4);
+    const int shared = two.find_edge(0, 1);
+    // Isosceles triangles over a shared base of length 3; the second one is well shaped.
+    const auto weights = [&](double side, double other_side) {
+        ShapePoint target{VectorXd::Constant(5, side), VectorXd::Zero(5)};
+        target.edge_lengths[shared] = 3.0;
+        target.edge_lengths[two.find_edge(0, 3)] = other_side;
+        target.edge_lengths[two.find_edge(1, 3)] = other_side;
+        return LengthDihedralEnergy(two, target, mu).bend_weights();
+    };
+    const auto side_of = [](double height) { return std::hypot(1.5, height); };
+    for (const double flatness : {0.021, 0.05, 0.1, 0.15, 0.199})
+        for (const bool first : {true, false}) {
+            const double side = side_of(3.0 * flatness);
+            const double wanted = mu * flatness * flatness / (sliver_shape * sliver_shape);
+            EXPECT_NEAR((first ? weights(side, 3.0) : weights(3.0, side))[shared], wanted,
+                        1e-12 * mu);
+        }
+    EXPECT_NEAR(weights(side_of(0.3), side_of(0.15))[shared], 0.0625 * mu, 1e-12 * mu);
+    for (const double flatness : {0.201, 0.3, 2.0}) // a side is the longest, in the end
+        EXPECT_EQ(weights(side_of(3.0 * flatness), 3.0)[shared], mu);
+    EXPECT_EQ(weights(side_of(0.001), 3.0)[shared], 0.01 * mu);
+    EXPECT_EQ(weights(1.4, 3.0)[shared], 0.01 * mu); // no triangle has such sides
+    // Needles: the base is short, a side the longest; height over the side 3 sin(apex angle).
+    const double side = 30.0;
+    const double sine = std::sin(2.0 * std::asin(1.5 / side));
+    EXPECT_NEAR(weights(side, 3.0)[shared], mu * sine * sine / (sliver_shape * sliver_shape),
+                1e-12 * mu);
+    const VectorXd all = weights(3.0, 3.0);
+    for (int e = 0; e < 5; ++e)
+        EXPECT_EQ(all[e], e == shared ? mu : 0.0);
+}
+
+TEST(LengthDihedralEnergy, TrustsBendsOfMeshesByTheFlatterOfTwoTriangles)
+{
+    constexpr double mu = 0.2;
+    int slivers = 0;
+    for (const test::TestMesh& mesh : meshes_with_slivers()) {
+        SCOPED_TRACE(mesh.name);
+        const VectorXd weights =
+            LengthDihedralEnergy(mesh.topology, test::shape_of(mesh.topology, mesh.points), mu)
+                .bend_weights();
+        const VectorXd wanted = trusted_bends(mesh, mu);
+        EXPECT_LT((weights - wanted).cwiseAbs().maxCoeff(), 1e-12 * mu);
+        for (const double weight : wanted)
+            slivers += weight > 0.01 * mu && weight < mu ? 1 : 0;
+    }
+    EXPECT_GT(slivers, 100);
+}
+
+/// Areas of the faces.
+VectorXd areas(const Topology& topology, const Points& points)
+{
+    VectorXd areas(topology.face_count());
+    for (int f = 0; f < topology.face_count(); ++f) {
+        const auto face = topology.faces().row(f);
+        const Eigen::RowVector3d p = points.row(face[0]);
+        areas[f] = 0.5 * (points.row(face[1]) - p).cross(points.row(face[2]) - p).norm();
+    }
+    return areas;
+}
+
+/// Shaken meshes of which some faces have a twentieth to a half of their heights.
+std::vector<std::pair<test::TestMesh, Points>> meshes_with_collapses()
+{
+    std::vector<std::pair<test::TestMesh, Points>> all;
+    Random random(8);
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        Points points = perturbed(mesh, 0.05, 3);
+        for (int f = 0; f < mesh.topology.face_count(); f += 7) {
+            const auto face = mesh.topology.faces().row(f);
+            const double height = random.uniform(0.05, 0.5);
+            points.row(face[0]) =
+                height * points.row(face[0]) +
+                (1.0 - height) * 0.5 * (points.row(face[1]) + points.row(face[2]));
+        }
+        all.emplace_back(mesh, points);
+    }
+    return all;
+}
+
+TEST(LengthDihedralEnergy, GrowsByLogarithmsOfAreasBelowHalfOfTheWantedOnesIfTheseAreKept)
+{
+    constexpr double beta = 0.01;
+    for (const auto& [mesh, points] : meshes_with_collapses()) {
+        SCOPED_TRACE(mesh.name);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+        VectorXd gradient;
+        const double without = energy.evaluate(flat(points), gradient);
+        EXPECT_TRUE(energy.collapses().empty());
+        energy.keep_areas();
+        const double with = energy.evaluate(flat(points), gradient);
+        const VectorXd shares =
+            areas(mesh.topology, points).cwiseQuotient(areas(mesh.topology, mesh.points));
+        double sum = 0.0;
+        auto collapse = energy.collapses().begin();
+        for (int f = 0; f < mesh.topology.face_count(); ++f)
+            if (shares[f] < 0.5) {
+                ASSERT_NE(collapse, energy.collapses().end());
+                EXPECT_EQ(collapse->face, f);
+                EXPECT_NEAR(collapse->residual, -std::sqrt(beta) * std::log(2.0 * shares[f]),
+                            1e-12);
+                sum += collapse->residual * collapse->residual;
+                ++collapse;
+            }
+        EXPECT_EQ(collapse, energy.collapses().end());
+        EXPECT_GT(sum, 0.0);
+        EXPECT_NEAR(with, without + sum, 1e-13 * with);
+        EXPECT_NEAR(energy.edge_energies().sum(), with, 1e-13 * with);
+    }
+}
+
+TEST(LengthDihedralEnergy, StaysAsItIsWhereNoAreaIsMissing)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        SCOPED_TRACE(mesh.name);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+        const VectorXd points = flat(perturbed(mesh, 0.05, 3));
+        VectorXd without;
+        VectorXd with;
+        const double value = energy.evaluate(points, without);
+        energy.keep_areas();
+        EXPECT_EQ(energy.evaluate(points, with), value);
+        EXPECT_EQ(with, without);
+    }
+}
+
+TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferencesWithAreasKept)
+{
+    for (const auto& [mesh, points] : meshes_with_collapses()) {
+        SCOPED_TRACE(mesh.name);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+        energy.keep_areas();
+        VectorXd x = flat(points);
+        VectorXd gradient;
+        VectorXd unused;
+        (void)energy.evaluate(x, gradient);
+        const std::vector<LengthDihedralEnergy::Collapse> collapses = energy.collapses();
+        ASSERT_FALSE(collapses.empty());
+        constexpr double step = 1e-6;
+        for (std::size_t k = 0; k < collapses.size(); k += 5)
+            for (int corner = 0; corner < 3; ++corner)
+                for (int axis = 0; axis < 3; ++axis) {
+                    const int i = 3 * mesh.topology.faces()(collapses[k].face, corner) + axis;
+                    const double here = x[i];
+                    x[i] = here + step;
+                    const double above = energy.evaluate(x, unused);
+                    ASSERT_EQ(energy.collapses().size(), collapses.size());
+                    const double residual_above = energy.collapses()[k].residual;
+                    x[i] = here - step;
+                    const double below = energy.evaluate(x, unused);
+                    ASSERT_EQ(energy.collapses().size(), collapses.size());
+                    const double residual_below = energy.collapses()[k].residual;
+                    x[i] = here;
+                    EXPECT_NEAR((above - below) / (2.0 * step), gradient[i],
+                                1e-7 * gradient.norm());
+                    const auto& by_corners = collapses[k].gradients;
+                    EXPECT_NEAR((residual_above - residual_below) / (2.0 * step),
+                                by_corners[static_cast<std::size_t>(corner)][axis],
+                                1e-6 * (by_corners[0].norm() + by_corners[1].norm()));
+                }
+    }
+}
+
+TEST(LengthDihedralEnergy, IsFiniteWhereAFaceHasNoArea)
+{
+    const test::TestMesh mesh = test::open_patch(10, 2);
+    LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+    energy.keep_areas();
+    for (const double height : {0.0, 1e-140, 1e-80, 1e-9}) {
+        Points points = Points::Zero(mesh.points.rows(), 3);
+        points.col(0) = mesh.points.col(0);
+        points.col(1) = height * mesh.points.col(1);
+        VectorXd gradient;
+        EXPECT_TRUE(std::isfinite(energy.evaluate(flat(points), gradient))) << height;
+        EXPECT_TRUE(gradient.allFinite()) << height;
+    }
+}
+
+TEST(LengthDihedralEnergy, HasTheSameBitsForAnyThreadCount)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(4, 0.3, 1);
+    LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+    const VectorXd x = flat(perturbed(mesh, 0.1, 2));
+    const int threads = thread_count();
+    VectorXd one;
+    VectorXd three;
+    set_thread_count(1);
+    const double value_one = energy.evaluate(x, one);
+    set_thread_count(3);
+    const double value_three = energy.evaluate(x, three);
+    set_thread_count(threads);
+    EXPECT_EQ(value_one, value_three);
+    EXPECT_TRUE(one == three);
+}
+
+TEST(LengthDihedralEnergy, RefusesBadTargets)
+{
+    const test::TestMesh mesh = test::tetrahedron();
+    const ShapePoint good = test::shape_of(mesh.topology, mesh.points);
+    ShapePoint bad = good;
+    bad.edge_lengths[2] = 0.0;
+    EXPECT_THROW(LengthDihedralEnergy(mesh.topology, bad, 1.0), InvalidInput);
+    bad = good;
+    bad.dihedral_angles[1] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(LengthDihedralEnergy(mesh.topology, bad, 1.0), InvalidInput);
+    bad = good;
+    bad.edge_lengths.conservativeResize(5);
+    EXPECT_THROW(LengthDihedralEnergy(mesh.topology, bad, 1.0), InvalidInput);
+    EXPECT_THROW(LengthDihedralEnergy(mesh.topology, good, 0.0), InvalidInput);
+}
+
+TEST(GaussNewton, FindsAShakenMeshAgain)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        SCOPED_TRACE(mesh.name);
+        LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+        std::vector<int> all;
+        for (int v = 0; v < mesh.topology.vertex_count(); ++v)
+            all.push_back(v);
+        const GaussNewtonResult result =
+            GaussNewton(mesh.topology, all)
+                .minimize(energy, flat(perturbed(mesh, 0.05, 4)), {.max_iterations = 60});
+        EXPECT_LT(result.value, 1e-18);
+        VectorXd gradient;
+        EXPECT_NEAR(energy.evaluate(result.points, gradient), result.value, 1e-18);
+    }
+}
+
+TEST(GaussNewton, MovesTheNamedVerticesOnlyAndEndsWhereTheirGradientVanishes)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+    Random random(3);
+    for (double& length : target.edge_lengths)
+        length *= random.uniform(0.97, 1.03);
+    LengthDihedralEnergy energy(mesh.topology, target, 0.1);
+    const std::vector<int> some{3, 17, 40, 41, 200};
+    const VectorXd start = flat(mesh.points);
+    const GaussNewtonResult result =
+        GaussNewton(mesh.topology, some)
+            .minimize(energy, start, {.max_iterations = 200, .decrease_tolerance = 0.0});
+    VectorXd before;
+    VectorXd after;
+    (void)energy.evaluate(start, before);
+    (void)energy.evaluate(result.points, after);
+    for (int v = 0; v < mesh.topology.vertex_count(); ++v) {
+        if (std::find(some.begin(), some.end(), v) != some.end())
+            EXPECT_LT(after.segment<3>(3 * v).norm(), 1e-6 * before.norm());
+        else
+            EXPECT_EQ(result.points.segment<3>(3 * v), start.segment<3>(3 * v));
+    }
+}
+
+} // namespace
+} // namespace shape

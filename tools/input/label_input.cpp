@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/input/label_input.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/table_file.h"
+#include "tools/program/arguments.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+/// The column of which every mesh has a value.
+const LabelColumn& complete_label(const Collection& collection, const std::string& label)
+{
+    const LabelColumn& column = find_label(collection.labels, label);
+    const auto missing = std::find(column.values.begin(), column.values.end(), "");
+    if (missing != column.values.end()) {
+        const auto mesh = static_cast<std::size_t>(missing - column.values.begin());
+        const auto count = std::count(missing, column.values.end(), "");
+        throw InvalidInput(join("mesh ", collection.names[mesh], " has no value of label '", label,
+                                "', in all ", count, " of ", collection.size(),
+                                " meshes; leave them out (--only) or label them"));
+    }
+    return column;
+}
+
+} // namespace
+
+void add_labelled_input(CLI::App& command, LabelledInput& input)
+{
+    add_mesh_input(command, input.meshes);
+    command
+        .add_option("--labels", input.meshes.labels,
+                    "CSV file of labels: first column `mesh` (file stem), further columns are\n"
+                    "labels (default: the labels of the collection files)")
+        ->option_text("FILE");
+    command
+        .add_option("--only", input.only,
+                    "Use only meshes whose label has this value; may be repeated: other values of\n"
+                    "the same label are let in too, other labels must hold as well")
+        ->option_text("LABEL=VALUE")
+        ->allow_extra_args(false);
+}
+
+CLI::Option* add_label(CLI::App& command, const std::string& option, std::string& label,
+                       const std::string& description)
+{
+    return command.add_option(option, label, description)->option_text("LABEL");
+}
+
+Collection read_labelled(const Session& session, const LabelledInput& input)
+{
+    std::map<std::string, std::set<std::string>> wanted;
+    for (const std::string& text : input.only) {
+        const auto [label, value] = label_and_value("--only", text);
+        wanted[label].insert(value);
+    }
+    Collection collection = read_meshes(session, input.meshes);
+    if (wanted.empty())
+        return collection;
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        if (std::all_of(wanted.begin(), wanted.end(), [&](const auto& rule) {
+                return rule.second.contains(find_label(collection.labels, rule.first).values[i]);
+            }))
+            kept.push_back(i);
+    if (kept.empty())
+        throw InvalidInput("--only leaves no mesh");
+    return subset(collection, kept);
+}
+
+std::pair<std::string, std::string> label_and_value(const std::string& option,
+                                                    const std::string& text)
+{
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos || sign == 0)
+        throw UsageError(join(option, ": '", text, "' must be LABEL=VALUE"));
+    return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
+Grouping group_by_label(const Collection& collection, const std::string& label)
+{
+    return group_by(complete_label(collection, label).values);
+}
+
+Grouping group_by_label_or_all(const Collection& collection, const std::string& label)
+{
+    return label.empty() ? one_group(static_cast<Eigen::Index>(collection.size()))
+                         : group_by_label(collection, label);
+}
+
+Grouping group_by_label_or_each(const Collection& collection, const std::string& label)
+{
+    return label.empty() ? group_by(collection.names) : group_by_label(collection, label);
+}
+
+Eigen::MatrixXd covariates_of(const Collection& collection, const Eigen::VectorXd& sizes,
+                              const std::vector<std::string>& columns)
+{
+    Eigen::MatrixXd result(sizes.size(), static_cast<Eigen::Index>(columns.size()));
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        const auto column = static_cast<Eigen::Index>(c);
+        if (columns[c] == "size") {
+            result.col(column) = sizes;
+            continue;
+        }
+        const LabelColumn& label = complete_label(collection, columns[c]);
+        for (std::size_t i = 0; i < collection.size(); ++i)
+            result(static_cast<Eigen::Index>(i), column) = parse_number(
+                label.values[i], join("label '", columns[c], "' of mesh ", collection.names[i]));
+    }
+    return result;
+}
+
+} // namespace shape::tools

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "libshape/mesh/collection.h"
+#include "libshape/statistics/grouping.h"
+#include "tools/input/mesh_input.h"
+
+namespace CLI {
+class App;
+class Option;
+} // namespace CLI
+
+namespace shape::tools {
+
+/// Meshes with labels, or some of them by their labels.
+struct LabelledInput
+{
+    MeshInput meshes;
+    std::vector<std::string> only; ///< LABEL=VALUE.
+};
+
+/// Adds MESHES, --triangulate, --labels and --only.
+void add_labelled_input(CLI::App& command, LabelledInput& input);
+
+/// Adds an option that takes the name of a label.
+CLI::Option* add_label(CLI::App& command, const std::string& option, std::string& label,
+                       const std::string& description);
+
+/// Reads the meshes and keeps those that have, for each label named by --only, one of its values.
+/// @throws as read_meshes(); InvalidInput if a label does not exist or no mesh is left; UsageError
+///     if a text is not LABEL=VALUE.
+[[nodiscard]] Collection read_labelled(const Session& session, const LabelledInput& input);
+
+/// The two sides of LABEL=VALUE.
+/// @throws UsageError, which names the option, if the text has no such form.
+[[nodiscard]] std::pair<std::string, std::string> label_and_value(const std::string& option,
+                                                                  const std::string& text);
+
+/// The meshes by the value of a label.
+/// @throws InvalidInput if there is no such label or a mesh has no value of it.
+[[nodiscard]] Grouping group_by_label(const Collection& collection, const std::string& label);
+
+/// As group_by_label(), or all meshes in one group if the label is empty.
+[[nodiscard]] Grouping group_by_label_or_all(const Collection& collection,
+                                             const std::string& label);
+
+/// As group_by_label(), or every mesh in a group of its own if the label is empty.
+[[nodiscard]] Grouping group_by_label_or_each(const Collection& collection,
+                                              const std::string& label);
+
+/// The numbers of labels, one column each; `size` stands for the sizes.
+/// @throws InvalidInput if there is no such label, or a mesh has no value of it or one that is not a
+///     number.
+[[nodiscard]] Eigen::MatrixXd covariates_of(const Collection& collection,
+                                            const Eigen::VectorXd& sizes,
+                                            const std::vector<std::string>& columns);
+
+} // namespace shape::tools

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/input/mesh_choice.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "libshape/base/counted.h"
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "tools/input/mesh_input.h"
+
+namespace shape::tools {
+using namespace internal;
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> chosen_files(const MeshChoice& choice, const std::vector<std::string>& names)
+{
+    std::vector<fs::path> files;
+    for (const std::string& text : choice.texts) {
+        if (std::find(names.begin(), names.end(), text) != names.end())
+            continue;
+        if (!fs::exists(text))
+            throw InvalidInput(join(choice.option, ": '", text,
+                                    "' is neither the name of a mesh of the run nor a file"));
+        MeshInput input;
+        input.paths = {text};
+        const std::vector<fs::path> members = mesh_files(input);
+        files.insert(files.end(), members.begin(), members.end());
+    }
+    return files;
+}
+
+Collection choose_meshes(const MeshChoice& choice, const Collection& run)
+{
+    std::vector<NamedMesh> meshes;
+    for (const std::string& text : choice.texts) {
+        const auto found = std::find(run.names.begin(), run.names.end(), text);
+        if (found != run.names.end()) {
+            const auto mesh = static_cast<std::size_t>(found - run.names.begin());
+            meshes.push_back({text, text, run.points[mesh], run.topology.faces()});
+            continue;
+        }
+        MeshChoice one = choice;
+        one.texts = {text};
+        for (const fs::path& file : chosen_files(one, {})) {
+            FileContent content = read_mesh_file(file, choice.triangulate);
+            std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
+        }
+    }
+    for (const NamedMesh& mesh : meshes)
+        if (mesh.faces.rows() != run.topology.face_count() ||
+            mesh.points.rows() != run.topology.vertex_count() || mesh.faces != run.topology.faces())
+            throw InvalidInput(join(choice.option, ": ", mesh.path, " (", mesh.points.rows(),
+                                    " vertices, ", counted(mesh.faces.rows(), "face"),
+                                    ") has another triangulation than the meshes of the run (",
+                                    run.topology.vertex_count(), " vertices, ",
+                                    counted(run.topology.face_count(), "face"), ")"));
+    return collect(std::move(meshes));
+}
+
+} // namespace shape::tools

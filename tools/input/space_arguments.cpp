@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/input/space_arguments.h"
+
+#include <nlohmann/json.hpp>
+
+#include "libshape/base/format.h"
+#include "tools/program/arguments.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+const char* name(LengthCoordinates coordinates)
+{
+    switch (coordinates) {
+        case LengthCoordinates::Plain:
+            return "plain";
+        case LengthCoordinates::Squared:
+            return "squared";
+        case LengthCoordinates::Log:
+            return "log";
+    }
+    return "";
+}
+
+} // namespace
+
+CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options)
+{
+    const std::string group = "Space of shapes";
+    CLI::Option* space =
+        add_choice(command, "--space", options.kind,
+                   "edge: edge lengths, which know no pose (default); procrustes: vertex\n"
+                   "positions after generalised Procrustes alignment",
+                   {{"edge", SpaceKind::Edge}, {"procrustes", SpaceKind::Procrustes}});
+    space->group(group);
+    add_choice(command, "--scale", options.scale,
+               "unit: lengths are divided by their sum, positions by their centroid size, and\n"
+               "size is kept apart (default); none: size is part of the shape",
+               {{"unit", Scale::Unit}, {"none", Scale::None}})
+        ->group(group);
+    add_choice(command, "--coordinates", options.coordinates,
+               "The function of the edge lengths that is the coordinate (default: plain)",
+               {{"plain", LengthCoordinates::Plain},
+                {"squared", LengthCoordinates::Squared},
+                {"log", LengthCoordinates::Log}})
+        ->group(group);
+    command
+        .add_flag_callback(
+            "--area-weighted", [&options] { options.weighting = EdgeWeighting::Area; },
+            "Weight the squared relative change of a length by the share of the mean's area\n"
+            "around the edge, so that a densely meshed part does not rule")
+        ->group(group);
+    add_number(command, "--with-dihedrals", options.dihedral_weight,
+               "Dihedral angles are coordinates too: 1 rad counts as much as a relative change\n"
+               "of length by this weight, > 0 (default: lengths alone)",
+               Sign::Positive)
+        ->group(group);
+    return space;
+}
+
+void check_space_options(const SpaceOptions& options)
+{
+    if (options.kind == SpaceKind::Procrustes &&
+        (options.coordinates != LengthCoordinates::Plain ||
+         options.weighting != EdgeWeighting::Uniform || options.dihedral_weight != 0.0))
+        throw UsageError(
+            "--coordinates, --area-weighted and --with-dihedrals are options of --space edge");
+}
+
+const char* name(Scale scale)
+{
+    return scale == Scale::Unit ? "unit" : "none";
+}
+
+Json space_figures(const ShapeSpace& space)
+{
+    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
+    Json figures{{"space", edge ? "edge" : "procrustes"}, {"scale", name(scale_of(space))}};
+    if (edge) {
+        figures["coordinates"] = name(edge->coordinates);
+        figures["area_weighted"] = edge->length_factors.size() > 0;
+        figures["with_dihedrals"] = edge->dihedral_factors.size() > 0;
+    }
+    return figures;
+}
+
+void warn_of_alignment(const Session& session, const ShapeSpace& space)
+{
+    const ProcrustesSpace* procrustes = std::get_if<ProcrustesSpace>(&space);
+    if (procrustes && !procrustes->converged)
+        session.warn(join("the Procrustes alignment still moved after ", procrustes->iterations,
+                          " iterations"));
+}
+
+} // namespace shape::tools

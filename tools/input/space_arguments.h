@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include "libshape/edge_space/shape_space.h"
+#include "tools/program/session.h"
+
+namespace CLI {
+class App;
+class Option;
+} // namespace CLI
+
+namespace shape::tools {
+
+/// Adds --space, which is returned, --scale, --coordinates, --area-weighted and --with-dihedrals.
+CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options);
+
+/// @throws UsageError if an option of edge space is given for Procrustes space.
+void check_space_options(const SpaceOptions& options);
+
+/// "unit" or "none".
+[[nodiscard]] const char* name(Scale scale);
+
+/// The fields space, scale and, in edge space, coordinates, area_weighted and with_dihedrals.
+[[nodiscard]] Json space_figures(const ShapeSpace& space);
+
+/// What Procrustes alignment that stopped short is worth a warning.
+void warn_of_alignment(const Session& session, const ShapeSpace& space);
+
+} // namespace shape::tools

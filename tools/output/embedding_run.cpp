@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/output/embedding_run.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/residual_field.h"
+#include "libshape/embedding/sequence_jumps.h"
+#include "libshape/io/vertex_scalars.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tools/program/arguments.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+Json times_of(const MultiscaleTimes& times)
+{
+    return {{"splitting", times.setup.splitting},        {"factorising", times.setup.factorising},
+            {"interpolation", times.pose.interpolation}, {"registration", times.pose.registration},
+            {"blending", times.pose.blending},           {"pose", times.pose.total}};
+}
+
+Json figures_of(const std::string& mesh, const std::string& method, const Embedding& embedding)
+{
+    const EmbeddingReport& report = embedding.report;
+    Json figures{{"name", mesh},
+                 {"method", method},
+                 {"vertices", embedding.points.rows()},
+                 {"status", name(report.status)},
+                 {"edge_rms", report.edge_rms},
+                 {"edge_max", report.edge_max},
+                 {"edge_p999", report.edge_p999},
+                 {"edge_p99", report.edge_p99},
+                 {"dihedral_rms_deg", report.dihedral_rms_deg},
+                 {"dihedral_p99_deg", report.dihedral_p99_deg},
+                 {"dihedral_max_deg", report.dihedral_max_deg},
+                 {"inverted_faces", report.inverted_faces},
+                 {"closure_energy", report.closure_energy},
+                 {"iterations", report.iterations},
+                 {"converged", report.converged},
+                 {"seconds", report.seconds},
+                 {"setup_seconds", report.setup_seconds}};
+    if (embedding.multiscale)
+        figures["multiscale_seconds"] = times_of(*embedding.multiscale);
+    return figures;
+}
+
+template <class... Values>
+std::string print_row(const char* format, Values... values)
+{
+    char row[256];
+    std::snprintf(row, sizeof row, format, values...);
+    return row;
+}
+
+std::string table_head()
+{
+    return print_row("%-24s %-12s %10s %10s %12s %9s", "mesh", "status", "edge RMS", "edge max",
+                     "dihedral RMS", "time");
+}
+
+std::string table_row(const Json& figures)
+{
+    const auto number = [&](const char* field) { return figures.at(field).get<double>(); };
+    const auto text = [&](const char* field) { return figures.at(field).get<std::string>(); };
+    return print_row("%-24s %-12s %9.4f%% %9.4f%% %8.3f deg %7.3f s", text("name").c_str(),
+                     text("status").c_str(), 100.0 * number("edge_rms"), 100.0 * number("edge_max"),
+                     number("dihedral_rms_deg"), number("seconds"));
+}
+
+void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarget>& targets)
+{
+    for (const EmbeddingTarget& target : targets) {
+        const DecodedShape shape = target.shape();
+        const ShapePoint* point = std::get_if<ShapePoint>(&shape);
+        if (point == nullptr)
+            continue;
+        const Admissibility found = check_admissibility(topology, point->edge_lengths);
+        if (!found.admissible())
+            throw NumericalError(join(target.name, ": infeasible target, ",
+                                      describe(found, topology, point->edge_lengths),
+                                      " (--strict)"));
+    }
+}
+
+void write_residuals(const std::filesystem::path& path, const Topology& topology,
+                     const Points& points, const DecodedShape& target)
+{
+    const ShapePoint* const point = std::get_if<ShapePoint>(&target);
+    const ResidualField field = residual_field(
+        topology, points,
+        point ? *point
+              : ShapePoint{edge_lengths(topology, points), dihedral_angles(topology, points)});
+    write_vertex_scalars(
+        path, points, topology.faces(),
+        {{"edge_error", field.edge_error}, {"dihedral_drift", field.dihedral_drift}});
+}
+
+/// Warns of jumps; returns them as figures.
+Json jump_figures(const Session& session, const std::vector<EmbeddingTarget>& targets,
+                  const std::vector<SequenceStep>& steps)
+{
+    Json jumps = Json::array();
+    for (const SequenceJump& jump : find_jumps(steps)) {
+        const std::string& from = targets[jump.from].name;
+        const std::string& to = targets[jump.from + 1].name;
+        session.warn(join("the sequence jumps from ", from, " to ", to, ", ",
+                          print_row("%.1f", jump.ratio), " times as far as nearby"));
+        jumps.push_back({{"from", from}, {"to", to}, {"ratio", jump.ratio}});
+    }
+    return jumps;
+}
+
+Json animation_figures(const Session& session, const GlbAnimation& animation, std::size_t frames)
+{
+    session.message(
+        print_row("animation: %zu of %zu frames kept, %.2f s; the others within %.2g of"
+                  " the bounding box diagonal",
+                  animation.keyframes.size(), frames, animation.seconds, animation.error));
+    return {{"frames", frames},
+            {"keyframes", animation.keyframes},
+            {"error", animation.error},
+            {"seconds", animation.seconds}};
+}
+
+} // namespace
+
+void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
+{
+    add_choice(command, "--method", options.method,
+               "dihedral: lengths and dihedral angles together (default); closure: as in Rojas\n"
+               "2014, section 2; multiscale: as in Winkler 2010, section 3",
+               {{"dihedral", EmbeddingMethod::Dihedral},
+                {"closure", EmbeddingMethod::Closure},
+                {"multiscale", EmbeddingMethod::Multiscale}})
+        ->group("Embedding");
+    add_choice(command, "--quality", options.quality,
+               "Effort of the method dihedral: preview takes a few steps, fine (default) runs to\n"
+               "convergence",
+               {{"preview", EmbeddingQuality::Preview}, {"fine", EmbeddingQuality::Fine}})
+        ->group("Embedding");
+    add_number(command, "--smoothness", options.smoothness,
+               join("Weight of the dihedral angles [rad] against the relative lengths, > 0\n"
+                    "(default: ",
+                    options.smoothness, "); of the method dihedral"),
+               Sign::Positive)
+        ->group("Embedding");
+    add_choice(
+        command, "--init", options.registration_start,
+        "Where the method multiscale starts to register patches: incremental, each from the\n"
+        "best fit to those before it (default); identity, as in the paper",
+        {{"incremental", RegistrationStart::Incremental},
+         {"identity", RegistrationStart::Identity}})
+        ->group("Embedding");
+}
+
+void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
+{
+    add_embedder_options(command, arguments.options);
+    command
+        .add_flag("--strict", arguments.strict,
+                  "An infeasible target ends the run with exit code 4 before anything is\n"
+                  "written (default: the nearest mesh is written, with a warning)")
+        ->group("Embedding");
+    command
+        .add_flag("--residuals", arguments.residuals,
+                  "Write NAME_residuals.ply beside each mesh: that mesh with the properties\n"
+                  "edge_error (largest relative error of the edges at a vertex) and\n"
+                  "dihedral_drift (largest of their angles [deg]); `shape draw --color-by` shows\n"
+                  "them")
+        ->group("Embedding");
+}
+
+Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
+                     const Topology& topology, std::vector<Points> references,
+                     const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
+                     TargetOrder order)
+{
+    prepare_output(arguments, topology, targets, output);
+    const EmbeddingOptions options = embedding_options(session, arguments);
+    const Embedder embedder(topology, std::move(references), options);
+    const auto make = [&](std::size_t i, const DecodedShape& shape) {
+        return finished_mesh(embedder, options, targets[i].name, shape);
+    };
+    return make_and_write(session, arguments, topology, targets, make, output, order);
+}
+
+void prepare_output(const EmbeddingArguments& arguments, const Topology& topology,
+                    const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
+{
+    if (arguments.residuals)
+        output.add_companions("_residuals.ply");
+    if (arguments.strict)
+        refuse_infeasible(topology, targets);
+}
+
+Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
+                    const Topology& topology, const std::vector<EmbeddingTarget>& targets,
+                    const MeshMaker& make, MeshOutput& output, TargetOrder order)
+{
+    const Progress progress = session.progress();
+    Json embeddings = Json::array();
+    std::vector<std::string> rows{table_head()};
+    std::vector<SequenceStep> steps;
+    Points previous;
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        progress("embedding", i, targets.size());
+        const DecodedShape shape = targets[i].shape();
+        FinishedMesh mesh = make(i, shape);
+        if (targets[i].place)
+            mesh.points = best_rigid_motion(mesh.points, *targets[i].place)(mesh.points);
+        warn_if_infeasible(session, targets[i].name, mesh);
+        output.write(i, mesh.points, topology.faces());
+        if (arguments.residuals)
+            write_residuals(output.staged_companion(i), topology, mesh.points, shape);
+        if (order == TargetOrder::Sequence && i > 0)
+            steps.push_back(measure_step(topology, previous, mesh.points));
+        rows.push_back(table_row(mesh.figures));
+        embeddings.push_back(std::move(mesh.figures));
+        previous = std::move(mesh.points);
+    }
+    progress("embedding", targets.size(), targets.size());
+    output.commit();
+    for (const std::string& row : rows)
+        session.message(row);
+    Json result{{"outputs", output.paths()}, {"embeddings", embeddings}};
+    if (order == TargetOrder::Sequence)
+        result["jumps"] = jump_figures(session, targets, steps);
+    if (output.animation())
+        result["animation"] = animation_figures(session, *output.animation(), targets.size());
+    return result;
+}
+
+FinishedMesh finish(const std::string& target, const std::string& method,
+                    const std::function<Embedding()>& embed)
+{
+    try {
+        Embedding embedding = embed();
+        Json figures = figures_of(target, method, embedding);
+        return {std::move(embedding.points), std::move(figures),
+                std::move(embedding.report.reason)};
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(join(target, ": ", error.what()));
+    } catch (const NumericalError& error) {
+        throw NumericalError(join(target, ": ", error.what()));
+    }
+}
+
+FinishedMesh finished_mesh(const Embedder& embedder, const EmbeddingOptions& options,
+                           const std::string& target, const DecodedShape& shape)
+{
+    const char* const method =
+        std::holds_alternative<Points>(shape) ? "procrustes" : name(options.method);
+    return finish(target, method, [&] { return embedder.embed(shape); });
+}
+
+void warn_if_infeasible(const Session& session, const std::string& target, const FinishedMesh& mesh)
+{
+    if (!mesh.reason.empty())
+        session.warn(
+            join(target, ": infeasible target, ", mesh.reason, "; the nearest mesh is written"));
+}
+
+const char* name(EmbeddingMethod method)
+{
+    switch (method) {
+        case EmbeddingMethod::Dihedral:
+            return "dihedral";
+        case EmbeddingMethod::Closure:
+            return "closure";
+        case EmbeddingMethod::Multiscale:
+            return "multiscale";
+    }
+    return "";
+}
+
+EmbeddingOptions embedding_options(const Session& session, const EmbeddingArguments& arguments)
+{
+    EmbeddingOptions options = arguments.options;
+    options.seed = static_cast<std::uint64_t>(session.seed);
+    return options;
+}
+
+std::string numbered_name(const std::string& stem, std::size_t number)
+{
+    return print_row("%s_%04zu", stem.c_str(), number);
+}
+
+std::vector<std::string> names(const std::vector<EmbeddingTarget>& targets)
+{
+    std::vector<std::string> result;
+    for (const EmbeddingTarget& target : targets)
+        result.push_back(target.name);
+    return result;
+}
+
+} // namespace shape::tools

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/output/mesh_output.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <set>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+namespace fs = std::filesystem;
+
+bool names_a_file(const fs::path& path)
+{
+    return path.has_filename() && path.has_extension() && !fs::is_directory(path);
+}
+
+MeshFormat format_of(const fs::path& path)
+{
+    try {
+        return mesh_format(path);
+    } catch (const InvalidInput& error) {
+        throw UsageError(join("-o: ", error.what(), "; a directory may end in a slash"));
+    }
+}
+
+void check_names(const std::vector<std::string>& names)
+{
+    std::set<std::string> seen;
+    for (const std::string& name : names) {
+        const bool usable = !name.empty() && name.front() != '.' && name.size() <= 200 &&
+                            std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                                return c >= 0x20 && c != 0x7f && c != '/' && c != '\\';
+                            });
+        if (!usable)
+            throw InvalidInput(join("'", name,
+                                    "' cannot be the name of a mesh file: empty, longer "
+                                    "than 200, starting with a dot, or with a slash or "
+                                    "control character"));
+        if (!seen.insert(name).second)
+            throw InvalidInput(join("the mesh name '", name,
+                                    "' occurs twice; every output needs "
+                                    "a name of its own"));
+    }
+}
+
+/// A hidden name that no other process uses.
+std::string staging_name(const std::string& name)
+{
+    return join(".", name, ".", getpid(), ".tmp");
+}
+
+} // namespace
+
+void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments)
+{
+    command
+        .add_option("--format", arguments.format,
+                    "Format of the files in a directory (default: ply, binary with doubles)")
+        ->check(CLI::IsMember({"obj", "ply", "off", "glb"}))
+        ->option_text("obj|ply|off|glb");
+}
+
+CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
+{
+    add_mesh_format(command, arguments);
+    return command
+        .add_option("-o,--output", arguments.path,
+                    "One mesh: a file (.obj .ply .off .glb) or a directory; several: a directory,\n"
+                    "or a .glb file for one animation.\n"
+                    "A missing directory is made, its parent must exist")
+        ->required()
+        ->option_text("PATH REQUIRED");
+}
+
+void add_animation_options(CLI::App& command, MeshOutputArguments& arguments)
+{
+    const GlbAnimationOptions standard;
+    add_number(command, "--fps", arguments.frames_per_second,
+               join("Frames per second of an animation (-o FILE.glb), > 0 (default: ",
+                    standard.frames_per_second, ")"),
+               Sign::Positive);
+    add_number(command, "--glb-tolerance", arguments.glb_tolerance,
+               join("Largest error of a coordinate of an animation, > 0, as a fraction of the\n"
+                    "diagonal of the first frame's bounding box (default: ",
+                    standard.tolerance,
+                    "). Frames that linear\ninterpolation gives back that well are left out"),
+               Sign::Positive);
+}
+
+MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& arguments,
+                       const std::vector<std::string>& names, const std::vector<fs::path>& inputs,
+                       const std::vector<std::string>& further_files)
+    : session_(session), inputs_(inputs), mesh_count_(names.size())
+{
+    const fs::path path = arguments.path;
+    if (names_a_file(path)) {
+        format_ = format_of(path);
+        is_animation_ = format_ == MeshFormat::Glb && names.size() > 1;
+        if ((names.size() > 1 && !is_animation_) || !further_files.empty())
+            throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '",
+                                  path.string(), "' names one file, give a directory"));
+        if (!arguments.format.empty() && mesh_format("x." + arguments.format) != format_)
+            throw UsageError(join("--format ", arguments.format, " contradicts the ending of '",
+                                  path.string(), "'"));
+        prepare_animation(arguments, names.size());
+        check_output(session, path, inputs);
+        paths_ = {path};
+        return;
+    }
+    prepare_animation(arguments, names.size());
+    format_ = arguments.format.empty() ? MeshFormat::Ply : mesh_format("x." + arguments.format);
+    directory_ = path.has_filename() ? path : path.parent_path();
+    check_names(names);
+    for (const std::string& name : names)
+        paths_.push_back(directory_ / (name + file_ending(format_)));
+    for (const std::string& file : further_files)
+        paths_.push_back(directory_ / file);
+    if (fs::is_directory(directory_)) {
+        check_paths(0);
+        staging_ = directory_ / staging_name("shape");
+    } else {
+        check_output(session, directory_, inputs);
+        staging_ = directory_.parent_path() / staging_name(directory_.filename().string());
+    }
+}
+
+MeshOutput::~MeshOutput()
+{
+    std::error_code ignored; // The run has failed already; its error is the one to report.
+    if (!staging_.empty())
+        fs::remove_all(staging_, ignored);
+}
+
+void MeshOutput::check_paths(std::size_t first) const
+{
+    for (std::size_t i = first; i < paths_.size(); ++i)
+        check_output(session_, paths_[i], inputs_);
+}
+
+void MeshOutput::prepare_animation(const MeshOutputArguments& arguments, std::size_t meshes)
+{
+    if (is_animation_)
+        frames_.reserve(meshes);
+    else if (arguments.frames_per_second || arguments.glb_tolerance)
+        throw UsageError(
+            "--fps and --glb-tolerance are for an animation: several meshes and a "
+            ".glb file as -o");
+    const GlbAnimationOptions standard;
+    animation_options_ = {
+        .tolerance = arguments.glb_tolerance.value_or(standard.tolerance),
+        .frames_per_second = arguments.frames_per_second.value_or(standard.frames_per_second)};
+}
+
+void MeshOutput::add_companions(const std::string& suffix)
+{
+    if (is_animation_)
+        throw UsageError(join("no file *", suffix,
+                              " can stand beside the meshes of an animation; "
+                              "give a directory as -o"));
+    if (staging_.empty()) { // one mesh as a file
+        directory_ = paths_.front().has_parent_path() ? paths_.front().parent_path() : ".";
+        staging_ = directory_ / staging_name("shape");
+    }
+    first_companion_ = paths_.size();
+    for (std::size_t i = 0; i < mesh_count_; ++i)
+        paths_.push_back(directory_ / (paths_[i].stem().string() + suffix));
+    if (fs::is_directory(directory_))
+        check_paths(first_companion_);
+}
+
+void MeshOutput::write(std::size_t index, const Points& points, const Faces& faces)
+{
+    if (is_animation_) {
+        frames_.push_back(points);
+        faces_ = faces;
+        return;
+    }
+    if (!staging_.empty())
+        fs::create_directory(staging_);
+    const fs::path path = paths_.at(index);
+    write_mesh(staging_.empty() ? path : staging_ / path.filename(), points, faces, format_);
+}
+
+fs::path MeshOutput::staged(const std::string& further_file) const
+{
+    return staging_ / further_file;
+}
+
+fs::path MeshOutput::staged_companion(std::size_t index) const
+{
+    return staging_ / paths_.at(first_companion_ + index).filename();
+}
+
+void MeshOutput::commit()
+{
+    if (is_animation_)
+        animation_ = write_glb_animation(paths_.front(), frames_, faces_, animation_options_);
+    if (staging_.empty())
+        return;
+    if (fs::is_directory(directory_))
+        for (const fs::path& path : paths_)
+            fs::rename(staging_ / path.filename(), path);
+    else
+        fs::rename(staging_, directory_);
+}
+
+std::vector<std::string> MeshOutput::paths() const
+{
+    return {paths_.begin(), paths_.end()};
+}
+
+} // namespace shape::tools

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <string>
+
+#include "libshape/model/shape_model.h"
+#include "tools/program/session.h"
+
+namespace shape::tools {
+
+/// The modes of a model, one object each: mode, variance, share, cumulative (of the total
+/// variance), feasible_low, feasible_high [standard deviations].
+[[nodiscard]] Json mode_figures(const ShapeModel& model);
+
+/// The same as lines of text, with a head.
+[[nodiscard]] std::string mode_table(const ShapeModel& model);
+
+/// Names of the labels and how many different values each has.
+[[nodiscard]] Json label_figures(const Labels& labels);
+
+} // namespace shape::tools

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/output/sequence_run.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/version.h"
+#include "libshape/embedding/in_betweens.h"
+#include "libshape/io/table_file.h"
+#include "libshape/mesh/alignment.h"
+#include "tools/output/frame_store.h"
+#include "tools/program/arguments.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+const std::vector<std::pair<std::string, Between>> between_choices{
+    {"multiscale", Between::Multiscale},
+    {"dihedral", Between::Dihedral},
+    {"closure", Between::Closure},
+    {"linear", Between::Linear},
+    {"spline", Between::Spline}};
+
+std::string between_name(Between between)
+{
+    for (const auto& [text, value] : between_choices)
+        if (value == between)
+            return text;
+    return "";
+}
+
+std::string hash_of(const std::string& before, const Eigen::VectorXd& vector)
+{
+    return hash_text(vector.data(), static_cast<std::size_t>(vector.size()) * sizeof(double),
+                     before);
+}
+
+/// Sequences are made of points of edge-length space.
+ShapePoint point_of(const EmbeddingTarget& target)
+{
+    return std::get<ShapePoint>(target.shape());
+}
+
+/// Everything that the meshes of a run depend on, to tell whether it can go on.
+Json identity(const EmbeddingOptions& options, const SequenceArguments& arguments,
+              const Sequence& sequence)
+{
+    const Faces& faces = sequence.topology.faces();
+    std::string inputs =
+        hash_text(faces.data(), static_cast<std::size_t>(faces.size()) * sizeof(int));
+    for (const Points& points : sequence.references)
+        inputs = hash_of(inputs, points.reshaped());
+    std::string blends = join(sequence.targets.size(), sequence.is_path ? " frames " : " blends ");
+    for (const EmbeddingTarget& target : sequence.targets) {
+        const ShapePoint point = point_of(target);
+        blends = hash_of(hash_of(blends, point.edge_lengths), point.dihedral_angles);
+    }
+    return {{"program", version()},
+            {"meshes", inputs},
+            {"blends", blends},
+            {"--method", name(options.method)},
+            {"--quality", options.quality == EmbeddingQuality::Fine ? "fine" : "preview"},
+            {"--smoothness", print_number(options.smoothness)},
+            {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
+                                                                                 : "incremental"},
+            {"--seed", join(options.seed)},
+            {"--keyframes", join(arguments.keyframes)},
+            {"--between", between_name(arguments.between)}};
+}
+
+InBetweens in_betweens(const EmbeddingOptions& options, Between between, const Sequence& sequence,
+                       std::vector<Keyframe> keyframes)
+{
+    EmbeddingOptions filler = options;
+    filler.quality = EmbeddingQuality::Preview; // it starts from what is nearly a mesh
+    switch (between) {
+        case Between::Linear:
+            return {sequence.topology, std::move(keyframes), KeyframeMotion::Linear};
+        case Between::Spline:
+            return {sequence.topology, std::move(keyframes), KeyframeMotion::Spline};
+        case Between::Multiscale:
+            filler.method = EmbeddingMethod::Multiscale;
+            break;
+        case Between::Dihedral:
+            filler.method = EmbeddingMethod::Dihedral;
+            break;
+        case Between::Closure:
+            filler.method = EmbeddingMethod::Closure;
+            break;
+    }
+    return {sequence.topology, std::move(keyframes), sequence.references, filler};
+}
+
+/// Makes the meshes of a sequence in order, or takes those that are finished.
+class Maker
+{
+public:
+    Maker(const EmbeddingOptions& options, const Sequence& sequence, FrameStore& store)
+        : sequence_(sequence),
+          store_(store),
+          method_(name(options.method)),
+          embedder_(sequence.topology, sequence.references, options),
+          previous_(sequence.references.front())
+    {
+    }
+
+    /// Every N-th target becomes a keyframe, and the last.
+    [[nodiscard]] std::vector<Keyframe> keyframes(const Progress& progress, std::size_t every)
+    {
+        const std::size_t last = sequence_.targets.size() - 1;
+        std::vector<Keyframe> keys;
+        for (std::size_t i = 0; i <= last; i = i == last ? last + 1 : std::min(i + every, last)) {
+            progress("embedding keyframes", i, last);
+            const ShapePoint point = point_of(sequence_.targets[i]);
+            keys.push_back({static_cast<double>(i), point, embedded(i, point).points});
+        }
+        progress("embedding keyframes", last, last);
+        return keys;
+    }
+
+    /// The mesh by the method of the run.
+    [[nodiscard]] FinishedMesh embedded(std::size_t i, const ShapePoint& point)
+    {
+        FinishedMesh mesh = taken_or_made(i, [&] {
+            FinishedMesh made =
+                finish(sequence_.targets[i].name, method_, [&] { return embedder_.embed(point); });
+            made.points = best_rigid_motion(made.points, previous_)(made.points);
+            return made;
+        });
+        if (sequence_.is_path)
+            previous_ = mesh.points;
+        return mesh;
+    }
+
+    /// The mesh from the keyframes around it.
+    [[nodiscard]] FinishedMesh filled(std::size_t i, const ShapePoint& point,
+                                      const InBetweens& between, const std::string& method) const
+    {
+        return taken_or_made(i, [&] {
+            return finish(sequence_.targets[i].name, method,
+                          [&] { return between.embed(static_cast<double>(i), point); });
+        });
+    }
+
+private:
+    template <class Make>
+    FinishedMesh taken_or_made(std::size_t i, const Make& make) const
+    {
+        if (std::optional<FinishedMesh> finished = store_.read(i))
+            return *std::move(finished);
+        FinishedMesh mesh = make();
+        if (sequence_.targets.size() > 1)
+            store_.write(i, mesh);
+        return mesh;
+    }
+
+    const Sequence& sequence_;
+    FrameStore& store_;
+    std::string method_;
+    Embedder embedder_;
+    Points previous_; ///< What the next mesh is placed as.
+};
+
+Json run(const Session& session, const EmbeddingArguments& embedding,
+         const SequenceArguments& arguments, const Sequence& sequence, FrameStore& store,
+         MeshOutput& output)
+{
+    const EmbeddingOptions options = embedding_options(session, embedding);
+    const TargetOrder order = sequence.is_path ? TargetOrder::Sequence : TargetOrder::Any;
+    Maker maker(options, sequence, store);
+    if (arguments.keyframes == 0)
+        return make_and_write(
+            session, embedding, sequence.topology, sequence.targets,
+            [&](std::size_t i, const DecodedShape& shape) {
+                return maker.embedded(i, std::get<ShapePoint>(shape));
+            },
+            output, order);
+    const auto every = static_cast<std::size_t>(arguments.keyframes);
+    const InBetweens between = in_betweens(options, arguments.between, sequence,
+                                           maker.keyframes(session.progress(), every));
+    return make_and_write(
+        session, embedding, sequence.topology, sequence.targets,
+        [&](std::size_t i, const DecodedShape& shape) {
+            return maker.filled(i, std::get<ShapePoint>(shape), between,
+                                between_name(arguments.between));
+        },
+        output, order);
+}
+
+std::string what_is_kept(const FrameStore& store, std::size_t total)
+{
+    return join(store.count(), " of ", total, " meshes are kept in ", store.directory(),
+                "; the same command with --resume goes on");
+}
+
+} // namespace
+
+void add_sequence_options(CLI::App& command, SequenceArguments& arguments)
+{
+    const std::string group = "Sequences";
+    CLI::Option* keyframes = add_integer(
+        command, "--keyframes", arguments.keyframes,
+        "Embed every N-th frame and the last by --method, and fill in between; >= 2", 2, 1'000'000);
+    keyframes->group(group);
+    add_choice(command, "--between", arguments.between,
+               "What fills in: multiscale (default), dihedral (a few steps) or closure, their\n"
+               "targets corrected so that the sequence passes through the keyframes smoothly; or\n"
+               "the vertices move on straight lines (linear) or a smooth curve (spline)",
+               between_choices)
+        ->needs(keyframes)
+        ->group(group);
+    command
+        .add_flag(
+            "--resume", arguments.resume,
+            "Go on with an interrupted run: finished meshes wait in OUTPUT.unfinished, or in\n"
+            "OUTPUT/unfinished if that directory existed. The result is the same to the bit")
+        ->group(group);
+}
+
+Json embed_sequence(const Session& session, const EmbeddingArguments& embedding,
+                    const SequenceArguments& arguments, const Sequence& sequence,
+                    const std::string& path, MeshOutput& output)
+{
+    if (arguments.keyframes > 0 && !sequence.is_path)
+        throw UsageError("--keyframes needs --frames: only a path has meshes in between");
+    prepare_output(embedding, sequence.topology, sequence.targets, output);
+    FrameStore store(session, path,
+                     identity(embedding_options(session, embedding), arguments, sequence),
+                     arguments.resume);
+    const std::size_t total = sequence.targets.size();
+    if (arguments.resume)
+        session.message(join(store.count(), " of ", total, " meshes are finished already"));
+    try {
+        return run(session, embedding, arguments, sequence, store, output);
+    } catch (const Interrupted&) {
+        if (!store.keep())
+            throw;
+        throw Interrupted(join("interrupted; ", what_is_kept(store, total)));
+    } catch (const FileError& error) { // such as a full disk
+        if (!store.keep())
+            throw;
+        throw FileError(join(error.what(), "; ", what_is_kept(store, total)));
+    }
+}
+
+} // namespace shape::tools

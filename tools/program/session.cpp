@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/program/session.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "tools/program/interrupt.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+bool bar_is_drawn = false;
+
+void clear_bar()
+{
+    if (bar_is_drawn)
+        std::fputs("\r\033[K", stderr);
+    bar_is_drawn = false;
+}
+
+std::string one_line(std::string text)
+{
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+            c = ' ';
+    return text;
+}
+
+/// "40 s", "12 min" or "3 h 05 min".
+std::string print_duration(double seconds)
+{
+    char text[32];
+    const auto minutes = static_cast<long>(seconds / 60.0 + 0.5);
+    if (seconds < 99.5)
+        std::snprintf(text, sizeof text, "%.0f s", seconds);
+    else if (minutes < 100)
+        std::snprintf(text, sizeof text, "%ld min", minutes);
+    else
+        std::snprintf(text, sizeof text, "%ld h %02ld min", minutes / 60, minutes % 60);
+    return text;
+}
+
+/// Draws the state of one stage of the work, at most ten times a second.
+class Bar
+{
+public:
+    void update(std::string_view stage, std::size_t done, std::size_t total)
+    {
+        const Mark now{Clock::now(), done};
+        if (stage != stage_ || done < last_.done) {
+            stage_ = stage;
+            last_ = before_ = now;
+        }
+        if (now.time - last_.time > std::chrono::seconds(10))
+            before_ = std::exchange(last_, now);
+        if (done >= total)
+            return clear_bar();
+        if (now.time - drawn_ < std::chrono::milliseconds(100))
+            return;
+        drawn_ = now.time;
+        draw(now, total);
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Mark
+    {
+        Clock::time_point time;
+        std::size_t done = 0;
+    };
+
+    /// The time left follows the speed of the last ten to twenty seconds: a resumed run takes what is
+    /// finished much faster than it makes the rest.
+    void draw(const Mark& now, std::size_t total) const
+    {
+        const std::size_t width = 30;
+        const std::size_t filled = width * now.done / total;
+        std::ostringstream line;
+        line << "\r\033[K" << stage_ << " [" << std::string(filled, '#')
+             << std::string(width - filled, '.') << "] " << now.done << "/" << total;
+        if (now.done > before_.done) {
+            const double seconds = std::chrono::duration<double>(now.time - before_.time).count();
+            line << ", "
+                 << print_duration(seconds / static_cast<double>(now.done - before_.done) *
+                                   static_cast<double>(total - now.done))
+                 << " left";
+        }
+        std::fputs(line.str().c_str(), stderr);
+        bar_is_drawn = true;
+    }
+
+    std::string stage_;
+    Mark last_;   ///< Ten seconds ago at most,
+    Mark before_; ///< and ten before that.
+    Clock::time_point drawn_;
+};
+
+} // namespace
+
+void Session::message(const std::string& text) const
+{
+    if (quiet || json)
+        return;
+    clear_bar();
+    std::fprintf(stderr, "%s%s", text.c_str(), text.ends_with('\n') ? "" : "\n");
+}
+
+void Session::warn(const std::string& text) const
+{
+    if (quiet)
+        return;
+    clear_bar();
+    std::fprintf(stderr, "shape: warning: %s\n", one_line(text).c_str());
+}
+
+void Session::print(const std::string& text) const
+{
+    clear_bar();
+    errno = 0;
+    const bool written =
+        std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+    if (!written && errno != EPIPE)
+        throw FileError(join("standard output: ", std::strerror(errno)));
+}
+
+void Session::print_figures(const Json& figures) const
+{
+    if (!json)
+        return;
+    Json object{{"command", command}};
+    object.update(figures);
+    print(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+Progress Session::progress() const
+{
+    if (quiet || isatty(STDERR_FILENO) == 0)
+        return [](std::string_view, std::size_t, std::size_t) { throw_if_interrupted(); };
+    return [bar = Bar()](std::string_view stage, std::size_t done, std::size_t total) mutable {
+        throw_if_interrupted();
+        bar.update(stage, done, total);
+    };
+}
+
+void report_error(const std::string& text)
+{
+    clear_bar();
+    std::fprintf(stderr, "shape: error: %s\n", one_line(text).c_str());
+}
+
+} // namespace shape::tools
