@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/version.h"
+#include "libshape/io/hdf5/untrusted_files.h"
 #include "tools/commands.h"
 #include "tools/program/arguments.h"
 #include "tools/program/help.h"
@@ -157,6 +158,7 @@ int guarded_run(int argc, char** argv)
 int main(int argc, char** argv)
 {
     shape::tools::use_all_processors();
+    shape::rehearse_hdf5_files(true);
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
     return shape::tools::guarded_run(argc, argv);
