@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <map>
 #include <new>
 
@@ -85,6 +86,18 @@ void add_common_options(CLI::App& command, Session& session)
         ->group(group);
 }
 
+/// Pipes and devices are read by nobody; to say so at once saves the work done before it shows.
+void refuse_pipes(const CLI::App& command)
+{
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& value : option->results()) {
+            std::error_code ignored; // most values are no paths
+            const std::filesystem::file_status status = std::filesystem::status(value, ignored);
+            if (std::filesystem::exists(status) && std::filesystem::is_other(status))
+                throw FileError(join(value, ": is not a regular file"));
+        }
+}
+
 int run(int argc, char** argv)
 {
     Session session;
@@ -112,6 +125,7 @@ int run(int argc, char** argv)
             set_thread_count(static_cast<int>(session.threads));
         const CLI::App* chosen = program.get_subcommands().front();
         session.command = chosen->get_name();
+        refuse_pipes(*chosen);
         runs.at(chosen)(session);
         return Done;
     } catch (const CLI::CallForVersion& version) {
