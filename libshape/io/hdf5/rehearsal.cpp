@@ -3,6 +3,7 @@
 #include "libshape/io/hdf5/rehearsal.h"
 
 #include <fcntl.h>
+#include <hdf5.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -109,6 +110,7 @@ std::string ending(int signal)
 /// Rehearses in a child process and waits for its end.
 void rehearse_apart(const std::filesystem::path& path, std::uint64_t size)
 {
+    H5open(); // here, where the second reading needs it too, and not in the child as well
     const pid_t child = fork();
     if (child == 0)
         rehearse(path, size);
