@@ -420,7 +420,7 @@ std::vector<BadFile> bad_files()
         {"a.off", off_counts("1 100000000 0"), "line 2", "do not fit in"},
         {"a.off", off_counts("99999999999999999999 1 0"), "line 2", "must be an integer"},
         {"a.off", off_counts("9223372036854775807 9223372036854775807 0"), "line 2",
-         "cannot stand"},
+         "do not fit"},
         {"a.off", off_counts("-4 1 0"), "line 2", "vertex count is -4"},
         {"a.off", off_counts("3 -1 0"), "line 2", "face count is -1"},
         {"a.off", off_counts("3"), "line 2", "face count is missing"},
