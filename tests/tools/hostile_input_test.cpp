@@ -13,6 +13,7 @@
 #include "tests/tools/program.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 namespace fs = std::filesystem;

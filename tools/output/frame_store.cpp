@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* manifest_name = "manifest.json";
 constexpr const char* mesh_ending = ".mesh";
+constexpr const char* unfinished_ending = ".tmp";
 
 fs::path directory_beside(const std::string& output)
 {
@@ -64,7 +65,7 @@ std::string text_of(const Json& object, const std::string& key)
 /// Writes beside the place and renames, so that a process that is killed leaves no half of a file.
 void put(const fs::path& path, const std::string& content)
 {
-    const fs::path temporary = path.string() + ".tmp";
+    const fs::path temporary = path.string() + unfinished_ending;
     errno = 0;
     std::ofstream out(temporary, std::ios::binary);
     out << content;
@@ -171,6 +172,8 @@ FrameStore::FrameStore(const Session& session, const std::string& output, const 
                        bool resume)
     : directory_(directory_beside(output)), lock_(directory_), manifest_(identity)
 {
+    // Of a run that was killed before it had written anything else.
+    fs::remove(directory_ / join(manifest_name, unfinished_ending));
     if (fs::is_empty(directory_))
         return;
     if (resume) {
