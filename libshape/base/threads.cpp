@@ -163,7 +163,8 @@ private:
                 lock.unlock();
                 loop->work();
                 lock.lock();
-                if (--loop->helpers_ == 0) // the caller may leave, and the loop be gone, from here on
+                if (--loop->helpers_ ==
+                    0) // the caller may leave, and the loop be gone, from here on
                     left_.notify_all();
                 continue;
             }
@@ -193,7 +194,10 @@ Workers& workers()
 
 } // namespace
 
-int thread_count() { return configured_threads(); }
+int thread_count()
+{
+    return configured_threads();
+}
 
 void set_thread_count(int count)
 {

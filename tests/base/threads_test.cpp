@@ -124,7 +124,8 @@ void forbid_threads()
 {
     std::uint64_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
-    const rlimit limit{pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + (1 << 20), RLIM_INFINITY};
+    const rlimit limit{pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + (1 << 20),
+                       RLIM_INFINITY};
     setrlimit(RLIMIT_AS, &limit);
 }
 

@@ -11,7 +11,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
-    static const shape::fuzz::Target& target = [] () -> const shape::fuzz::Target& {
+    static const shape::fuzz::Target& target = []() -> const shape::fuzz::Target& {
         const char* name = std::getenv("SHAPE_FUZZ_TARGET");
         return shape::fuzz::find_target(name == nullptr ? "" : name);
     }();

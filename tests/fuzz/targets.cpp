@@ -49,7 +49,8 @@ const fs::path& folder()
 fs::path file(const std::string& name, std::string_view bytes)
 {
     const fs::path path = folder() / name;
-    std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     return path;
 }
 

@@ -64,7 +64,8 @@ TEST_F(HostileRun, RefusesListsThatAreNestedTooDeep)
 {
     for (const int depth : {65, 500'000}) {
         const auto levels = static_cast<std::size_t>(depth);
-        folder_.write("path.json", "{\"at\": " + std::string(levels, '[') + std::string(levels, ']') + "}");
+        folder_.write("path.json",
+                      "{\"at\": " + std::string(levels, '[') + std::string(levels, ']') + "}");
         expect_refusal(blend({"--path-file", "path.json"}), 3, "64");
     }
 }
@@ -82,7 +83,8 @@ TEST_F(HostileRun, RefusesAManifestOfOtherTypes)
 
 TEST_F(HostileRun, MakesAnewWhatWasChangedInAFinishedMesh)
 {
-    ASSERT_EQ(blend({"--frames", "300"}, {.interrupt_at_file = "new.unfinished/3.mesh"}).exit_code, 130);
+    ASSERT_EQ(blend({"--frames", "300"}, {.interrupt_at_file = "new.unfinished/3.mesh"}).exit_code,
+              130);
     const std::string mesh = folder_.read("new.unfinished/1.mesh");
     const auto digit = mesh.find("\"edge_rms\":") + 11;
     ASSERT_NE(mesh.find("\"edge_rms\":"), std::string::npos);
@@ -92,8 +94,8 @@ TEST_F(HostileRun, MakesAnewWhatWasChangedInAFinishedMesh)
     folder_.write("new.unfinished/2.mesh", "{\"hash\": 7, \"figures\": 7, \"reason\": []}\nx");
     const Outcome resumed = blend({"--frames", "300", "--resume", "--json"});
     ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
-    const Outcome afresh = run_shape(folder_.path(), {"interpolate", "a.ply", "b.ply", "-o", "fresh",
-                                                      "--frames", "300", "--quiet"});
+    const Outcome afresh = run_shape(folder_.path(), {"interpolate", "a.ply", "b.ply", "-o",
+                                                      "fresh", "--frames", "300", "--quiet"});
     ASSERT_EQ(afresh.exit_code, 0) << afresh.err;
     for (const std::string frame : {"frame_0001.ply", "frame_0002.ply"})
         EXPECT_EQ(folder_.read("new/" + frame), folder_.read("fresh/" + frame));
@@ -113,8 +115,8 @@ TEST_F(HostileRun, LeavesADirectoryToTheRunThatHasIt)
 TEST_F(HostileRun, RefusesPipesBeforeAnyWork)
 {
     ASSERT_EQ(mkfifo((folder_ / "labels").c_str(), 0600), 0);
-    const Outcome outcome = run_shape(folder_.path(), {"collect", "a.ply", "missing.ply", "--labels",
-                                                       "labels", "-o", "x.h5"});
+    const Outcome outcome = run_shape(
+        folder_.path(), {"collect", "a.ply", "missing.ply", "--labels", "labels", "-o", "x.h5"});
     expect_refusal(outcome, 5, "labels: is not a regular file");
 }
 
@@ -151,9 +153,10 @@ TEST_F(HostileRun, RefusesLengthsWhosePowersOverflow)
             table += join(edge, ",", length, "\n");
         folder_.write("l.csv", table);
         for (const std::string method : {"dihedral", "closure", "multiscale"})
-            expect_refusal(run_shape(folder_.path(), {"reconstruct", "--reference", "t.obj", "--lengths",
-                                                      "l.csv", "--method", method, "-o", "x.ply"}),
-                           3, "longest edge");
+            expect_refusal(
+                run_shape(folder_.path(), {"reconstruct", "--reference", "t.obj", "--lengths",
+                                           "l.csv", "--method", method, "-o", "x.ply"}),
+                3, "longest edge");
     }
 }
 
@@ -162,8 +165,9 @@ TEST_F(HostileRun, EndsWithAResultOrALineWhereMemoryIsShort)
 {
     for (const std::size_t mebibytes : {100, 150, 220, 300, 400, 600})
         for (const std::string method : {"dihedral", "closure", "multiscale"}) {
-            const Outcome outcome = blend({"--frames", "3", "--method", method, "--force", "--quiet"},
-                                          {.address_space = mebibytes << 20U});
+            const Outcome outcome =
+                blend({"--frames", "3", "--method", method, "--force", "--quiet"},
+                      {.address_space = mebibytes << 20U});
             if (outcome.exit_code != 0)
                 expect_refusal(outcome, 6, "");
         }

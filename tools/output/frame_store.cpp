@@ -82,9 +82,9 @@ void put(const fs::path& path, const std::string& content)
 /// Of all that is kept of a mesh.
 std::string hash_of(const FinishedMesh& mesh)
 {
-    return hash_text(mesh.points.data(),
-                     static_cast<std::size_t>(mesh.points.size()) * sizeof(double),
-                     mesh.figures.dump(-1, ' ', false, Json::error_handler_t::replace) + mesh.reason);
+    return hash_text(
+        mesh.points.data(), static_cast<std::size_t>(mesh.points.size()) * sizeof(double),
+        mesh.figures.dump(-1, ' ', false, Json::error_handler_t::replace) + mesh.reason);
 }
 
 std::size_t count_meshes(const fs::path& directory)
@@ -104,12 +104,10 @@ void check_manifest(const fs::path& directory, const Json& identity)
             join(directory.string(), ": no meshes of an interrupted run; remove the directory"));
     for (const auto& [key, value] : identity.items())
         if (!found->contains(key) || (*found)[key] != value)
-            throw InvalidInput(join(directory.string(), ": the interrupted run differs in ", key,
-                                    " (",
-                                    found->contains(key) ? (*found)[key].dump().substr(0, 80) : "none",
-                                    " there, ",
-                                    value.dump(),
-                                    " now); without --resume, --force discards it"));
+            throw InvalidInput(
+                join(directory.string(), ": the interrupted run differs in ", key, " (",
+                     found->contains(key) ? (*found)[key].dump().substr(0, 80) : "none", " there, ",
+                     value.dump(), " now); without --resume, --force discards it"));
 }
 
 } // namespace
@@ -159,8 +157,9 @@ DirectoryLock::DirectoryLock(const fs::path& directory)
         if (is_taken)
             break;
     }
-    throw FileError(join(directory.string(),
-                         ": another run is at work there; wait until it has ended, or choose another -o"));
+    throw FileError(
+        join(directory.string(),
+             ": another run is at work there; wait until it has ended, or choose another -o"));
 }
 
 DirectoryLock::~DirectoryLock()
@@ -230,8 +229,7 @@ void FrameStore::write(std::size_t index, const FinishedMesh& mesh)
     if (count_ == 0) {
         put(directory_ / manifest_name, manifest_.dump(2) + "\n");
     }
-    const Json record{
-        {"hash", hash_of(mesh)}, {"figures", mesh.figures}, {"reason", mesh.reason}};
+    const Json record{{"hash", hash_of(mesh)}, {"figures", mesh.figures}, {"reason", mesh.reason}};
     std::string content = record.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     content.append(reinterpret_cast<const char*>(mesh.points.data()),
                    static_cast<std::size_t>(mesh.points.size()) * sizeof(double));

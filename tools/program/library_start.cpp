@@ -50,8 +50,8 @@ __attribute__((no_sanitize("address", "undefined"))) void show_one_processor(int
     sched_setaffinity(0, sizeof first, &first);
 }
 
-__attribute__((section(".preinit_array"), used)) void (*const before_libraries)(int, char**, char**) =
-    show_one_processor;
+__attribute__((section(".preinit_array"),
+               used)) void (*const before_libraries)(int, char**, char**) = show_one_processor;
 
 } // namespace
 

@@ -48,9 +48,13 @@ using Identity = std::array<std::int64_t, 7>;
 
 Identity identity(const struct stat& status)
 {
-    return {static_cast<std::int64_t>(status.st_dev), static_cast<std::int64_t>(status.st_ino),
-            status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec,
-            status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
+    return {static_cast<std::int64_t>(status.st_dev),
+            static_cast<std::int64_t>(status.st_ino),
+            status.st_size,
+            status.st_mtim.tv_sec,
+            status.st_mtim.tv_nsec,
+            status.st_ctim.tv_sec,
+            status.st_ctim.tv_nsec};
 }
 
 /// Of this process [byte]; 0 if the system does not say.
@@ -95,8 +99,9 @@ void lower_limit(__rlimit_resource resource, std::uint64_t value)
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& how)
 {
-    throw InvalidInput(join(path.string(), ": the HDF5 file is damaged, perhaps on purpose: a process "
-                                           "that only read it ",
+    throw InvalidInput(join(path.string(),
+                            ": the HDF5 file is damaged, perhaps on purpose: a process "
+                            "that only read it ",
                             how));
 }
 
@@ -115,8 +120,8 @@ void rehearse_apart(const std::filesystem::path& path, std::uint64_t size)
     if (child == 0)
         rehearse(path, size);
     if (child < 0)
-        throw LimitExceeded(join(path.string(), ": no process can be started to read it first: ",
-                                 std::strerror(errno)));
+        throw LimitExceeded(join(
+            path.string(), ": no process can be started to read it first: ", std::strerror(errno)));
     int status = 0;
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR)
