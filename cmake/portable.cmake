@@ -1,6 +1,6 @@
 # The portable core: what turns points of a model into meshes (libshape/explore) and needs no package
 # but Eigen's headers; in WebAssembly, by tools/explore/decoder, and natively as shape_portable,
-# for the tests. libshape/portable stands in for oneTBB, CHOLMOD and OpenMesh.
+# for the tests. libshape/portable stands in for threads, CHOLMOD and OpenMesh.
 set(SHAPE_PORTABLE_SOURCES
     libshape/base/parallel_sum.cpp
     libshape/base/random.cpp

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <map>
 #include <new>
 
@@ -10,10 +11,12 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/version.h"
+#include "libshape/io/hdf5/untrusted_files.h"
 #include "tools/commands.h"
 #include "tools/program/arguments.h"
 #include "tools/program/help.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/library_start.h"
 #include "tools/program/memory.h"
 #include "tools/program/session.h"
 
@@ -84,6 +87,18 @@ void add_common_options(CLI::App& command, Session& session)
         ->group(group);
 }
 
+/// Pipes and devices are read by nobody; to say so at once saves the work done before it shows.
+void refuse_pipes(const CLI::App& command)
+{
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& value : option->results()) {
+            std::error_code ignored; // most values are no paths
+            const std::filesystem::file_status status = std::filesystem::status(value, ignored);
+            if (std::filesystem::exists(status) && std::filesystem::is_other(status))
+                throw FileError(join(value, ": is not a regular file"));
+        }
+}
+
 int run(int argc, char** argv)
 {
     Session session;
@@ -111,6 +126,7 @@ int run(int argc, char** argv)
             set_thread_count(static_cast<int>(session.threads));
         const CLI::App* chosen = program.get_subcommands().front();
         session.command = chosen->get_name();
+        refuse_pipes(*chosen);
         runs.at(chosen)(session);
         return Done;
     } catch (const CLI::CallForVersion& version) {
@@ -156,6 +172,8 @@ int guarded_run(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
+    shape::tools::use_all_processors();
+    shape::rehearse_hdf5_files(true);
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
     return shape::tools::guarded_run(argc, argv);

@@ -83,6 +83,19 @@ struct Embedder::State
     }
 };
 
+namespace {
+
+/// Energies and weights hold fourth powers of lengths and of their inverses.
+void check_size(double largest, const char* what)
+{
+    constexpr double limit = 1e60;
+    if (!(largest >= 1.0 / limit && largest <= limit))
+        throw InvalidInput(join("the longest edge of ", what, " is ", largest, ", must be in [",
+                                1.0 / limit, ", ", limit, "]; choose another unit"));
+}
+
+} // namespace
+
 Embedder::Embedder(const Topology& topology, std::vector<Points> references,
                    const EmbeddingOptions& options)
 {
@@ -93,8 +106,10 @@ Embedder::Embedder(const Topology& topology, std::vector<Points> references,
         if (reference.rows() != topology.vertex_count())
             throw InvalidInput(join("reference has ", reference.rows(), " rows, the topology ",
                                     topology.vertex_count(), " vertices"));
-        if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
+        const Eigen::VectorXd lengths = edge_lengths(topology, reference);
+        if (!(lengths.minCoeff() > 0.0))
             throw InvalidInput("a reference mesh has an edge of length 0");
+        check_size(lengths.maxCoeff(), "a reference mesh");
     }
     state_ = std::make_unique<State>(topology, std::move(references), options);
 }
@@ -106,6 +121,8 @@ Embedder& Embedder::operator=(Embedder&&) noexcept = default;
 Embedding Embedder::embed(const ShapePoint& target) const
 {
     State& s = *state_;
+    if (target.edge_lengths.size() > 0)
+        check_size(target.edge_lengths.cwiseAbs().maxCoeff(), "the target");
     s.prepare();
     const Clock::time_point start = Clock::now();
     const Points& reference = s.references.front();

@@ -143,8 +143,10 @@ std::vector<LegendEntry> legend_of(const Plot& plot, double width)
 std::vector<double> round_ticks(double low, double high, int wanted)
 {
     const double magnitude = std::max(std::abs(low), std::abs(high));
-    if (high - low <= 1e-9 * magnitude) { // finer steps would drown in rounding
-        const double margin = magnitude == 0.0 ? 1.0 : 0.1 * magnitude;
+    constexpr double least = 1e-300; // below, steps lose their digits
+    if (high - low <= 1e-9 * magnitude ||
+        high - low < least) { // finer steps would drown in rounding
+        const double margin = magnitude < least ? 1.0 : 0.1 * magnitude;
         low -= margin;
         high += margin;
     }

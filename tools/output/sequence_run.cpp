@@ -172,7 +172,8 @@ private:
     template <class Make>
     FinishedMesh taken_or_made(std::size_t i, const Make& make) const
     {
-        if (std::optional<FinishedMesh> finished = store_.read(i))
+        std::optional<FinishedMesh> finished = store_.read(i);
+        if (finished && finished->points.rows() == sequence_.topology.vertex_count())
             return *std::move(finished);
         FinishedMesh mesh = make();
         if (sequence_.targets.size() > 1)
