@@ -32,6 +32,7 @@ set(public_headers
     libshape/embedding/sequence_jumps.h
     libshape/io/collection_file.h
     libshape/io/gltf_file.h
+    libshape/io/hdf5/untrusted_files.h
     libshape/io/label_file.h
     libshape/io/mesh_file.h
     libshape/io/model_file.h

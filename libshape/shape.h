@@ -34,6 +34,7 @@
 #include "libshape/embedding/sequence_jumps.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/gltf_file.h"
+#include "libshape/io/hdf5/untrusted_files.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"

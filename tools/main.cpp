@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <map>
 #include <new>
 #include <optional>
@@ -13,10 +14,12 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/version.h"
+#include "libshape/io/hdf5/untrusted_files.h"
 #include "tools/commands.h"
 #include "tools/program/arguments.h"
 #include "tools/program/help.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/library_start.h"
 #include "tools/program/memory.h"
 #include "tools/program/session.h"
 #include "tools/program/standard_streams.h"
@@ -51,7 +54,8 @@ constexpr Command commands[] = {
     {"reconstruct", set_up_reconstruct, ".ply"},
     {"conformal", set_up_conformal, ".ply"},
     {"draw", set_up_draw, ".svg"},
-    {"report", set_up_report, ".html"},
+    {"explore", set_up_explore, ".html"},
+    {"report", set_up_explore, ".html"},
     {"synth", set_up_synth, ".ply"},
 };
 
@@ -87,6 +91,18 @@ void add_common_options(CLI::App& command, Session& session)
         ->group(group);
     add_integer(command, "--seed", session.seed, "Seed of random numbers, >= 0 (default: 1)", 0)
         ->group(group);
+}
+
+/// Pipes and devices are read by nobody; to say so at once saves the work done before it shows.
+void refuse_pipes(const CLI::App& command)
+{
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& value : option->results()) {
+            std::error_code ignored; // most values are no paths
+            const std::filesystem::file_status status = std::filesystem::status(value, ignored);
+            if (std::filesystem::exists(status) && std::filesystem::is_other(status))
+                throw FileError(join(value, ": is not a regular file"));
+        }
 }
 
 /// How many letters must be put in, taken out, changed or swapped to make one word of the other.
@@ -224,6 +240,7 @@ int run(std::vector<std::string> arguments, std::optional<StandardStreams>& stre
             set_thread_count(static_cast<int>(session.threads));
         const CLI::App* chosen = program.get_subcommands().front();
         session.command = chosen->get_name();
+        refuse_pipes(*chosen);
         runs.at(chosen)(session);
         if (const std::string output = streams->output(); !output.empty())
             session.print(output);
@@ -275,6 +292,8 @@ int guarded_run(std::vector<std::string> arguments)
 
 int main(int argc, char** argv)
 {
+    shape::tools::use_all_processors();
+    shape::rehearse_hdf5_files(true);
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
     return shape::tools::guarded_run({argv + std::min(argc, 1), argv + argc});

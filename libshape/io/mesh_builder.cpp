@@ -3,12 +3,37 @@
 #include "libshape/io/mesh_builder.h"
 
 #include <cmath>
+#include <string>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/io/file/line_reader.h"
 
 namespace shape::internal {
+namespace {
+
+/// The name as it is, or with the bytes that are no text as %XX: tables, pictures and JSON take
+/// nothing but text, and on Linux a file may be called anything.
+std::string as_text(const std::string& name)
+{
+    const bool is_text = is_utf8(name);
+    std::string text;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 0x20 && byte != 0x7f && (byte < 0x80 || is_text)) {
+            text += c;
+            continue;
+        }
+        constexpr const char* digits = "0123456789ABCDEF";
+        text += '%';
+        text += digits[byte >> 4U];
+        text += digits[byte & 15U];
+    }
+    return text;
+}
+
+} // namespace
 
 MeshBuilder::MeshBuilder(std::filesystem::path path, const MeshReadOptions& options, Fail fail)
     : path_(std::move(path)), options_(options), fail_(std::move(fail))
@@ -75,7 +100,7 @@ NamedMesh MeshBuilder::finish() const
             join(path_.string(), ": the file has ", counted(vertex_count(), "vertex", "vertices"),
                  " and ", counted(face_count(), "face"),
                  "; a mesh needs some of both (export the faces as well, and only the surface)"));
-    return {path_.stem().string(), path_.string(),
+    return {as_text(path_.stem().string()), path_.string(),
             Eigen::Map<const Points>(coordinates_.data(), vertex_count(), 3),
             Eigen::Map<const Faces>(corners_.data(), face_count(), 3)};
 }

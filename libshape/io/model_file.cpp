@@ -207,6 +207,8 @@ double read_number(const Hdf5File& file, const std::string& name)
 void write_model(const std::filesystem::path& path, const ShapeModel& model,
                  const std::optional<ModelOptions>& asked)
 {
+    if (asked)
+        check(*asked);
     check_model(model, "model");
     const Eigen::Index edges = model.topology.edge_count();
     const Eigen::Index modes = model.mode_count();
@@ -281,6 +283,8 @@ ShapeModel read_model(const std::filesystem::path& path)
 void write_difference(const std::filesystem::path& path, const DifferenceVector& difference,
                       const std::optional<DifferenceOptions>& asked)
 {
+    if (asked)
+        check(*asked);
     check_difference(difference, "difference");
     const Eigen::Index edges = difference.topology.edge_count();
     const Single from_size(difference.from_size);

@@ -67,7 +67,7 @@ struct Property
 {
     std::string name;
     Scalar type = Scalar::Int8;
-    std::optional<Scalar> count_type; ///< Of a list.
+    std::optional<Scalar> count_type; ///< A list is counted by this.
     int coordinate = -1;              ///< 0, 1, 2 for x, y, z of a vertex.
     bool is_corners = false;          ///< The list of the vertices of a face.
 };
@@ -542,7 +542,7 @@ void check_scalars(const std::vector<VertexScalar>& scalars, Eigen::Index vertic
 } // namespace
 
 NamedMesh internal::parse_ply(std::string_view content, const std::filesystem::path& path,
-                    const MeshReadOptions& options)
+                              const MeshReadOptions& options)
 {
     return parse(content, path, options, nullptr);
 }

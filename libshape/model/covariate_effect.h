@@ -18,8 +18,8 @@ namespace shape {
 struct CovariateEffect
 {
     ShapeSpace space;
-    BlockDesign design = BlockDesign::Crossed;
-    Regression regression;                ///< Of D coordinates on C covariates.
+    BlockDesign design = BlockDesign::Crossed; ///< How the blocks were taken.
+    Regression regression;                ///< D coordinates on C covariates.
     Eigen::VectorXd mean_dihedral_angles; ///< #E [rad]; or empty.
     RowMatrix slope_dihedral_angles;      ///< C by #E [rad per unit of the covariate]; or C by 0.
     Eigen::VectorXd scores;               ///< N: regression_scores() along the first slope.

@@ -473,31 +473,41 @@ TEST_F(Commands, DifferenceAppliedToItsOnlyPairGivesTheOtherMesh)
     EXPECT_LT(difference(lengths("calm.ply"), lengths("a.ply")), 1e-6);
 }
 
-TEST_F(Commands, ReportPutsAModelOnOnePage)
+/// Whether the program was built with the page.
+bool has_page()
 {
-    fit();
-    const Arguments report{"report",  "model.h5", "--color-by", "mood", "--modes", "5",
-                           "--steps", "3",        "--sigma",    "0.5",  "-o"};
-    const Json figures = run(report + Arguments{"page.html"});
-    EXPECT_EQ(figures["outputs"], Json({"page.html"}));
-    EXPECT_EQ(figures["modes"], 2); // the model has no more
-    ASSERT_EQ(figures["embeddings"].size(), 6U);
-    EXPECT_EQ(figures["embeddings"][0]["name"], "mode 1 at -0.5");
-    const std::string page = folder_.read("page.html");
-    for (const char* part : {"<title>Shape model of 3 meshes</title>", ">calm</text>",
-                             ">glad</text>", "<option value=\"1\">mode 2</option>", "<canvas>"})
-        EXPECT_NE(page.find(part), std::string::npos) << part;
-    (void)run(report + Arguments{"again.html", "--threads", "1"});
-    EXPECT_TRUE(folder_.read("again.html") == page);
+    return SHAPE_HAS_PAGE;
 }
 
-TEST_F(Commands, ReportTakesModelsOfPositionsAndOfOneMode)
+TEST_F(Commands, ExplorePutsAModelOnOnePage)
 {
+    if (!has_page())
+        GTEST_SKIP() << "built without the page";
+    fit();
+    const Arguments explore{"explore", "model.h5", "--color-by", "mood", "--modes", "5",
+                            "--title", "Three <meshes>", "--about", "of nobody", "-o"};
+    const Json figures = run(explore + Arguments{"page.html"});
+    EXPECT_EQ(figures["outputs"], Json({"page.html"}));
+    EXPECT_EQ(figures["modes"], 2); // the model has no more
+    const std::string page = folder_.read("page.html");
+    EXPECT_EQ(figures["bytes"], page.size());
+    EXPECT_LT(page.size(), 2U << 20U);
+    for (const char* part : {"<title>Three &lt;meshes&gt;</title>", ">calm</text>", ">glad</text>",
+                             "<dd>of nobody</dd>", "id=\"block\"", "id=\"wasm\""})
+        EXPECT_NE(page.find(part), std::string::npos) << part;
+    (void)run(explore + Arguments{"again.html", "--threads", "1"});
+    EXPECT_TRUE(folder_.read("again.html") == page);
+    (void)run({"report", "model.h5", "-o", "report.html"});
+    EXPECT_NE(folder_.read("report.html").find("id=\"block\""), std::string::npos);
+}
+
+TEST_F(Commands, ExploreTakesModelsOfPositionsAndOfOneMode)
+{
+    if (!has_page())
+        GTEST_SKIP() << "built without the page";
     (void)run({"stats", "a.ply", "b.ply", "--space", "procrustes", "-o", "model.h5"});
-    const Json figures = run({"report", "model.h5", "-o", "page.html"});
-    EXPECT_EQ(figures["modes"], 1);
-    for (const Json& embedding : figures["embeddings"])
-        EXPECT_EQ(embedding["method"], "procrustes");
+    EXPECT_EQ(run({"explore", "model.h5", "-o", "page.html"})["modes"], 1);
+    EXPECT_NE(folder_.read("page.html").find("\"space\":\"procrustes\""), std::string::npos);
 }
 
 TEST_F(Commands, SynthMakesADirectoryThatCanBeCollected)

@@ -63,6 +63,10 @@ void redirect_to_closed_pipe(int descriptor)
         const rlimit limit{launch.largest_file, launch.largest_file};
         setrlimit(RLIMIT_FSIZE, &limit);
     }
+    if (launch.address_space > 0) {
+        const rlimit limit{launch.address_space, launch.address_space};
+        setrlimit(RLIMIT_AS, &limit);
+    }
     if (chdir(folder.c_str()) != 0)
         _exit(127);
     if (!launch.input_file.empty()) {

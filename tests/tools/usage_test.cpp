@@ -10,7 +10,7 @@ namespace {
 const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
                          "generate",  "distance", "quality",    "groups",      "classify",
                          "regress",   "remove",   "difference", "interpolate", "reconstruct",
-                         "conformal", "draw",     "report",     "synth"};
+                         "conformal", "draw",     "explore",    "report",      "synth"};
 
 /// A wrong command line and what its error must name.
 struct WrongUsage
@@ -164,6 +164,19 @@ std::vector<WrongUsage> wrong_usages()
          "--format",
          {"generate", "model.h5", "--mean", "-o", "x.ply", "--format", "obj"}},
         {"UnknownMethod", "--method", mean + Arguments{"--method", "magic"}},
+        {"QualityOfAnotherMethod",
+         "--quality is an option of --method dihedral, not of --method closure",
+         mean + Arguments{"--method", "closure", "--quality", "preview"}},
+        {"SmoothnessOfAnotherMethod",
+         "--smoothness is an option of --method dihedral, not of --method multiscale",
+         mean + Arguments{"--method", "multiscale", "--smoothness", "0.1"}},
+        {"InitOfAnotherMethod",
+         "--init is an option of --method multiscale, not of --method dihedral",
+         mean + Arguments{"--init", "identity"}},
+        {"QualityOfNoMethodOfASequence",
+         "--quality is an option of --method dihedral, not of --method closure",
+         blend + Arguments{"--frames", "9", "--keyframes", "2", "--between", "multiscale",
+                           "--method", "closure", "--quality", "fine"}},
         {"NoSmoothness", "--smoothness", mean + Arguments{"--smoothness", "0"}},
         {"NanSmoothness", "--smoothness", mean + Arguments{"--smoothness", "nan"}},
         {"NegativeSize", "--size", mean + Arguments{"--size", "-3"}},
@@ -180,8 +193,9 @@ std::vector<WrongUsage> wrong_usages()
         {"ApplyWithoutMesh", "--mesh",
          difference + Arguments{"--from", "k=1", "--to", "k=2", "--apply"}},
         {"ReportOfAnotherEnding", ".html", {"report", "model.h5", "-o", "page.pdf"}},
-        {"ReportOfOneStep", "--steps", {"report", "model.h5", "-o", "page.html", "--steps", "1"}},
-        {"ReportOfNoWidth", "--sigma", {"report", "model.h5", "-o", "page.html", "--sigma", "0"}},
+        {"PageOfNoMode", "--modes", {"explore", "model.h5", "-o", "page.html", "--modes", "0"}},
+        {"PageOfNoSmoothness", "--smoothness",
+         {"explore", "model.h5", "-o", "page.html", "--smoothness", "0"}},
         {"SynthWithoutName", "NAME", {"synth", "-o", "new"}},
     };
 }

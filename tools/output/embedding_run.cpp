@@ -198,7 +198,7 @@ Json animation_figures(const Session& session, const GlbAnimation& animation, st
 
 } // namespace
 
-void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
+void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double smoothness)
 {
     add_choice(command, "--method", options.method,
                "dihedral: lengths and dihedral angles together (default); closure: as in Rojas\n"
@@ -215,7 +215,7 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
     add_number(command, "--smoothness", options.smoothness,
                join("Weight of the dihedral angles [rad] against the relative lengths, > 0\n"
                     "(default: ",
-                    options.smoothness, "); of the method dihedral"),
+                    smoothness, "); of the method dihedral"),
                Sign::Positive)
         ->group("Embedding");
     add_choice(
@@ -227,9 +227,9 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
         ->group("Embedding");
 }
 
-void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
+void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments, double smoothness)
 {
-    add_embedder_options(command, arguments.options);
+    add_embedder_options(command, arguments.options, smoothness);
     command
         .add_flag("--strict", arguments.strict,
                   "An infeasible target ends the run with exit code 4 before anything is\n"
@@ -255,8 +255,8 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
                      const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
                      TargetOrder order)
 {
+    const EmbeddingOptions options = embedding_options(session, arguments.options);
     prepare_output(arguments, topology, targets, output);
-    const EmbeddingOptions options = embedding_options(session, arguments);
     const Embedder embedder(topology, std::move(references), options);
     const auto make = [&](std::size_t i, const DecodedShape& shape) {
         return finished_mesh(embedder, options, targets[i].name, shape);
@@ -355,11 +355,37 @@ const char* name(EmbeddingMethod method)
     return "";
 }
 
-EmbeddingOptions embedding_options(const Session& session, const EmbeddingArguments& arguments)
+void check_methods(const EmbeddingOptions& given, const std::vector<EmbeddingMethod>& used)
 {
-    EmbeddingOptions options = arguments.options;
-    options.seed = static_cast<std::uint64_t>(session.seed);
+    const auto belongs_to = [&](EmbeddingMethod method, const char* option, bool is_given) {
+        if (is_given && std::find(used.begin(), used.end(), method) == used.end())
+            throw UsageError(join(option, " is an option of --method ", name(method),
+                                  ", not of --method ", name(given.method)));
+    };
+    belongs_to(EmbeddingMethod::Dihedral, "--quality", given.quality.has_value());
+    belongs_to(EmbeddingMethod::Dihedral, "--smoothness", given.smoothness.has_value());
+    belongs_to(EmbeddingMethod::Multiscale, "--init", given.registration_start.has_value());
+}
+
+EmbeddingOptions options_of(const Session& session, EmbeddingMethod method,
+                            const EmbeddingOptions& given)
+{
+    EmbeddingOptions options{.method = method};
+    if (method == EmbeddingMethod::Dihedral) {
+        options.quality = given.quality;
+        options.smoothness = given.smoothness;
+    }
+    if (method == EmbeddingMethod::Multiscale) {
+        options.registration_start = given.registration_start;
+        options.seed = static_cast<std::uint64_t>(session.seed);
+    }
     return options;
+}
+
+EmbeddingOptions embedding_options(const Session& session, const EmbeddingOptions& given)
+{
+    check_methods(given, {given.method});
+    return options_of(session, given.method, given);
 }
 
 std::string numbered_name(const std::string& stem, std::size_t number)

@@ -24,8 +24,9 @@ struct MeshOutputArguments
 {
     std::string path;   ///< A file, or a directory.
     std::string format; ///< Ending without the dot, for directories; empty: ply.
-    std::optional<double> frames_per_second; ///< Of an animation.
-    std::optional<double> glb_tolerance;     ///< Of an animation, relative to the diagonal.
+    std::optional<double> frames_per_second; ///< An animation shows this many.
+    std::optional<double>
+        glb_tolerance; ///< Frames of an animation may err by this, relative to the diagonal.
 };
 
 /// Adds --format alone, for commands that have options of their own for where meshes go.
@@ -97,7 +98,7 @@ private:
 
     bool is_animation_ = false;
     GlbAnimationOptions animation_options_;
-    std::vector<Points> frames_; ///< Of an animation, until commit().
+    std::vector<Points> frames_; ///< An animation keeps its frames until commit().
     Faces faces_;
     std::optional<GlbAnimation> animation_;
 };

@@ -55,7 +55,8 @@ public:
 
     [[nodiscard]] bool line_done() const { return rest_.empty(); } ///< No token is left.
     [[nodiscard]] std::string_view rest() const { return rest_; }  ///< What is left of the line.
-    [[nodiscard]] std::size_t offset() const { return offset_; }   ///< Of the line after this one.
+    /// Where the line after this one begins.
+    [[nodiscard]] std::size_t offset() const { return offset_; }
 
     /// @throws InvalidInput always.
     [[noreturn]] void fail(std::string_view rule) const;
