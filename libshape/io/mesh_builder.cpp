@@ -70,7 +70,8 @@ void MeshBuilder::add_polygon(std::span<const std::int64_t> corners)
         fail_(join("a face has ", corners.size(), " corners; it needs at least 3"));
     if (corners.size() > 3 && !options_.triangulate)
         fail_(join("a face has ", corners.size(),
-                   " corners; polygons are refused unless they are to be split (triangulate)"));
+                   " corners; polygons are refused unless they are to be split (--triangulate); "
+                   "or export triangles (`Triangulate Faces`)"));
     for (const std::int64_t v : corners)
         if (v < 0 || v >= vertex_count())
             fail_(join("a face names vertex ", v, " (counted from 0) after only ",
@@ -95,9 +96,10 @@ std::int64_t MeshBuilder::face_count() const
 NamedMesh MeshBuilder::finish() const
 {
     if (coordinates_.empty() || corners_.empty())
-        throw InvalidInput(join(path_.string(), ": the file has ",
-                                counted(vertex_count(), "vertex", "vertices"), " and ",
-                                counted(face_count(), "face"), "; a mesh needs some of both"));
+        throw InvalidInput(
+            join(path_.string(), ": the file has ", counted(vertex_count(), "vertex", "vertices"),
+                 " and ", counted(face_count(), "face"),
+                 "; a mesh needs some of both (export the faces as well, and only the surface)"));
     return {as_text(path_.stem().string()), path_.string(),
             Eigen::Map<const Points>(coordinates_.data(), vertex_count(), 3),
             Eigen::Map<const Faces>(corners_.data(), face_count(), 3)};

@@ -23,7 +23,7 @@ Group find_group(const Collection& collection, const LabelColumn& pair_by, const
     const LabelColumn& column = find_label(collection.labels, label);
     Group group;
     for (std::size_t i = 0; i < collection.size(); ++i) {
-        if (column.values[i] != value)
+        if (column.values[i] != value || pair_by.values[i].empty()) // no value, no partner
             continue;
         const auto [member, is_new] = group.try_emplace(pair_by.values[i], i);
         if (!is_new)
@@ -33,7 +33,8 @@ Group find_group(const Collection& collection, const LabelColumn& pair_by, const
                                     collection.names[i]));
     }
     if (group.empty())
-        throw InvalidInput(join("difference: no mesh has ", label, " = '", value, "'"));
+        throw InvalidInput(join("difference: no mesh has ", label, " = '", value,
+                                "' and a value of ", pair_by.name));
     return group;
 }
 

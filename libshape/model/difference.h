@@ -30,7 +30,7 @@ struct DifferenceVector
 
 struct DifferenceOptions
 {
-    /// Two meshes with the same value of this label are a pair; not empty.
+    /// Two meshes with the same value of this label are a pair, those without a value are not; not empty.
     std::string pair_by;
     /// Meshes with this label, not empty ...
     std::string from_label;

@@ -71,11 +71,12 @@ DecodedShape model_point(const ShapeModel& model, const Eigen::VectorXd& scores,
 Projection project(const ShapeModel& model, const Collection& collection)
 {
     if (!(collection.topology == model.topology))
-        throw InvalidInput(join("projection: the meshes (", collection.topology.vertex_count(),
-                                " vertices, ", counted(collection.topology.face_count(), "face"),
-                                ") have another triangulation than the model (",
-                                model.topology.vertex_count(), " vertices, ",
-                                counted(model.topology.face_count(), "face"), ")"));
+        throw InvalidInput(
+            join("projection: the meshes have another triangulation than the model; ",
+                 describe_correspondence_break(
+                     {"the model", "the model", model.reference_points, model.topology.faces()},
+                     {collection.names.front(), "mesh " + collection.names.front(),
+                      collection.points.front(), collection.topology.faces()})));
     SubspaceProjection projection =
         project_onto_subspace(encode(model.space, collection), model.mean, model.modes);
     return {.names = collection.names,

@@ -69,6 +69,11 @@ void redirect_to_closed_pipe(int descriptor)
     }
     if (chdir(folder.c_str()) != 0)
         _exit(127);
+    if (!launch.input_file.empty()) {
+        const int file = open(launch.input_file.c_str(), O_RDONLY);
+        dup2(file, STDIN_FILENO);
+        close(file);
+    }
     std::string program = SHAPE_PROGRAM;
     std::vector<char*> argv{program.data()};
     for (std::string& argument : arguments)

@@ -283,5 +283,35 @@ TEST(Usage, ADirectoryMayHaveTheNameOfACommand)
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
+TEST(Words, NearMissesAreAnsweredByWhatWasMeant)
+{
+    const Folder folder;
+    const auto err = [&](const Arguments& arguments) {
+        const Outcome outcome = run_shape(folder.path(), arguments);
+        EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+        return outcome.err;
+    };
+    EXPECT_NE(err({"--verson"}).find("did you mean '--version'?"), std::string::npos);
+    EXPECT_NE(err({"colect"}).find("did you mean 'collect'?"), std::string::npos);
+    EXPECT_NE(err({"help", "genrate"}).find("did you mean 'generate'?"), std::string::npos);
+    EXPECT_NE(
+        err({"stats", "x.h5", "--scael", "unit", "-o", "y.h5"}).find("did you mean '--scale'?"),
+        std::string::npos);
+    EXPECT_EQ(err({"quite-another-word"}).find("did you mean"), std::string::npos);
+}
+
+TEST(Words, VersionAndHelpComeInEverySpelling)
+{
+    const Folder folder;
+    const auto out = [&](const Arguments& arguments) {
+        const Outcome outcome = run_shape(folder.path(), arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    EXPECT_EQ(out({"-V"}), out({"--version"}));
+    EXPECT_EQ(out({"help"}), out({"--help"}));
+    EXPECT_EQ(out({"help", "stats"}), out({"stats", "--help"}));
+}
+
 } // namespace
 } // namespace shape::test

@@ -24,7 +24,8 @@ struct EmbeddingArguments
 {
     EmbeddingOptions options; ///< As given: check_methods() says whether they go together.
     bool strict = false;      ///< An infeasible target ends the run before anything is written.
-    bool residuals = false;   ///< Beside every mesh goes NAME_residuals.ply.
+    bool residuals = false;   ///< Beside every mesh goes residuals/NAME_residuals.ply.
+    bool verbose = false;     ///< Every infeasible target is described, not all in one line.
 };
 
 /// Adds --method, --quality, --smoothness and --init.
@@ -32,7 +33,7 @@ struct EmbeddingArguments
 void add_embedder_options(CLI::App& command, EmbeddingOptions& options,
                           double smoothness = default_smoothness);
 
-/// Adds those, --strict and --residuals.
+/// Adds those, --strict, --verbose and --residuals.
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments,
                            double smoothness = default_smoothness);
 

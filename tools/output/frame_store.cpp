@@ -36,7 +36,14 @@ fs::path directory_beside(const std::string& output)
     if (fs::is_directory(path))
         return path / "unfinished";
     const fs::path target = path.has_filename() ? path : path.parent_path();
-    return target.parent_path() / (target.filename().string() + ".unfinished");
+    const std::string name = target.filename().string();
+    const std::string ending = ".unfinished";
+    constexpr std::size_t longest = 255; // of a name, on the usual file systems
+    if (name.size() + ending.size() <= longest)
+        return target.parent_path() / (name + ending);
+    const std::string hash = hash_text(name.data(), name.size());
+    return target.parent_path() /
+           (name.substr(0, longest - ending.size() - hash.size() - 1) + "-" + hash + ending);
 }
 
 std::optional<std::string> content_of(const fs::path& path)
