@@ -34,11 +34,6 @@ FileKind read_kind(const Hdf5File& file)
 
 } // namespace
 
-FileKind file_kind(const std::filesystem::path& path)
-{
-    return read_kind(Hdf5File(path));
-}
-
 Hdf5Content begin_content(FileKind kind)
 {
     return {{{"format", std::string(format_name(kind))},
@@ -151,3 +146,8 @@ Scale read_scale(const Hdf5File& file)
 }
 
 } // namespace shape::internal
+
+shape::FileKind shape::file_kind(const std::filesystem::path& path)
+{
+    return internal::read_kind(internal::Hdf5File(path));
+}

@@ -231,7 +231,7 @@ std::string print(Asset asset)
 
 } // namespace
 
-std::string print_glb(const Points& points, const Faces& faces)
+std::string internal::print_glb(const Points& points, const Faces& faces)
 {
     return print(mesh_asset(points, faces));
 }

@@ -47,16 +47,16 @@ void append(std::string& text, Value value)
 
 } // namespace
 
-void append_number(std::string& text, double value)
+void internal::append_number(std::string& text, double value)
 {
     append(text, value);
 }
-void append_number(std::string& text, int value)
+void internal::append_number(std::string& text, int value)
 {
     append(text, value);
 }
 
-void check_mesh(const Points& points, const Faces& faces)
+void internal::check_mesh(const Points& points, const Faces& faces)
 {
     for (Eigen::Index v = 0; v < points.rows(); ++v)
         if (!points.row(v).allFinite())

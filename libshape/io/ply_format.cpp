@@ -498,13 +498,13 @@ void check_scalars(const std::vector<VertexScalar>& scalars, Eigen::Index vertic
 
 } // namespace
 
-NamedMesh parse_ply(std::string_view content, const std::filesystem::path& path,
+NamedMesh internal::parse_ply(std::string_view content, const std::filesystem::path& path,
                     const MeshReadOptions& options)
 {
     return parse(content, path, options, nullptr);
 }
 
-std::string print_ply(const Points& points, const Faces& faces)
+std::string internal::print_ply(const Points& points, const Faces& faces)
 {
     return print(points, faces, {});
 }

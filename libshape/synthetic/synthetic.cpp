@@ -135,7 +135,7 @@ Collection make_synthetic(std::string_view name, const SyntheticOptions& options
                         .seed = options.seed});
 }
 
-namespace synthetic {
+namespace internal::synthetic {
 
 Members::Members(Faces faces, std::vector<std::string> label_names) : faces_(std::move(faces))
 {
@@ -165,5 +165,5 @@ std::string padded(int number, int width)
     return std::string(wanted > digits.size() ? wanted - digits.size() : 0, '0') + digits;
 }
 
-} // namespace synthetic
+} // namespace internal::synthetic
 } // namespace shape

@@ -139,8 +139,8 @@ Repaired repaired(const LengthDihedralEnergy& energy, const std::vector<Points>&
                   const RegionRepairOptions& options)
 {
     const RegionMesh region(energy.topology(), vertices);
-    EightLaneEnergy eightfold(energy, region);
-    const double unit = eightfold.unit();
+    EightLaneEnergy lanes(energy, region);
+    const double unit = lanes.unit();
     std::vector<float> lengths;
     for (const int e : region.edges)
         lengths.push_back(static_cast<float>(energy.target().edge_lengths[e] / unit));
@@ -179,7 +179,7 @@ Repaired repaired(const LengthDihedralEnergy& energy, const std::vector<Points>&
             else if (start > references.size())
                 set_lane(perturbed(region, start - references.size(), present), lane, eight);
         }
-        const auto energies = descend(eightfold, solve, eight, options.descent);
+        const auto energies = descend(lanes, solve, eight, options.descent);
         for (int lane = 0; lane < EightLanes::lanes; ++lane)
             if (const float value = energies[static_cast<std::size_t>(lane)]; value < least) {
                 least = value;

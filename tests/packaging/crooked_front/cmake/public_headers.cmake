@@ -1,0 +1,9 @@
+set(public_headers
+    libshape/shape.h
+    libshape/mesh/forgotten_by_all.h
+    libshape/mesh/leaky.h
+    libshape/mesh/shy.h
+)
+set(public_picture_headers
+    libshape/report/pictures.h
+)

@@ -1,0 +1,3 @@
+#include "libshape/mesh/loud.h"
+namespace shape {
+}

@@ -1,0 +1,2 @@
+#include "libshape/mesh/forgotten_by_all.h"
+#include "libshape/mesh/shy.h"
