@@ -114,7 +114,7 @@ TEST(ConformalMorph, CorrectsToTheNearestLengths)
         const Eigen::VectorXd missed = Eigen::VectorXd::Ones(x.size()) - x;
         ASSERT_GT(missed.norm(), 1e-6);
         EXPECT_LE(std::abs(missed.dot(x)), 1e-6 * missed.norm()) << k;
-        Random random(1);
+        internal::Random random(1);
         for (int sample = 0; sample < 20; ++sample) {
             const Points other =
                 Points::NullaryExpr(mesh.points.rows(), 3, [&] { return random.normal(); });
