@@ -91,7 +91,8 @@ std::string draw_scaling(const Collection& collection, const std::vector<std::st
 {
     Plot plot = score_plot(scaling.points, collection.names, values, {});
     const auto axis = [&](Eigen::Index k) {
-        const double share = std::max(scaling.eigenvalues[k], 0.0) / scaling.total;
+        const double share = // of equal meshes there is nothing to share
+            scaling.total > 0.0 ? std::max(scaling.eigenvalues[k], 0.0) / scaling.total : 0.0;
         return join("coordinate ", k + 1, " (", std::round(1000.0 * share) / 10.0,
                     " % of squared distances)");
     };

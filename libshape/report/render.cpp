@@ -12,6 +12,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/report/rasterise.h"
 #include "libshape/report/studio.h"
 
@@ -233,15 +234,19 @@ Vector3f light_of(const std::vector<Patch>& patches, const Studio& studio, doubl
     return sum;
 }
 
-void check(const Points& points, const RenderOptions& options)
+void check_mesh(const Faces& faces, const Points& points)
 {
-    if (options.width < 1 || options.height < 1 || !(options.pixel_size > 0.0))
-        throw InvalidInput(join("width, height and pixel_size are ", options.width, ", ",
-                                options.height, " and ", options.pixel_size, ", must be > 0"));
-    if (!options.vertex_colours.empty() &&
-        static_cast<Eigen::Index>(options.vertex_colours.size()) != points.rows())
-        throw InvalidInput(join("vertex_colours has ", options.vertex_colours.size(),
-                                " entries, the mesh has ", points.rows(), " vertices"));
+    if (points.rows() == 0 || faces.rows() == 0)
+        throw InvalidInput(join("the mesh has ", points.rows(), " vertices and ", faces.rows(),
+                                " faces, a picture needs one of each at least"));
+    for (Eigen::Index v = 0; v < points.rows(); ++v)
+        if (!points.row(v).allFinite())
+            throw InvalidInput(join("points: vertex ", v, " has a coordinate that is not finite"));
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+        if (faces.row(f).minCoeff() < 0 || faces.row(f).maxCoeff() >= points.rows())
+            throw InvalidInput(join("faces: face ", f, " names vertices ", faces(f, 0), ", ",
+                                    faces(f, 1), ", ", faces(f, 2), ", must be in [0, ",
+                                    points.rows() - 1, "]"));
 }
 
 } // namespace
@@ -257,6 +262,7 @@ Eigen::Matrix3d view_rotation(const ViewDirection& direction)
 
 Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
 {
+    check_mesh(faces, points);
     // Area-weighted, so that dense regions do not count more; +z wins ties.
     Vector3d mean = Vector3d::Zero();
     Vector3d facing = Vector3d::Zero();
@@ -294,12 +300,28 @@ Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
                             right.norm() > 1e-3 ? Vector3d(right.normalized()) : Vector3d::UnitX());
 }
 
+void check(const RenderOptions& options)
+{
+    constexpr int most = 32768; // coordinates of samples stay exact in float
+    require(options.width >= 1 && options.width <= most, "RenderOptions.width", options.width,
+            join("in [1, ", most, "]"));
+    require(options.height >= 1 && options.height <= most, "RenderOptions.height", options.height,
+            join("in [1, ", most, "]"));
+    require(options.centre.allFinite(), "RenderOptions.centre",
+            join(options.centre.x(), ", ", options.centre.y()), "finite");
+    require_positive(options.pixel_size, "RenderOptions.pixel_size");
+    require_not_negative(options.crease_angle, "RenderOptions.crease_angle");
+}
+
 Image render_mesh(const Faces& faces, const Points& points, const RenderOptions& options)
 {
-    check(points, options);
+    check(options);
+    check_mesh(faces, points);
+    if (!options.vertex_colours.empty() &&
+        static_cast<Eigen::Index>(options.vertex_colours.size()) != points.rows())
+        throw InvalidInput(join("vertex_colours has ", options.vertex_colours.size(),
+                                " entries, the mesh has ", points.rows(), " vertices"));
     Image image(options.width, options.height, options.background);
-    if (faces.rows() == 0)
-        return image;
     const Studio studio(faces, points);
     const Surface surface(faces, points, options);
     const Vector3f background = decoded(options.background);

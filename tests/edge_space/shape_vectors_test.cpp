@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "libshape/base/error.h"
+#include "libshape/base/random.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/collections.h"
@@ -17,6 +18,7 @@
 #include "tests/support/thread_scope.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using std::numbers::pi;

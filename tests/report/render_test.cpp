@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/synthetic/synthetic.h"
@@ -112,6 +115,22 @@ TEST(RenderMesh, ShowsBacksDarker)
     EXPECT_GT(back.green, 20);
 }
 
+TEST(RenderMesh, RefusesMeshesThatCannotBeSeen)
+{
+    const Points points = rows({{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}});
+    const Faces face{{0, 1, 2}};
+    Points broken = points;
+    broken(1, 2) = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<std::pair<Faces, Points>> meshes{
+        {Faces(0, 3), Points(0, 3)}, {Faces(0, 3), points},
+        {face, Points(0, 3)},        {face, broken},
+        {Faces{{0, 1, 3}}, points},  {Faces{{0, -1, 2}}, points}};
+    for (const auto& [faces, places] : meshes) {
+        EXPECT_THROW((void)render_mesh(faces, places, small_picture()), InvalidInput);
+        EXPECT_THROW((void)automatic_view(faces, places), InvalidInput);
+    }
+}
+
 TEST(RenderMesh, CastsShadows)
 {
     // A plate between the key light (from the upper left) and the middle of a wall.
@@ -167,15 +186,6 @@ TEST(RenderMesh, DrawsEdgesSharpThatBendMoreThanTheCreaseAngle)
     };
     EXPECT_LE(contrast(89.0), 3);
     EXPECT_GT(contrast(91.0), 10);
-}
-
-TEST(RenderMesh, OfNoFacesIsTheBackground)
-{
-    RenderOptions options = small_picture();
-    options.background = {1, 2, 3};
-    const Image image = render_mesh(Faces(0, 3), Points(0, 3), options);
-    for (const Colour& pixel : image.pixels)
-        EXPECT_EQ(pixel, options.background);
 }
 
 TEST(RenderMesh, RefusesOptionsOutOfRange)

@@ -63,8 +63,17 @@ void redirect_to_closed_pipe(int descriptor)
         const rlimit limit{launch.largest_file, launch.largest_file};
         setrlimit(RLIMIT_FSIZE, &limit);
     }
+    if (launch.address_space > 0) {
+        const rlimit limit{launch.address_space, launch.address_space};
+        setrlimit(RLIMIT_AS, &limit);
+    }
     if (chdir(folder.c_str()) != 0)
         _exit(127);
+    if (!launch.input_file.empty()) {
+        const int file = open(launch.input_file.c_str(), O_RDONLY);
+        dup2(file, STDIN_FILENO);
+        close(file);
+    }
     std::string program = SHAPE_PROGRAM;
     std::vector<char*> argv{program.data()};
     for (std::string& argument : arguments)

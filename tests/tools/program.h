@@ -39,6 +39,8 @@ struct Launch
     bool close_stdout = false;          ///< stdout is a pipe that nobody reads.
     std::vector<std::string> environment = {}; ///< NAME=VALUE, added to that of the test.
     std::size_t largest_file = 0;              ///< > 0: writing beyond this many bytes fails.
+    std::size_t address_space = 0;             ///< > 0: no more bytes can be mapped.
+    std::string input_file = {};               ///< Of the folder: stdin reads it.
 };
 
 /// Runs the program in a folder; ends it after a minute.

@@ -37,6 +37,10 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, std::optiona
 CLI::Option* add_integer(CLI::App& command, const std::string& name, std::int64_t& value,
                          const std::string& description, std::int64_t low,
                          std::int64_t high = std::numeric_limits<std::int64_t>::max());
+CLI::Option* add_integer(CLI::App& command, const std::string& name,
+                         std::optional<std::int64_t>& value, const std::string& description,
+                         std::int64_t low,
+                         std::int64_t high = std::numeric_limits<std::int64_t>::max());
 
 /// Adds an option that takes one of the named values.
 template <class Value, class T>

@@ -13,7 +13,7 @@
 namespace shape::internal {
 
 /// The Laplacian of a mesh whose edges weigh 1 / l^2, once for every face they have, and its
-/// factorisation. Lengths below 1e-3 of the mean count as that. Relative errors of edges count alike
+/// factorisation in single precision. Lengths below 1e-3 of the mean count as that. Relative errors of edges count alike
 /// in it, as they do in what is minimised.
 class EdgeLaplacian
 {
@@ -23,14 +23,17 @@ public:
     /// Cost: one sparse Cholesky factorisation of size #V.
     EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths);
 
-    /// Solves for all three columns at once. A translation is held by a little weight at vertex 0.
+    /// With a factor found before: single_precision() of an EdgeLaplacian of the same arguments.
+    /// @throws InvalidInput if it has another size.
+    EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths,
+                  SinglePrecisionSolve factor);
+
+    /// Solves for all three columns at once, in double precision: conjugate gradients, which the factor
+    /// brings to their end in a few steps. A translation is held by a little weight at vertex 0.
     [[nodiscard]] Points solve(const Points& rhs) const;
 
-    /// The same in single precision, for preconditioning.
-    [[nodiscard]] SinglePrecisionSolve single_precision() const
-    {
-        return SinglePrecisionSolve(factor_);
-    }
+    /// The factor, for preconditioning.
+    [[nodiscard]] const SinglePrecisionSolve& single_precision() const { return factor_; }
 
     /// Positions whose edges are nearest to what the faces want: their sides as laid out, turned by
     /// their frames.
@@ -54,7 +57,8 @@ public:
 private:
     Topology topology_;
     Eigen::VectorXd weights_;
-    SparseCholesky factor_;
+    SparseMatrix matrix_; // its lower triangle
+    SinglePrecisionSolve factor_;
 };
 
 } // namespace shape::internal

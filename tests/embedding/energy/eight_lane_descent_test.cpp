@@ -45,7 +45,7 @@ struct Setting
     ShapePoint target;
     LengthDihedralEnergy energy;
     RegionMesh region;
-    EightLaneEnergy lanes;
+    EightLaneEnergy eight;
     EightLanePoints points;
 
     Setting(const test::TestMesh& of, double noise, unsigned seed)
@@ -53,7 +53,7 @@ struct Setting
           target(target_of(mesh, noise, seed)),
           energy(mesh.topology, target, 5e-3),
           region(mesh.topology, disc(mesh.topology)),
-          lanes(energy, region),
+          eight(energy, region),
           points(region.vertices.size())
     {
         Random random(seed);
@@ -65,7 +65,7 @@ struct Setting
                     EightLanePoint perturbed = perturbation[v];
                     *numbers(points[v], k)[c] =
                         static_cast<float>(mesh.points(region.vertices[v], static_cast<int>(c)) /
-                                           lanes.unit()) +
+                                           eight.unit()) +
                         0.1F * *numbers(perturbed, k)[c];
                 }
     }
@@ -99,14 +99,14 @@ struct Setting
     }
 
     /// The whole mesh with one of the eight in it, row by row.
-    VectorXd whole(const EightLanePoints& eight, int k)
+    VectorXd whole(const EightLanePoints& positions, int k)
     {
         VectorXd rows = mesh.points.reshaped<Eigen::RowMajor>();
         for (int v = 0; v < region.moving_vertices; ++v)
             for (std::size_t c = 0; c < 3; ++c) {
-                EightLanePoint point = eight[static_cast<std::size_t>(v)];
+                EightLanePoint point = positions[static_cast<std::size_t>(v)];
                 rows[3 * region.vertices[static_cast<std::size_t>(v)] + static_cast<int>(c)] =
-                    lanes.unit() * static_cast<double>(*numbers(point, k)[c]);
+                    eight.unit() * static_cast<double>(*numbers(point, k)[c]);
             }
         return rows;
     }
@@ -118,7 +118,7 @@ TEST(EightLaneEnergy, DiffersBetweenPositionsAsTheEnergyOfTheWholeMesh)
         for (unsigned seed = 1; seed <= 3; ++seed) {
             SCOPED_TRACE(mesh.name);
             Setting s(mesh, 0.1, seed);
-            const auto energies = s.lanes.linearise(s.points);
+            const auto energies = s.eight.linearise(s.points);
             VectorXd gradient;
             const double first = s.energy.evaluate(s.whole(s.points, 0), gradient);
             for (int k = 1; k < lanes; ++k) {
@@ -128,7 +128,7 @@ TEST(EightLaneEnergy, DiffersBetweenPositionsAsTheEnergyOfTheWholeMesh)
                             1e-5 * static_cast<double>(energies[at] + energies[0]));
             }
             EightLanes sum{};
-            for (const EightLanes& of_edge : s.lanes.edge_energies())
+            for (const EightLanes& of_edge : s.eight.edge_energies())
                 sum = sum + of_edge;
             EXPECT_NEAR(sum.of[3], energies[3], 1e-5F * energies[3]);
         }
@@ -139,20 +139,20 @@ TEST(EightLaneEnergy, HasTheGradientOfTheEnergy)
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
         Setting s(mesh, 0.1, 1);
-        (void)s.lanes.linearise(s.points);
+        (void)s.eight.linearise(s.points);
         EightLanePoints half;
-        s.lanes.gradient(half);
+        s.eight.gradient(half);
         ASSERT_EQ(half.size(), static_cast<std::size_t>(s.region.moving_vertices));
         for (int k = 0; k < lanes; ++k) {
             VectorXd gradient;
             (void)s.energy.evaluate(s.whole(s.points, k), gradient);
-            const double scale = gradient.cwiseAbs().maxCoeff() * s.lanes.unit();
+            const double scale = gradient.cwiseAbs().maxCoeff() * s.eight.unit();
             for (std::size_t v = 0; v < half.size(); ++v)
                 for (std::size_t c = 0; c < 3; ++c)
-                    EXPECT_NEAR(2.0 * static_cast<double>(*numbers(half[v], k)[c]),
-                                gradient[3 * s.region.vertices[v] + static_cast<int>(c)] *
-                                    s.lanes.unit(),
-                                2e-5 * scale);
+                    EXPECT_NEAR(
+                        2.0 * static_cast<double>(*numbers(half[v], k)[c]),
+                        gradient[3 * s.region.vertices[v] + static_cast<int>(c)] * s.eight.unit(),
+                        2e-5 * scale);
         }
     }
 }
@@ -162,11 +162,11 @@ TEST(EightLaneEnergy, AppliesTheGaussNewtonMatrixOfTheMesh)
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
         Setting s(mesh, 0.1, 2);
-        (void)s.lanes.linearise(s.points);
+        (void)s.eight.linearise(s.points);
         Random random(5);
         EightLanePoints v = random_points(s.points.size(), s.region.moving_vertices, random);
         EightLanePoints product;
-        s.lanes.apply(v, product);
+        s.eight.apply(v, product);
         for (int k = 0; k < lanes; ++k) {
             const Eigen::VectorXd whole = s.whole(s.points, k);
             Eigen::VectorXd gradient;
@@ -179,7 +179,7 @@ TEST(EightLaneEnergy, AppliesTheGaussNewtonMatrixOfTheMesh)
                     motion(static_cast<int>(c), s.region.vertices[i]) = *numbers(v[i], k)[c];
             LaneVectors wanted;
             matrix.apply(motion, wanted);
-            wanted *= static_cast<float>(s.lanes.unit() * s.lanes.unit() /
+            wanted *= static_cast<float>(s.eight.unit() * s.eight.unit() /
                                          (matrix.unit() * matrix.unit()));
             const float scale = wanted.cwiseAbs().maxCoeff();
             for (std::size_t i = 0; i < product.size(); ++i)
@@ -195,7 +195,7 @@ EightLaneSolve laplacian_of(const Setting& s)
 {
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t e = 0; e < s.region.edges.size(); ++e) {
-        const double length = s.target.edge_lengths[s.region.edges[e]] / s.lanes.unit();
+        const double length = s.target.edge_lengths[s.region.edges[e]] / s.eight.unit();
         for (const auto& [a, b] : {std::pair(s.region.ends[2 * e], s.region.ends[2 * e + 1]),
                                    std::pair(s.region.ends[2 * e + 1], s.region.ends[2 * e])}) {
             if (a >= s.region.moving_vertices)
@@ -215,14 +215,14 @@ TEST(EightLaneDescent, FindsTheMeshThatHasTheTargetFromEightSides)
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
         Setting s(mesh, 0.0, 3);
-        const auto energies = descend(s.lanes, laplacian_of(s), s.points, {.newton_steps = 15});
+        const auto energies = descend(s.eight, laplacian_of(s), s.points, {.newton_steps = 15});
         for (int k = 0; k < lanes; ++k) {
             EXPECT_LT(energies[static_cast<std::size_t>(k)], 1e-6F);
             if (s.region.vertex_count() < s.region.moving_vertices + 3)
                 continue; // what is held leaves it free to turn
             const VectorXd found = s.whole(s.points, k);
             EXPECT_LT((found - mesh.points.reshaped<Eigen::RowMajor>()).cwiseAbs().maxCoeff(),
-                      2e-3 * s.lanes.unit());
+                      2e-3 * s.eight.unit());
         }
     }
 }
@@ -232,11 +232,10 @@ TEST(EightLaneDescent, NeverRaisesAnEnergy)
     for (unsigned seed = 1; seed <= 5; ++seed) {
         Setting s(test::bumpy_sphere(3, 0.2, seed), 0.5, seed);
         const EightLaneSolve preconditioner = laplacian_of(s);
-        auto last = s.lanes.linearise(s.points);
+        auto last = s.eight.linearise(s.points);
         for (int step = 0; step < 6; ++step) {
-            const auto energies =
-                descend(s.lanes, preconditioner, s.points, {.newton_steps = 1});
-            const auto there = s.lanes.linearise(s.points);
+            const auto energies = descend(s.eight, preconditioner, s.points, {.newton_steps = 1});
+            const auto there = s.eight.linearise(s.points);
             for (std::size_t k = 0; k < lanes; ++k) {
                 EXPECT_LE(energies[k], last[k]);
                 EXPECT_NEAR(there[k], energies[k], 1e-6F * energies[k]);
