@@ -154,6 +154,40 @@ TEST(RenderMesh, IsLitFromTheUpperLeft)
     EXPECT_GT(image.at(20, 20).red, image.at(20, 20).blue); // of the warm colour of the surface
 }
 
+TEST(RenderMesh, ShowsWhatIsAroundItsCentre)
+{
+    const Faces faces{{0, 1, 2}};
+    const Points points = rows({{-1, -1, 0}, {1, -1, 0}, {0, 1.5, 0}});
+    RenderOptions options = small_picture();
+    const Image image = render_mesh(faces, points, options);
+    options.centre = {0.5, -1.0}; // 5 pixels to the right, 10 down
+    const Image shifted = render_mesh(faces, points, options);
+    for (int y = 10; y < 40; ++y)
+        for (int x = 5; x < 40; ++x)
+            EXPECT_EQ(shifted.at(x - 5, y - 10) == white, image.at(x, y) == white) << x << " " << y;
+    EXPECT_EQ(shifted.at(15, 10), image.at(20, 20));
+}
+
+TEST(RenderMesh, DrawsEdgesSharpThatBendMoreThanTheCreaseAngle)
+{
+    // A roof whose ridge, at x = 0, bends by 90 degrees; its left side, near the ridge and half way down.
+    const Points roof = rows({{0, -2, 0},
+                              {0, 2, 0},
+                              {-1.5, 2, -1.5},
+                              {-1.5, -2, -1.5},
+                              {1.5, -2, -1.5},
+                              {1.5, 2, -1.5}});
+    const Faces faces{{0, 1, 2}, {0, 2, 3}, {1, 0, 4}, {1, 4, 5}};
+    const auto contrast = [&](double crease_angle) {
+        RenderOptions options = small_picture();
+        options.crease_angle = crease_angle;
+        const Image image = render_mesh(faces, roof, options);
+        return std::abs(image.at(18, 20).green - image.at(12, 20).green);
+    };
+    EXPECT_LE(contrast(89.0), 3);
+    EXPECT_GT(contrast(91.0), 10);
+}
+
 TEST(RenderMesh, RefusesOptionsOutOfRange)
 {
     const Points points = rows({{-1, -1, 0}, {1, -1, 0}, {0, 1.5, 0}});

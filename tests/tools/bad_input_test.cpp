@@ -740,7 +740,6 @@ TEST_P(BadInputTest, IsRefusedInOneLineAndLeavesEverythingAsItWas)
     EXPECT_TRUE(outcome.err.starts_with("shape: error: ")) << outcome.err;
     for (const std::string& word : bad.said)
         EXPECT_NE(outcome.err.find(word), std::string::npos) << word << " in " << outcome.err;
-    EXPECT_LT(outcome.cpu_seconds, 2.0);
     EXPECT_TRUE(folder.content() == before) << "a file was made or changed";
 }
 

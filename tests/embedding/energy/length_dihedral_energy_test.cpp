@@ -94,6 +94,32 @@ TEST(StretchTerm, IsTheSquareOfSmallStrainsAndItsWeightTheSlope)
     }
 }
 
+TEST(StretchTerm, StiffensFromSixPerCentOn)
+{
+    // s = s0 = 0.06: phi = s0^2 (1 + 8 / 9), and its weight is 1 + 136 / 81.
+    for (const double s : {-0.06, 0.06}) {
+        EXPECT_NEAR(stretch_term(s).value, 0.0068, 1e-16);
+        EXPECT_NEAR(stretch_term(s).weight, 217.0 / 81.0, 1e-14);
+    }
+}
+
+TEST(LengthDihedralEnergy, TrustsTheBendsOfSliversByTheSquareOfTheirHeights)
+{
+    // Two triangles on an edge of length 1, the longest of both; their heights are those given.
+    const Topology hinge(Faces{{0, 1, 2}, {1, 0, 3}}, 4);
+    const auto weight = [&](double left, double right) {
+        const Points points{{0, 0, 0}, {1, 0, 0}, {0.5, left, 0}, {0.5, 0, -right}};
+        const LengthDihedralEnergy energy(hinge, test::shape_of(hinge, points), 0.4);
+        return energy.bend_weights().maxCoeff(); // that of the edge inside; 0 on the boundary
+    };
+    EXPECT_NEAR(weight(0.8, 0.5), 0.4, 1e-15);
+    EXPECT_NEAR(weight(0.21, 0.3), 0.4, 1e-15);
+    EXPECT_NEAR(weight(0.1, 0.3), 0.1, 1e-12); // half of a fifth, squared
+    EXPECT_NEAR(weight(0.3, 0.1), 0.1, 1e-12);
+    EXPECT_NEAR(weight(0.1, 0.04), 0.4 / 25.0, 1e-12); // the flatter of the two
+    EXPECT_NEAR(weight(0.001, 0.3), 0.004, 1e-12);     // not below a hundredth
+}
+
 TEST(StretchTerm, IsTheSameInFloatAndInEightLanesButForRounding)
 {
     for (const double s : {-0.9, -0.05, 0.0, 1e-4, 0.06, 3.0}) {
