@@ -142,8 +142,9 @@ void weld_seams(Batch& batch, Changes& changes)
             defect_count(batch.faces, batch.vertex_count))
         return;
     apply(batch, choice);
-    changes.push_back(join(batch.who(), ": ", before - choice.vertices.size(),
-                           " vertices welded to the ", groups.size(), " they lie on"));
+    changes.push_back(join(batch.who(), ": ",
+                           counted(before - choice.vertices.size(), "vertex", "vertices"),
+                           " welded to the ", groups.size(), " they lie on"));
 }
 
 void drop_repeated_faces(Batch& batch, Changes& changes)

@@ -8,7 +8,6 @@
 #include "tests/support/files.h"
 
 namespace shape {
-using namespace internal;
 namespace {
 
 using Values = std::vector<std::string>;

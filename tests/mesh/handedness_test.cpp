@@ -11,7 +11,6 @@
 #include "tests/support/seams.h"
 
 namespace shape {
-using namespace internal;
 namespace {
 
 using Indices = std::vector<std::size_t>;

@@ -9,7 +9,6 @@
 #include "tests/support/seams.h"
 
 namespace shape {
-using namespace internal;
 namespace {
 
 using test::TestMesh;
