@@ -48,7 +48,7 @@ struct Arguments
     std::vector<std::string> differences;
     std::vector<std::string> regressions;
     std::int64_t modes = 200;
-    double smoothness = EmbeddingOptions().smoothness;
+    double smoothness = default_smoothness;
 };
 
 /// With two decimals.
