@@ -140,7 +140,8 @@ EdgeLaplacian::EdgeLaplacian(const Topology& topology, const VectorXd& lengths)
     : topology_(topology),
       weights_(weights_of(lengths)),
       matrix_(laplacian(topology, weights_)),
-      factor_(SparseCholesky(matrix_))
+      exact_(std::in_place, matrix_),
+      factor_(*exact_)
 {
 }
 
@@ -157,6 +158,11 @@ EdgeLaplacian::EdgeLaplacian(const Topology& topology, const VectorXd& lengths,
 }
 
 Points EdgeLaplacian::solve(const Points& rhs) const
+{
+    return exact_ ? exact_->solve(rhs) : solve_by_conjugate_gradients(rhs);
+}
+
+Points EdgeLaplacian::solve_by_conjugate_gradients(const Points& rhs) const
 {
     constexpr int most_steps = 60;
     constexpr double rounding = 1e-15; // of the right-hand side, in the norm of the factor

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "libshape/embedding/start/face_layout.h"
 #include "libshape/linalg/single_precision_solve.h"
@@ -13,7 +14,7 @@
 namespace shape::internal {
 
 /// The Laplacian of a mesh whose edges weigh 1 / l^2, once for every face they have, and its
-/// factorisation in single precision. Lengths below 1e-3 of the mean count as that. Relative errors of edges count alike
+/// factorisation. Lengths below 1e-3 of the mean count as that. Relative errors of edges count alike
 /// in it, as they do in what is minimised.
 class EdgeLaplacian
 {
@@ -23,13 +24,14 @@ public:
     /// Cost: one sparse Cholesky factorisation of size #V.
     EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths);
 
-    /// With a factor found before: single_precision() of an EdgeLaplacian of the same arguments.
+    /// With a factor in single precision found before: single_precision() of an EdgeLaplacian of the same arguments.
     /// @throws InvalidInput if it has another size.
     EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths,
                   SinglePrecisionSolve factor);
 
-    /// Solves for all three columns at once, in double precision: conjugate gradients, which the factor
-    /// brings to their end in a few steps. A translation is held by a little weight at vertex 0.
+    /// Solves for all three columns at once, in double precision: with a factor found before, by conjugate
+    /// gradients, which it brings to their end in a few steps. A translation is held by a little weight
+    /// at vertex 0.
     [[nodiscard]] Points solve(const Points& rhs) const;
 
     /// The factor, for preconditioning.
@@ -55,9 +57,12 @@ public:
     [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; } ///< #E, 1 / l^2.
 
 private:
+    [[nodiscard]] Points solve_by_conjugate_gradients(const Points& rhs) const;
+
     Topology topology_;
     Eigen::VectorXd weights_;
-    SparseMatrix matrix_; // its lower triangle
+    SparseMatrix matrix_;                 // its lower triangle
+    std::optional<SparseCholesky> exact_; // unless a factor was given
     SinglePrecisionSolve factor_;
 };
 
