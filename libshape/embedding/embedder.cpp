@@ -2,7 +2,10 @@
 
 #include "libshape/embedding/embedder.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -17,6 +20,7 @@
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/face_crossings.h"
 
 namespace shape {
 using namespace internal;
@@ -27,12 +31,31 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// RMS distance of vertices after the best rigid motion, % of the diagonal.
+double distance_in_the_large(const Points& points, const Points& companion)
+{
+    const Points there = best_rigid_motion(companion, points)(companion);
+    const double diagonal = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+    return 100.0 * std::sqrt((points - there).rowwise().squaredNorm().mean()) / diagonal;
+}
+
 /// E of Rojas 2014, eq. 3.
 double closure_energy(const Topology& topology, const ShapePoint& target)
 {
     const FaceLayout layout =
         lay_out_faces(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
     return (4.0 * (1.0 - closure_angles(topology, layout.transitions).array().cos())).sum();
+}
+
+/// @param known  Sorted: pairs that are not new.
+void set_crossings(const FaceTree& tree, const std::vector<FacePair>& known, Embedding& embedding)
+{
+    const std::vector<FacePair> pairs = tree.crossings(embedding.points);
+    std::vector<FacePair> fresh;
+    std::set_difference(pairs.begin(), pairs.end(), known.begin(), known.end(),
+                        std::back_inserter(fresh));
+    embedding.report.self_intersections = static_cast<int>(pairs.size());
+    embedding.report.new_self_intersections = static_cast<int>(fresh.size());
 }
 
 } // namespace
@@ -45,6 +68,7 @@ Embedding as_embedding(const Topology& topology, Points points)
     embedding.report = measure_embedding(topology, embedding.points, target);
     embedding.report.closure_energy = closure_energy(topology, target);
     embedding.report.converged = true;
+    set_crossings(FaceTree(topology, embedding.points), {}, embedding);
     return embedding;
 }
 
@@ -60,9 +84,26 @@ struct Embedder::State
     std::optional<MultiscaleEmbedder> multiscale;
     double setup_seconds = 0.0;
 
+    // What reports alone need.
+    std::once_flag tree_made;
+    std::optional<FaceTree> faces;
+    std::vector<FacePair> known_crossings; // of any reference
+
     State(const Topology& of, std::vector<Points> near, const EmbeddingOptions& by)
         : topology(of), references(std::move(near)), options(by)
     {
+    }
+
+    void make_tree()
+    {
+        std::call_once(tree_made, [this] {
+            faces.emplace(topology, references.front());
+            for (const Points& reference : references) {
+                const std::vector<FacePair> pairs = faces->crossings(reference);
+                known_crossings.insert(known_crossings.end(), pairs.begin(), pairs.end());
+            }
+            std::sort(known_crossings.begin(), known_crossings.end());
+        });
     }
 
     void prepare()
@@ -95,6 +136,8 @@ Embedder::Embedder(const Topology& topology, std::vector<Points> references,
     }
     if (!(options.smoothness > 0.0))
         throw InvalidInput(join("smoothness is ", options.smoothness, ", must be > 0"));
+    if (!(options.anchor >= 0.0 && std::isfinite(options.anchor)))
+        throw InvalidInput(join("anchor is ", options.anchor, ", must be >= 0 and finite"));
     state_ = std::make_unique<State>(topology, std::move(references), options);
 }
 
@@ -108,6 +151,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
     s.prepare();
     const auto start = std::chrono::steady_clock::now();
     Points points;
+    Points companion;       // none if the target has no turns
     EmbeddingReport solver; // the fields that measure_embedding() leaves open
     std::optional<MultiscaleTimes> multiscale;
     switch (s.options.method) {
@@ -116,8 +160,10 @@ Embedding Embedder::embed(const ShapePoint& target) const
             if (s.options.quality == EmbeddingQuality::Preview)
                 options = dihedral_preview();
             options.smoothness = s.options.smoothness;
+            options.anchor = s.options.anchor;
             DihedralEmbedding nearest = s.dihedral->embed(target, options);
             points = std::move(nearest.points);
+            companion = std::move(nearest.companion);
             solver.iterations = nearest.iterations;
             solver.converged = nearest.converged;
             break;
@@ -146,6 +192,10 @@ Embedding Embedder::embed(const ShapePoint& target) const
     embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
                                           ? solver.closure_energy
                                           : closure_energy(s.topology, target);
+    if (companion.rows() > 0)
+        embedding.report.companion_rms = distance_in_the_large(points, companion);
+    state_->make_tree();
+    set_crossings(*s.faces, s.known_crossings, embedding);
     embedding.report.iterations = solver.iterations;
     embedding.report.converged = solver.converged;
     embedding.report.seconds = seconds;

@@ -36,6 +36,9 @@ struct EmbeddingOptions
     EmbeddingMethod method = EmbeddingMethod::Dihedral;
     EmbeddingQuality quality = EmbeddingQuality::Fine;
     double smoothness = 5e-3; ///< Weight mu of the dihedral term against the length term; > 0.
+    double anchor =
+        0.03; ///< Weight nu [1] of the distance from the companion mesh that the turns of the
+              ///< target lead to, see docs/embedding.md; of Dihedral; >= 0.
     RegistrationStart registration_start = RegistrationStart::Incremental; ///< Of Multiscale.
     std::uint64_t seed = 1;                                                ///< Of Multiscale.
 };
@@ -65,7 +68,8 @@ class Embedder
 {
 public:
     /// @param references  Meshes of the topology near the points to come, at least one: the inputs of
-    ///     a blend, the reference mesh of a model. Results are aligned with the first.
+    ///     a blend, the reference mesh of a model. Results are aligned with the first, and turns of
+    ///     targets (ShapePoint::patch_turns) are against the first.
     /// @throws InvalidInput if an option is out of its range, there is no reference, or one has
     ///     another size or edges of length 0.
     Embedder(const Topology& topology, std::vector<Points> references,

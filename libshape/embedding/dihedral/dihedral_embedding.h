@@ -17,6 +17,7 @@ namespace shape::internal {
 struct DihedralEmbeddingOptions
 {
     double smoothness = 5e-3;            ///< mu of length_dihedral_energy.h; > 0.
+    double anchor = 0.03;                ///< nu of hold_near(), if the point has turns; >= 0.
     int local_global_steps = 3;          ///< Face steps after the linear start; >= 0.
     bool relax_start = false;            ///< Whether hot spots are solved before the descent.
     int max_iterations = 120;            ///< Linear steps of descent.h; 0 leaves out what follows.
@@ -33,6 +34,7 @@ struct DihedralEmbeddingOptions
 struct DihedralEmbedding
 {
     Points points;       ///< #V by 3 [length], centroid at 0.
+    Points companion;    ///< The same, of the start that turns led to; none if the point has none.
     double energy = 0.0; ///< E of length_dihedral_energy.h.
     int iterations = 0;  ///< Linear steps of descent.h.
     int back_substitutions =
