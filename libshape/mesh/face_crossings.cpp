@@ -100,9 +100,12 @@ int exact_side(const double* a, const double* b, const double* c, const double* 
 
 using Corners = std::array<const double*, 3>;
 
-/// Whether the side from p to q crosses the inside of a triangle.
+/// Whether the side from p to q crosses the inside of a triangle. One from a corner of it does not.
 bool crosses(const double* p, const double* q, const Corners& t)
 {
+    for (const double* const corner : t)
+        if (corner == p || corner == q)
+            return false;
     const int side = side_of_plane(t[0], t[1], t[2], p);
     if (side == 0 || side_of_plane(t[0], t[1], t[2], q) != -side)
         return false;

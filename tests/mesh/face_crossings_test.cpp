@@ -52,9 +52,12 @@ TEST(FaceTree, FindsWhatComparingAllPairsFinds)
     test::TestMesh mesh = test::torus(24, 36);
     Random random(4);
     Points thick = mesh.points;
+    const double inner = mesh.points.leftCols<2>().rowwise().norm().minCoeff();
+    const double outer = mesh.points.leftCols<2>().rowwise().norm().maxCoeff();
+    const double inwards = inner + 0.3 * (outer - inner);
     for (auto row : thick.rowwise()) {
         const double from_axis = std::hypot(row.x(), row.y());
-        row.head<2>() *= (from_axis - 0.6) / from_axis;
+        row.head<2>() *= (from_axis - inwards) / from_axis;
         for (double& value : row)
             value += random.uniform(-1e-3, 1e-3);
     }
