@@ -85,17 +85,17 @@ TEST(PatchTurns, OfTheReferenceAreZeroAndNoRigidMotionChangesThem)
     }
 }
 
-TEST(PatchTurns, AreThoseOfPatchesThatTurnAsAWhole)
+TEST(PatchTurns, AreSmallWhereTheyAddUpToSeveralTimesAround)
 {
-    // A cylinder wound up: every cross-section is turned by a rotation that grows along the axis, so
-    // all turns are about the axis, and they add up to several times around.
+    // A twisted cylinder: every cross-section is turned by an angle that grows along the axis.
     const test::TestMesh mesh = test::open_cylinder(12, 160);
     const double length = mesh.points.col(2).maxCoeff() - mesh.points.col(2).minCoeff();
     const double turn = 6.0 * std::numbers::pi / length;
     Points wound = mesh.points;
-    for (auto row : wound.rowwise())
-        row << std::cos(turn * row.z()) * row.x() - std::sin(turn * row.z()) * row.y(),
-            std::sin(turn * row.z()) * row.x() + std::cos(turn * row.z()) * row.y(), row.z();
+    for (auto row : wound.rowwise()) {
+        const Eigen::AngleAxisd about(turn * row.z(), Vector3d::UnitZ());
+        row = (about * Vector3d(row.transpose())).transpose().eval();
+    }
     const VectorXd turns = PatchTurns(mesh.topology, mesh.points).of(wound);
     ASSERT_GT(turns.size(), 0);
     double largest = 0.0;

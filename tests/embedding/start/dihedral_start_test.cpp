@@ -204,7 +204,7 @@ TEST(PatchFrames, OrientAMeshByItsTurns)
         SCOPED_TRACE(mesh.name);
         Points reference = mesh.points;
         for (auto row : reference.rowwise())
-            row << row.x() + 0.3 * row.y() * row.y(), 1.2 * row.y(), row.z() + 0.4 * row.x();
+            row += Eigen::RowVector3d(0.3 * row.y() * row.y(), 0.2 * row.y(), 0.4 * row.x());
         const ReferencePatches patches(mesh.topology, reference);
         const FaceLayout layout = layout_of(mesh);
         const Rotations wanted = frames_of(mesh);
