@@ -75,8 +75,10 @@ void run(const Session& session, const Arguments& arguments)
     const auto count = static_cast<Eigen::Index>(references.size());
     ShapePoint point = blend(shape_vectors(references, Scale::None),
                              Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count)));
-    if (!arguments.lengths.empty())
+    if (!arguments.lengths.empty()) {
         point.edge_lengths = read_lengths(arguments.lengths, references.topology);
+        point.patch_turns = {}; // nothing is known of how these lengths lie in the large
+    }
     session.print_figures(embed_and_write(session, arguments.embedding, references.topology,
                                           references.points,
                                           {{"reconstructed", [&point] { return point; }}}, output));

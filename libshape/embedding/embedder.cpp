@@ -2,7 +2,10 @@
 
 #include "libshape/embedding/embedder.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -18,6 +21,7 @@
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/face_crossings.h"
 
 namespace shape {
 using namespace internal;
@@ -28,10 +32,29 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// RMS distance of vertices after the best rigid motion, % of the diagonal.
+double distance_in_the_large(const Points& points, const Points& companion)
+{
+    const Points there = best_rigid_motion(companion, points)(companion);
+    return 100.0 * std::sqrt((points - there).rowwise().squaredNorm().mean()) /
+           bounding_box_diagonal(points);
+}
+
 /// E of the target of an embedding, before anything is solved.
 double closure_energy_of(const Topology& topology, const ShapePoint& target)
 {
     return closure_energy(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
+}
+
+/// @param known  Sorted: pairs that are not new.
+void set_crossings(const FaceTree& tree, const std::vector<FacePair>& known, Embedding& embedding)
+{
+    const std::vector<FacePair> pairs = tree.crossings(embedding.points);
+    std::vector<FacePair> fresh;
+    std::set_difference(pairs.begin(), pairs.end(), known.begin(), known.end(),
+                        std::back_inserter(fresh));
+    embedding.report.self_intersections = static_cast<int>(pairs.size());
+    embedding.report.new_self_intersections = static_cast<int>(fresh.size());
 }
 
 } // namespace
@@ -44,6 +67,7 @@ Embedding as_embedding(const Topology& topology, Points points)
     embedding.report = measure_embedding(topology, embedding.points, target);
     embedding.report.closure_energy = closure_energy_of(topology, target);
     embedding.report.converged = true;
+    set_crossings(FaceTree(topology, embedding.points), {}, embedding);
     return embedding;
 }
 
@@ -58,11 +82,13 @@ void check(const EmbeddingOptions& options)
     };
     belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "quality", options.quality.has_value());
     belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "smoothness", options.smoothness.has_value());
+    belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "anchor", options.anchor.has_value());
     belongs_to(EmbeddingMethod::Multiscale, "Multiscale", "registration_start",
                options.registration_start.has_value());
     belongs_to(EmbeddingMethod::Multiscale, "Multiscale", "seed", options.seed.has_value());
     require_positive(options.smoothness.value_or(default_smoothness),
                      "EmbeddingOptions.smoothness");
+    require_not_negative(options.anchor.value_or(default_anchor), "EmbeddingOptions.anchor");
 }
 
 struct Embedder::State
@@ -77,6 +103,11 @@ struct Embedder::State
     std::optional<MultiscaleEmbedder> multiscale;
     double setup_seconds = 0.0;
 
+    // What reports alone need.
+    std::once_flag tree_made;
+    std::optional<FaceTree> faces;
+    std::vector<FacePair> known_crossings; // of any reference
+
     State(const Topology& of, std::vector<Points> near, const EmbeddingOptions& by)
         : topology(of), references(std::move(near)), options(by)
     {
@@ -88,6 +119,18 @@ struct Embedder::State
         chosen.seed = options.seed.value_or(chosen.seed);
         chosen.registration.start = options.registration_start.value_or(chosen.registration.start);
         return chosen;
+    }
+
+    void make_tree()
+    {
+        std::call_once(tree_made, [this] {
+            faces.emplace(topology, references.front());
+            for (const Points& reference : references) {
+                const std::vector<FacePair> pairs = faces->crossings(reference);
+                known_crossings.insert(known_crossings.end(), pairs.begin(), pairs.end());
+            }
+            std::sort(known_crossings.begin(), known_crossings.end());
+        });
     }
 
     void prepare()
@@ -129,6 +172,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
     s.prepare();
     const auto start = std::chrono::steady_clock::now();
     Points points;
+    Points companion;       // none if the target has no turns
     EmbeddingReport solver; // the fields that measure_embedding() leaves open
     std::optional<MultiscaleTimes> multiscale;
     switch (s.options.method) {
@@ -137,8 +181,10 @@ Embedding Embedder::embed(const ShapePoint& target) const
             if (s.options.quality == EmbeddingQuality::Preview)
                 options = dihedral_preview();
             options.smoothness = s.options.smoothness.value_or(default_smoothness);
+            options.anchor = s.options.anchor.value_or(default_anchor);
             DihedralEmbedding nearest = s.dihedral->embed(target, options);
             points = std::move(nearest.points);
+            companion = std::move(nearest.companion);
             solver.iterations = nearest.iterations;
             solver.converged = nearest.converged;
             break;
@@ -167,6 +213,10 @@ Embedding Embedder::embed(const ShapePoint& target) const
     embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
                                           ? solver.closure_energy
                                           : closure_energy_of(s.topology, target);
+    if (companion.rows() > 0)
+        embedding.report.companion_rms = distance_in_the_large(points, companion);
+    state_->make_tree();
+    set_crossings(*s.faces, s.known_crossings, embedding);
     embedding.report.iterations = solver.iterations;
     embedding.report.converged = solver.converged;
     embedding.report.seconds = seconds;

@@ -181,6 +181,101 @@ TEST(Embedder, PreviewIsNoBetterThanFineAndBothReportTheirSteps)
               12);
 }
 
+/// Two bumpy spheres and what lies half-way between them, with turns.
+struct Pair
+{
+    Collection meshes;
+    ShapePoint half;
+};
+
+Pair bumpy_pair()
+{
+    const test::TestMesh mesh = test::bumpy_sphere(4, 0.4, 1);
+    Pair pair{{mesh.topology, {"a", "b"}, {mesh.points, test::bumpy_sphere(4, 0.4, 2).points}, {}},
+              {}};
+    pair.half = blend(shape_vectors(pair.meshes, Scale::None), Eigen::Vector2d(0.5, 0.5));
+    return pair;
+}
+
+TEST(Embedder, GivesMeshesBackFromTheirTurns)
+{
+    const Pair pair = bumpy_pair();
+    const Embedder embedder(pair.meshes.topology, pair.meshes.points);
+    const ShapeVectors vectors = shape_vectors(pair.meshes, Scale::None);
+    for (int i = 0; i < 2; ++i) {
+        const Embedding embedding = embedder.embed(blend(vectors, Eigen::Vector2d::Unit(i)));
+        EXPECT_EQ(embedding.report.status, EmbeddingStatus::Exact);
+        EXPECT_LT(rigid_distance(embedding.points, pair.meshes.points[static_cast<std::size_t>(i)]),
+                  1e-9);
+        EXPECT_LT(embedding.report.companion_rms, 1e-7);
+    }
+}
+
+TEST(Embedder, RigidMotionsOfInputsWithTurnsChangeNothing)
+{
+    Pair pair = bumpy_pair();
+    const Points there = Embedder(pair.meshes.topology, pair.meshes.points).embed(pair.half).points;
+    pair.meshes.points = {test::moved(pair.meshes.points[0], 4),
+                          test::moved(pair.meshes.points[1], 5)};
+    const ShapePoint half =
+        blend(shape_vectors(pair.meshes, Scale::None), Eigen::Vector2d(0.5, 0.5));
+    const Points here = Embedder(pair.meshes.topology, pair.meshes.points).embed(half).points;
+    EXPECT_LT(rigid_distance(here, there), 1e-4); // steps are counted, and rounding differs
+}
+
+TEST(Embedder, AnchorHoldsTheMeshNearItsCompanion)
+{
+    const Pair pair = bumpy_pair();
+    double last = std::numeric_limits<double>::infinity();
+    for (const double anchor : {0.0, 1.0, 1e3}) {
+        const Embedder embedder(pair.meshes.topology, pair.meshes.points, {.anchor = anchor});
+        const double distance = embedder.embed(pair.half).report.companion_rms;
+        EXPECT_LT(distance, last);
+        last = distance;
+    }
+    EXPECT_GT(last, 0.0);
+    // Without turns there is no companion, and the anchor holds nothing.
+    ShapePoint alone = pair.half;
+    alone.patch_turns = {};
+    const Embedding free = Embedder(pair.meshes.topology, pair.meshes.points).embed(alone);
+    EXPECT_TRUE(std::isnan(free.report.companion_rms));
+    EXPECT_TRUE(
+        free.points ==
+        Embedder(pair.meshes.topology, pair.meshes.points, {.anchor = 1e3}).embed(alone).points);
+}
+
+TEST(Embedder, HasTheSameBitsForAnyThreadCountAndPowerOfTwoWithTurns)
+{
+    Pair pair = bumpy_pair();
+    const auto embedded = [&] {
+        const ShapePoint half =
+            blend(shape_vectors(pair.meshes, Scale::None), Eigen::Vector2d(0.5, 0.5));
+        return Embedder(pair.meshes.topology, pair.meshes.points).embed(half).points;
+    };
+    const int threads = thread_count();
+    set_thread_count(1);
+    const Points one = embedded();
+    set_thread_count(3);
+    const Points three = embedded();
+    set_thread_count(threads);
+    EXPECT_TRUE(one == three);
+    for (Points& points : pair.meshes.points)
+        points *= 1024.0;
+    EXPECT_LT(rigid_distance(embedded() / 1024.0, one), 1e-12);
+}
+
+TEST(Embedder, RefusesBadTurns)
+{
+    Pair pair = bumpy_pair();
+    const Embedder embedder(pair.meshes.topology, pair.meshes.points);
+    EXPECT_THROW(Embedder(pair.meshes.topology, pair.meshes.points, {.anchor = -1.0}),
+                 InvalidInput);
+    pair.half.patch_turns[2] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW((void)embedder.embed(pair.half), InvalidInput);
+    pair.half.patch_turns = VectorXd::Zero(3);
+    EXPECT_THROW((void)embedder.embed(pair.half), InvalidInput);
+}
+
 TEST(Embedder, RefusesBadInput)
 {
     const test::TestMesh mesh = test::tetrahedron();

@@ -33,6 +33,12 @@ VectorXd mean_lengths(const Topology& topology, const std::vector<Points>& meshe
     return sum / static_cast<double>(meshes.size());
 }
 
+Points centred(Points points)
+{
+    points.rowwise() -= centroid(points);
+    return points;
+}
+
 } // namespace
 
 struct DihedralEmbedder::State
@@ -41,15 +47,22 @@ struct DihedralEmbedder::State
     std::vector<Points> references;
     EdgeLaplacian laplacian; // of the references' mean lengths
     SinglePrecisionSolve preconditioner;
-    Pool<LinearStart> starts;
+    ReferencePatches reference;
+    Pool<LinearStart> starts;       // from turns
+    Pool<LinearStart> local_starts; // for targets without
 
     State(const Topology& topology, const std::vector<Points>& meshes)
         : renumbering(renumber_for_locality(topology)),
           references(in_order(renumbering, meshes)),
           laplacian(renumbering.topology, mean_lengths(renumbering.topology, references)),
           preconditioner(laplacian.single_precision()),
-          starts([this, patches = std::make_shared<FacePatches>(renumbering.topology, 64)] {
-              return std::make_unique<LinearStart>(renumbering.topology, patches, laplacian,
+          reference(renumbering.topology, references.front()),
+          starts([this] {
+              return std::make_unique<LinearStart>(renumbering.topology, &reference, laplacian,
+                                                   preconditioner);
+          }),
+          local_starts([this] {
+              return std::make_unique<LinearStart>(renumbering.topology, nullptr, laplacian,
                                                    preconditioner);
           })
     {
@@ -68,6 +81,7 @@ struct DihedralEmbedder::State
 void check(const DihedralEmbeddingOptions& options)
 {
     require_positive(options.smoothness, "DihedralEmbeddingOptions.smoothness");
+    require_not_negative(options.anchor, "DihedralEmbeddingOptions.anchor");
     require_at_least(0, options.local_global_steps, "DihedralEmbeddingOptions.local_global_steps");
     require_at_least(0, options.max_iterations, "DihedralEmbeddingOptions.max_iterations");
     require_at_least(2, options.first_linear_steps, "DihedralEmbeddingOptions.first_linear_steps");
@@ -119,9 +133,12 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                 point.dihedral_angles.size(), " dihedral angles, the topology ",
                                 topology.edge_count(), " edges"));
     const ShapePoint target{positive_lengths(renumbered(s.renumbering, point.edge_lengths)),
-                            renumbered(s.renumbering, point.dihedral_angles)};
+                            renumbered(s.renumbering, point.dihedral_angles), point.patch_turns};
+    const bool has_companion = point.patch_turns.size() > 0;
+    if (has_companion && !point.patch_turns.allFinite())
+        throw InvalidInput("target: a turn between patches is not finite");
     LengthDihedralEnergy energy(topology, target, options.smoothness);
-    const auto start = s.starts.borrow();
+    const auto start = (has_companion ? s.starts : s.local_starts).borrow();
     const Points& linear = start->points(target, options.local_global_steps);
 
     DihedralEmbedding result;
@@ -129,6 +146,10 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     // Rounding: strains of 1e-12 an edge are none.
     const double nothing = 1e-24 * topology.edge_count();
     VectorXd points = linear.reshaped<Eigen::RowMajor>();
+    if (has_companion) {
+        energy.hold_near(points, options.anchor * start->turn_share());
+        result.companion = centred(restored(s.renumbering, linear));
+    }
     Descender descender(energy, s.preconditioner);
     const auto descend_to = [&](int iterations) {
         Descent descent = descender.descend(std::move(points),
@@ -164,8 +185,7 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     }
     result.back_substitutions += result.iterations;
     const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
-    result.points = restored(s.renumbering, vertices);
-    result.points.rowwise() -= centroid(result.points);
+    result.points = centred(restored(s.renumbering, vertices));
     return result;
 }
 

@@ -18,6 +18,9 @@ struct DihedralEmbeddingOptions
 {
     /// Angles weigh this much against lengths: mu of length_dihedral_energy.h; > 0.
     double smoothness = 5e-3;
+    /// A mesh is held near its companion by this, if its target has turns: nu of hold_near(), times the
+    /// share of turns (linear_start.h); >= 0.
+    double anchor = 0.03;
     /// The linear start is followed by this many face steps; >= 0.
     int local_global_steps = 3;
     /// Hot spots are solved before the descent.
@@ -47,6 +50,7 @@ void check(const DihedralEmbeddingOptions& options);
 struct DihedralEmbedding
 {
     Points points;       ///< #V by 3 [length], centroid at 0.
+    Points companion;    ///< The same, of the start that turns led to; none if the point has none.
     double energy = 0.0; ///< E of length_dihedral_energy.h.
     int iterations = 0;  ///< Linear steps of descent.h.
     int back_substitutions =

@@ -31,14 +31,25 @@ void set_transition_weights(const Topology& topology, const Rotations& transitio
                  });
 }
 
+/// Without turns, patches are as large as transitions may be trusted within.
+std::shared_ptr<const FacePatches> patches_of(const Topology& topology,
+                                              const ReferencePatches* reference)
+{
+    constexpr int faces_per_patch = 64;
+    if (reference == nullptr)
+        return std::make_shared<FacePatches>(topology, faces_per_patch);
+    return {std::shared_ptr<void>(), &reference->patches}; // not owned
+}
+
 } // namespace
 
-LinearStart::LinearStart(const Topology& topology, std::shared_ptr<const FacePatches> patches,
+LinearStart::LinearStart(const Topology& topology, const ReferencePatches* reference,
                          const EdgeLaplacian& laplacian, const SinglePrecisionSolve& solve)
     : topology_(topology),
+      reference_(reference),
       laplacian_(laplacian),
       single_precision_(solve),
-      patch_frames_(std::move(patches))
+      patch_frames_(patches_of(topology, reference))
 {
 }
 
@@ -50,13 +61,26 @@ const Points& LinearStart::points(const ShapePoint& target, int face_steps)
     // Where every walk closes (r < 3e-6) there may be a mesh with all lengths and angles as wanted, and
     // single precision would lose it.
     closes_ = trust_.minCoeff() > 1.0 - 1e-9;
-    frames_ = patch_frames_.face_frames(layout_.transitions, trust_, std::move(frames_));
+    if (reference_ == nullptr) {
+        frames_ = patch_frames_.face_frames(layout_.transitions, trust_, std::move(frames_));
+    } else {
+        const PatchTurning turning{*reference_, target.patch_turns, turn_share()};
+        frames_ =
+            patch_frames_.face_frames(layout_.transitions, trust_, std::move(frames_), &turning);
+    }
     solve_for_points();
     for (int step = 0; step < face_steps; ++step) {
         frames_ = fit_faces(topology_, layout_, laplacian_.weights(), points_, std::move(frames_));
         solve_for_points();
     }
     return points_;
+}
+
+double LinearStart::turn_share() const
+{
+    constexpr double scale = 3e-4;
+    const double distrust = 1.0 - trust_.mean();
+    return distrust * distrust / (distrust * distrust + scale * scale);
 }
 
 void LinearStart::solve_for_points()
