@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "libshape/base/random.h"
 #include "libshape/linalg/eight_lanes.h"
