@@ -185,9 +185,7 @@ Run set_up_distance(CLI::App& command)
         add_choice(command, "--metric", *chosen,
                    "Short for a space and a scale. edge: edge lengths as they are; edge-unit:\n"
                    "divided by their sum (default); procrustes: aligned positions, unit scale",
-                   {{"edge", std::optional(edge)},
-                    {"edge-unit", std::optional(unit)},
-                    {"procrustes", std::optional(procrustes)}});
+                   {{"edge", edge}, {"edge-unit", unit}, {"procrustes", procrustes}});
     CLI::Option* space = add_space_options(command, arguments->space);
     metric->excludes(space);
     metric->excludes(command.get_option("--scale"));

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "libshape/base/format.h"
+#include "libshape/embedding/embedder.h"
 #include "libshape/explore/model_block.h"
 #include "libshape/model/shape_model.h"
 #include "tests/support/files.h"

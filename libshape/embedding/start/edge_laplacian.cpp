@@ -159,7 +159,9 @@ EdgeLaplacian::EdgeLaplacian(const Topology& topology, const VectorXd& lengths,
 
 Points EdgeLaplacian::solve(const Points& rhs) const
 {
-    return exact_ ? exact_->solve(rhs) : solve_by_conjugate_gradients(rhs);
+    if (exact_)
+        return exact_->solve(rhs);
+    return solve_by_conjugate_gradients(rhs);
 }
 
 Points EdgeLaplacian::solve_by_conjugate_gradients(const Points& rhs) const
