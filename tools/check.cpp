@@ -62,8 +62,8 @@ struct CheckedMesh
 struct Result
 {
     std::vector<CheckedMesh> meshes;
-    std::vector<Finding> warnings;    ///< Of kinds that concern several meshes at once.
-    std::optional<Topology> topology; ///< Of the meshes in correspondence.
+    std::vector<Finding> warnings;    ///< What concerns several meshes at once.
+    std::optional<Topology> topology; ///< The topology that meshes in correspondence share.
     std::vector<NamedMesh> readable;
     std::vector<std::string> triangulated; ///< Names of those that were split into triangles.
     std::vector<std::pair<std::string, std::string>> unreadable; ///< Names of the rest, and why.

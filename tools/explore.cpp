@@ -32,7 +32,7 @@ namespace shape::tools {
 using namespace internal;
 namespace {
 
-constexpr Eigen::Index most_rows = 50; ///< Of the table of modes.
+constexpr Eigen::Index most_rows = 50; ///< The table of modes is no longer.
 constexpr int pictured_modes = 3;      ///< Where no mesh can be drawn.
 constexpr double plot_width = 490.0;   ///< [px]; two side by side fill the page.
 constexpr double plot_height = 400.0;

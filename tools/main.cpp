@@ -32,7 +32,7 @@ struct Command
 {
     const char* name;
     Run (*set_up)(CLI::App&);
-    const char* ending; ///< Of what `-o -` prints.
+    const char* ending; ///< What `-o -` prints ends in this.
 };
 
 /// In the order of the work: put together, look, model, compare, make, draw.

@@ -35,10 +35,10 @@ struct ModelBlock
     ShapeSpace space;        ///< As decode() needs it.
     Eigen::VectorXd mean;
     Eigen::VectorXd mean_dihedral_angles;
-    FloatRows modes;                ///< K by D.
-    FloatRows mode_dihedral_angles; ///< K by #E, or K by 0.
-    AddedDirections directions;     ///< None in Procrustes space.
-    double smoothness = 5e-3;       ///< Of dihedral_embedding.h.
+    FloatRows modes;                          ///< K by D.
+    FloatRows mode_dihedral_angles;           ///< K by #E, or K by 0.
+    AddedDirections directions;               ///< None in Procrustes space.
+    double smoothness = 5e-3;                 ///< Angles weigh this much (dihedral_embedding.h).
     std::vector<SinglePrecisionSolve> factor; ///< One; none in Procrustes space.
 };
 

@@ -200,8 +200,8 @@ public:
 private:
     const Faces& faces_;
     std::vector<Vector3f> places_;  ///< View coordinates.
-    std::vector<Vector3f> normals_; ///< Of the corners, 3 f + c.
-    std::vector<Vector3f> colours_; ///< Of the vertices, linear RGB.
+    std::vector<Vector3f> normals_; ///< One a corner, 3 f + c.
+    std::vector<Vector3f> colours_; ///< One a vertex, linear RGB.
 };
 
 Patch mean_of(const std::vector<Patch>& patches)

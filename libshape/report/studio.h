@@ -14,7 +14,7 @@ struct Patch
 {
     Eigen::Vector3f place = Eigen::Vector3f::Zero();       ///< View coordinates [length].
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();      ///< As smooth as the surface is to look.
-    Eigen::Vector3f flat_normal = Eigen::Vector3f::Zero(); ///< Of the face.
+    Eigen::Vector3f flat_normal = Eigen::Vector3f::Zero(); ///< The normal of the face.
     Eigen::Vector3f colour = Eigen::Vector3f::Zero();      ///< Linear RGB.
 };
 

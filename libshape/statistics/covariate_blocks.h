@@ -25,7 +25,7 @@ struct ExchangeableRows
 {
     BlockDesign design = BlockDesign::Crossed;
     Eigen::MatrixXd products;   ///< Inner products of the observations, or of the means of blocks.
-    Eigen::MatrixXd covariates; ///< Of the same.
+    Eigen::MatrixXd covariates; ///< Their covariates.
     Grouping blocks;            ///< Within which they are exchanged; one if nested.
 };
 

@@ -129,7 +129,7 @@ int shown_figure_count()
 {
     return static_cast<int>(figures.size());
 }
-const char* last_message() ///< Of what failed; else why the target is infeasible, or empty.
+const char* last_message() ///< What failed; else why the target is infeasible, or empty.
 {
     return message.c_str();
 }
