@@ -154,7 +154,7 @@ TEST_F(Commands, CheckListsEveryDefectOfEveryMesh)
 TEST_F(Commands, CheckPrintsTheSameForPeople)
 {
     folder_.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n");
-    const Outcome outcome = run_shape(folder_.path(), {"check", "a.ply", "bad.obj"});
+    const Outcome outcome = run_shape(folder_.path(), {"check", "a.ply", "bad.obj", "--verbose"});
     EXPECT_EQ(outcome.exit_code, 3);
     EXPECT_NE(outcome.out.find("a.ply: ok\n"), std::string::npos) << outcome.out;
     EXPECT_NE(outcome.out.find("duplicate_face: face 1"), std::string::npos) << outcome.out;

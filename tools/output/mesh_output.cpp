@@ -231,8 +231,9 @@ void MeshOutput::commit()
     if (staging_.empty())
         return;
     if (fs::is_directory(directory_))
-        for (const fs::path& path : paths_) {
-            const bool is_companion = path.parent_path() != directory_;
+        for (std::size_t i = 0; i < paths_.size(); ++i) {
+            const fs::path& path = paths_[i];
+            const bool is_companion = first_companion_ > 0 && i >= first_companion_;
             if (is_companion)
                 fs::create_directories(path.parent_path());
             fs::rename(is_companion ? staging_ / path.parent_path().filename() / path.filename()
