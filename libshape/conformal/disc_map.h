@@ -13,13 +13,10 @@ namespace shape {
 
 struct DiscMapOptions
 {
-    /// Boundary vertices keep these u_i; #V, finite, others are ignored. Empty: 0, boundary edges keep
-    /// their lengths; of all choices this distorts areas least.
-    Eigen::VectorXd boundary_factors;
+    Eigen::VectorXd boundary_factors; ///< #V; u_i to keep at boundary vertices, others are ignored.
+                                      ///< Empty: 0, boundary edges keep their lengths; of all
+                                      ///< choices this distorts areas least.
 };
-
-/// @throws InvalidInput naming the first field that breaks its rule.
-void check(const DiscMapOptions& options);
 
 /// A discrete conformal map of a disc to the plane.
 struct DiscMap

@@ -6,7 +6,6 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/mesh/rotation_fit.h"
 
@@ -44,7 +43,7 @@ Eigen::Matrix3d turn_towards(const Points& reference, const Points& points,
     return nearest_rotation(placement.factor * covariance, guess);
 }
 
-void check_meshes(const std::vector<Points>& meshes)
+void check(const std::vector<Points>& meshes, const ProcrustesOptions& options)
 {
     if (meshes.empty())
         throw InvalidInput("Procrustes alignment of no mesh");
@@ -53,6 +52,12 @@ void check_meshes(const std::vector<Points>& meshes)
             throw InvalidInput(join("Procrustes alignment: mesh ", i, " has ", meshes[i].rows(),
                                     " vertices, the first ", meshes.front().rows(),
                                     "; the counts must be equal and not 0"));
+    if (options.max_iterations < 1)
+        throw InvalidInput(join("Procrustes alignment: max_iterations is ", options.max_iterations,
+                                ", must be > 0"));
+    if (!(options.tolerance > 0.0))
+        throw InvalidInput(
+            join("Procrustes alignment: tolerance is ", options.tolerance, ", must be > 0"));
 }
 
 } // namespace
@@ -73,16 +78,9 @@ Points aligned_with(const Points& reference, const Points& points, Scale scale)
     return (points.rowwise() - placement.centre) * (placement.factor * rotation.transpose());
 }
 
-void check(const ProcrustesOptions& options)
-{
-    require_at_least(1, options.max_iterations, "ProcrustesOptions.max_iterations");
-    require_positive(options.tolerance, "ProcrustesOptions.tolerance");
-}
-
 ProcrustesMean procrustes_mean(const std::vector<Points>& meshes, const ProcrustesOptions& options)
 {
-    check(options);
-    check_meshes(meshes);
+    check(meshes, options);
     const std::size_t count = meshes.size();
     std::vector<Placement> placements;
     for (const Points& mesh : meshes)

@@ -11,7 +11,6 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/statistics/covariate_blocks.h"
 
 namespace shape {
 using namespace internal;
@@ -55,10 +54,13 @@ Design means_of_blocks(const Design& design)
     const auto count = static_cast<Index>(blocks.size());
     if (count == design.groups.size())
         return design;
-    const MatrixXd weights = mean_weights(design.blocks);
+    MatrixXd weights = MatrixXd::Zero(design.groups.size(), count);
     std::vector<int> representatives;
-    for (const std::vector<int>& block : blocks)
+    for (Index b = 0; b < count; ++b) {
+        const std::vector<int>& block = blocks[static_cast<std::size_t>(b)];
+        weights(block, b).setConstant(1.0 / static_cast<double>(block.size()));
         representatives.push_back(block.front());
+    }
     return {weights.transpose() * design.products * weights, subset(design.groups, representatives),
             groups_of_one(count), weights.transpose() * design.covariates};
 }

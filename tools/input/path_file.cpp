@@ -9,7 +9,6 @@
 #include "libshape/base/format.h"
 #include "libshape/io/file/input_file.h"
 #include "tools/program/arguments.h"
-#include "tools/program/json_depth.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -101,9 +100,6 @@ public:
     void read()
     {
         const std::string text = read_file(file_, largest_file);
-        if (!is_shallow_json(text))
-            throw InvalidInput(
-                join(file_, ": lists are nested deeper than ", deepest_json, " levels"));
         std::vector<std::string> seen;
         const auto refuse_repeats = [&](int depth, Json::parse_event_t event, Json& parsed) {
             if (event == Json::parse_event_t::key && depth == 1) {
