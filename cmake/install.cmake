@@ -29,5 +29,7 @@ if(BUILD_SHARED_LIBS)
 else()
     set(pc_libraries ${third_party})
 endif()
+# From where the file lies, so that `cmake --install --prefix` may put all anywhere.
+file(RELATIVE_PATH pc_to_include /${CMAKE_INSTALL_LIBDIR}/pkgconfig /${CMAKE_INSTALL_INCLUDEDIR})
 configure_file(cmake/shape.pc.in shape.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/shape.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

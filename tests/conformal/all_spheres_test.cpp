@@ -42,7 +42,9 @@ double check(const test::TestMesh& mesh)
         EXPECT_TRUE(map.reversed_faces.empty());
     }
     if (map.edges.flipped.empty()) {
-        EXPECT_LE(map.angle_residual, 1e-12);
+        // Rounding, which depends on the kernels that OpenBLAS has for a processor: up to 1.005e-12 was
+        // seen on one of them, below 1e-12 on others. converged() asks for 1e-10.
+        EXPECT_LE(map.angle_residual, 4e-12);
         EXPECT_LE(map.newton_steps, 25);
     }
     return static_cast<double>(map.edges.flipped.size()) / mesh.topology.edge_count();
