@@ -32,18 +32,24 @@ set(public_headers
     libshape/embedding/sequence_jumps.h
     libshape/io/collection_file.h
     libshape/io/gltf_file.h
+    libshape/io/hdf5/untrusted_files.h
+    libshape/io/label_file.h
     libshape/io/mesh_file.h
     libshape/io/model_file.h
     libshape/io/table_file.h
     libshape/io/vertex_scalars.h
     libshape/linalg/dense.h
     libshape/mesh/alignment.h
+    libshape/mesh/coincident_vertices.h
     libshape/mesh/collection.h
     libshape/mesh/defects.h
     libshape/mesh/dihedral_angles.h
     libshape/mesh/edge_lengths.h
+    libshape/mesh/handedness.h
     libshape/mesh/keyframes.h
     libshape/mesh/labels.h
+    libshape/mesh/mending.h
+    libshape/mesh/oddities.h
     libshape/mesh/points.h
     libshape/mesh/topology.h
     libshape/mesh/vertex_means.h
@@ -52,11 +58,13 @@ set(public_headers
     libshape/model/group_means.h
     libshape/model/model_quality.h
     libshape/model/nuisance.h
+    libshape/model/outlying_meshes.h
     libshape/model/shape_distances.h
     libshape/model/shape_model.h
     libshape/statistics/bootstrap.h
     libshape/statistics/classical_scaling.h
     libshape/statistics/column_effects.h
+    libshape/statistics/covariate_blocks.h
     libshape/statistics/cross_validation.h
     libshape/statistics/discriminant_analysis.h
     libshape/statistics/distance_matrix.h

@@ -4,17 +4,24 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
+#include <span>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/conformal/sphere_map.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/mending.h"
+#include "libshape/mesh/oddities.h"
+#include "libshape/model/outlying_meshes.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
+#include "tools/output/mesh_output.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -26,6 +33,9 @@ struct Arguments
 {
     MeshInput meshes;
     std::int64_t limit = 20;
+    bool verbose = false;
+    MeshOutputArguments fixed; ///< No path: nothing is mended.
+    Components components = Components::KeepLargest;
 };
 
 /// Something that is wrong with a mesh, and where.
@@ -43,6 +53,20 @@ struct CheckedMesh
     std::string path;
     std::vector<Finding> findings;
     std::string no_sphere = {}; ///< Why it has no conformal map to the sphere; empty if it has.
+    std::vector<Finding> warnings = {};
+    bool is_readable = true;
+    [[nodiscard]] bool is_broken() const { return !findings.empty(); }
+};
+
+/// All that is found: in single meshes, and in the sound ones together.
+struct Result
+{
+    std::vector<CheckedMesh> meshes;
+    std::vector<Finding> warnings;    ///< What concerns several meshes at once.
+    std::optional<Topology> topology; ///< The topology that meshes in correspondence share.
+    std::vector<NamedMesh> readable;
+    std::vector<std::string> triangulated; ///< Names of those that were split into triangles.
+    std::vector<std::pair<std::string, std::string>> unreadable; ///< Names of the rest, and why.
 };
 
 const char* kind_name(DefectKind kind)
@@ -105,6 +129,9 @@ std::vector<Finding> find_all(const NamedMesh& mesh, const NamedMesh& reference,
     });
     if (has_triangles)
         append(findings, find_degenerate_geometry(mesh.faces, mesh.points, limit));
+    for (Finding& finding : findings)
+        if (finding.kind == kind_name(DefectKind::SeveralComponents))
+            finding.message += describe_coincident(mesh.points);
     if (findings.empty())
         append_boundaries(findings, mesh);
     const std::string difference = describe_correspondence_break(reference, mesh);
@@ -125,12 +152,86 @@ std::string why_no_sphere(const NamedMesh& mesh, const std::vector<Finding>& fin
     return why_not_spherical(Topology(mesh.faces, static_cast<int>(mesh.points.rows())));
 }
 
-std::vector<CheckedMesh> check_all(const Session& session, const Arguments& arguments)
+const char* kind_name(OddityKind kind)
+{
+    switch (kind) {
+        case OddityKind::Seam:
+            return "seam";
+        case OddityKind::Mirrored:
+            return "mirrored";
+        case OddityKind::InsideOut:
+            return "inside_out";
+        case OddityKind::Size:
+            return "size";
+    }
+    return "";
+}
+
+/// Vertices of the boundary that lie on one another in single meshes only, as closed lips do.
+void find_touching(const Collection& collection, const std::vector<std::size_t>& index,
+                   Result& result)
+{
+    if (collection.topology.is_closed())
+        return;
+    for (std::size_t i = 0; i < collection.size(); ++i) {
+        std::size_t count = 0;
+        int first = -1;
+        for (const VertexGroup& group :
+             coincident_vertices(std::span(collection.points).subspan(i, 1)))
+            if (std::ranges::all_of(
+                    group, [&](int v) { return collection.topology.is_boundary_vertex(v); })) {
+                count += group.size();
+                first = first < 0 ? group.front() : first;
+            }
+        if (count > 0)
+            result.meshes[index[i]].warnings.push_back(
+                {"touching", -1, first,
+                 join(count, " boundary vertices lie on others in this mesh, first vertex ", first,
+                      "; blends open them there")});
+    }
+}
+
+/// What is odd about the sound meshes together.
+void check_together(Result& result)
+{
+    std::vector<NamedMesh> sound;
+    std::vector<std::size_t> index; // into result.meshes
+    for (std::size_t i = 0, next = 0; i < result.meshes.size(); ++i) {
+        if (!result.meshes[i].is_readable)
+            continue;
+        NamedMesh& mesh = result.readable[next++];
+        if (result.meshes[i].is_broken())
+            continue;
+        sound.push_back(mesh);
+        index.push_back(i);
+    }
+    if (sound.empty())
+        return;
+    const Collection collection = collect(std::move(sound));
+    result.topology = collection.topology;
+    const auto warn = [&](const char* kind, const std::vector<std::size_t>& meshes, int vertex,
+                          const std::string& message) {
+        result.warnings.push_back({kind, -1, vertex, message});
+        for (const std::size_t i : meshes)
+            result.meshes[index[i]].warnings.push_back({kind, -1, vertex, message});
+    };
+    bool has_seam = false;
+    for (const Oddity& oddity : find_oddities(collection)) {
+        warn(kind_name(oddity.kind), oddity.meshes, -1, oddity.message);
+        has_seam = has_seam || oddity.kind == OddityKind::Seam;
+    }
+    if (!has_seam)
+        find_touching(collection, index, result);
+    for (const OutlyingMesh& outlier : find_outlying_meshes(collection))
+        warn("outlier", {outlier.mesh}, outlier.vertex, outlier.message);
+}
+
+Result check_all(const Session& session, const Arguments& arguments)
 {
     const Progress progress = session.progress();
     const std::vector<std::filesystem::path> files = mesh_files(arguments.meshes);
-    std::vector<CheckedMesh> checked;
-    std::optional<NamedMesh> reference; // the first mesh that can be read
+    note_passed_over(session, arguments.meshes);
+    Result result;
     std::set<std::string> names;
     for (std::size_t i = 0; i < files.size(); ++i) {
         progress("checking", i, files.size());
@@ -138,77 +239,235 @@ std::vector<CheckedMesh> check_all(const Session& session, const Arguments& argu
         try {
             content = read_mesh_file(files[i], arguments.meshes.triangulate);
         } catch (const InvalidInput& error) {
-            checked.push_back({files[i].stem().string(),
-                               files[i].string(),
-                               {{"unreadable", -1, -1, error.what()}},
-                               "the mesh cannot be read"});
+            result.meshes.push_back({files[i].stem().string(),
+                                     files[i].string(),
+                                     {{"unreadable", -1, -1, error.what()}},
+                                     "the mesh cannot be read"});
+            result.meshes.back().is_readable = false;
         }
-        for (const NamedMesh& mesh : content.meshes) {
-            if (!reference)
-                reference = mesh;
-            checked.push_back({mesh.name, mesh.path,
-                               find_all(mesh, *reference, static_cast<int>(arguments.limit))});
-            checked.back().no_sphere = why_no_sphere(mesh, checked.back().findings);
+        for (NamedMesh& mesh : content.meshes) {
+            // The first mesh that can be read is what the others are compared with.
+            const NamedMesh& reference = result.readable.empty() ? mesh : result.readable.front();
+            CheckedMesh& checked = result.meshes.emplace_back(
+                CheckedMesh{mesh.name, mesh.path,
+                            find_all(mesh, reference, static_cast<int>(arguments.limit))});
+            checked.no_sphere = why_no_sphere(mesh, checked.findings);
             if (!names.insert(mesh.name).second)
-                checked.back().findings.push_back(
+                checked.findings.push_back(
                     {"repeated_name", -1, -1,
                      join("the name '", mesh.name, "' occurs twice; rename one of the files")});
+            result.readable.push_back(std::move(mesh));
         }
     }
     progress("checking", files.size(), files.size());
-    return checked;
+    check_together(result);
+    return result;
 }
 
-std::string print(const std::vector<CheckedMesh>& checked)
+std::ptrdiff_t count_broken(const Result& result)
 {
-    std::string text;
-    for (const CheckedMesh& mesh : checked) {
-        text += join(mesh.path, ": ", mesh.findings.empty() ? "ok" : "broken", "\n");
+    return std::ranges::count_if(result.meshes, &CheckedMesh::is_broken);
+}
+
+std::ptrdiff_t count_suspicious(const Result& result)
+{
+    return std::ranges::count_if(result.meshes, [](const CheckedMesh& mesh) {
+        return !mesh.is_broken() && !mesh.warnings.empty();
+    });
+}
+
+/// The surface that the sound meshes share.
+std::string print(const Topology& topology, const Result& result)
+{
+    std::string text = join(
+        "surface: ", counted(topology.vertex_count(), "vertex", "vertices"), ", ",
+        counted(topology.edge_count(), "edge"), ", ", counted(topology.face_count(), "face"), ", ",
+        topology.is_closed() ? "closed" : counted(topology.boundary_loop_count(), "boundary loop"),
+        ", genus ", topology.genus(), "\n");
+    const auto sound = std::ranges::find_if(
+        result.meshes, [](const CheckedMesh& mesh) { return !mesh.is_broken(); });
+    return text + (sound->no_sphere.empty()
+                       ? "conformal map to the sphere: qualifies\n"
+                       : join("conformal map to the sphere: no, ", sound->no_sphere, "\n"));
+}
+
+/// A summary, then the meshes that something is wrong with; the good ones if asked.
+std::string print(const Result& result, bool verbose)
+{
+    const auto broken = count_broken(result);
+    const auto suspicious = count_suspicious(result);
+    const auto sound = std::ssize(result.meshes) - broken - suspicious;
+    std::string text = join(counted(result.meshes.size(), "mesh", "meshes"), ": ", sound, " ok, ",
+                            suspicious, " with warnings, ", broken, " broken\n");
+    if (result.topology)
+        text += print(*result.topology, result);
+    for (const Finding& warning : result.warnings)
+        text += join("warning: ", warning.kind, ": ", warning.message, "\n");
+    for (const CheckedMesh& mesh : result.meshes) {
+        const bool is_suspicious = !mesh.warnings.empty();
+        const bool has_own = std::ranges::any_of(
+            mesh.warnings, [](const Finding& warning) { return warning.kind == "touching"; });
+        if (!verbose && !mesh.is_broken() && !has_own)
+            continue;
+        text += join(mesh.path, ": ",
+                     mesh.is_broken() ? "broken"
+                     : is_suspicious  ? "ok, with warnings"
+                                      : "ok",
+                     "\n");
         for (const Finding& finding : mesh.findings)
             text += join("  ", finding.kind, ": ", finding.message, "\n");
-        text += mesh.no_sphere.empty()
-                    ? "  conformal map to the sphere: qualifies\n"
-                    : join("  conformal map to the sphere: no, ", mesh.no_sphere, "\n");
+        for (const Finding& warning : mesh.warnings)
+            text += warning.kind == "touching"
+                        ? join("  warning: ", warning.kind, ": ", warning.message, "\n")
+                        : join("  warning: ", warning.kind, " (above)\n");
+        if (verbose)
+            text += mesh.no_sphere.empty()
+                        ? "  conformal map to the sphere: qualifies\n"
+                        : join("  conformal map to the sphere: no, ", mesh.no_sphere, "\n");
     }
     return text;
 }
 
-Json figures(const std::vector<CheckedMesh>& checked)
+Json figures(const std::vector<Finding>& findings)
+{
+    Json list = Json::array();
+    for (const Finding& finding : findings)
+        list.push_back({{"kind", finding.kind},
+                        {"face", finding.face},
+                        {"vertex", finding.vertex},
+                        {"message", finding.message}});
+    return list;
+}
+
+Json figures(const Result& result)
 {
     Json meshes = Json::array();
-    for (const CheckedMesh& mesh : checked) {
-        Json defects = Json::array();
-        for (const Finding& finding : mesh.findings)
-            defects.push_back({{"kind", finding.kind},
-                               {"face", finding.face},
-                               {"vertex", finding.vertex},
-                               {"message", finding.message}});
+    for (const CheckedMesh& mesh : result.meshes)
         meshes.push_back({{"name", mesh.name},
                           {"path", mesh.path},
-                          {"ok", mesh.findings.empty()},
-                          {"defects", defects},
+                          {"ok", !mesh.is_broken()},
+                          {"defects", figures(mesh.findings)},
+                          {"warnings", figures(mesh.warnings)},
                           {"conformal_sphere", mesh.no_sphere.empty()},
                           {"no_conformal_sphere", mesh.no_sphere}});
-    }
     return meshes;
+}
+
+/// Reads again, as triangles, what only polygons kept from being read.
+void read_polygons(Result& result)
+{
+    std::vector<NamedMesh> readable;
+    std::size_t next = 0;
+    for (const CheckedMesh& mesh : result.meshes) {
+        if (mesh.is_readable) {
+            readable.push_back(std::move(result.readable[next++]));
+            continue;
+        }
+        try {
+            FileContent content = read_mesh_file(mesh.path, true);
+            for (NamedMesh& split : content.meshes) {
+                result.triangulated.push_back(split.name);
+                readable.push_back(std::move(split));
+            }
+        } catch (const InvalidInput& error) {
+            result.unreadable.push_back({mesh.name, error.what()});
+        }
+    }
+    result.readable = std::move(readable);
+}
+
+/// Writes what can be mended; returns the figures.
+Json fix(const Session& session, const Arguments& arguments, Result& result)
+{
+    const std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
+    const std::filesystem::path directory = arguments.fixed.path;
+    for (const std::filesystem::path& input : inputs) {
+        const std::filesystem::path parent = input.has_parent_path() ? input.parent_path() : ".";
+        if (std::filesystem::exists(directory) && std::filesystem::equivalent(parent, directory))
+            throw UsageError(
+                join("--fix: '", directory.string(), "' holds the input; name another directory"));
+    }
+    read_polygons(result);
+    MendedMeshes mended = mend(std::move(result.readable), {.components = arguments.components});
+    if (!result.triangulated.empty()) {
+        std::vector<std::size_t> all(result.triangulated.size());
+        std::iota(all.begin(), all.end(), 0);
+        mended.changes.insert(mended.changes.begin(), join(list_names(result.triangulated, all),
+                                                           ": polygons split into triangles"));
+    }
+    std::vector<std::string> names;
+    std::vector<NamedMesh> sound;
+    Json left = Json::array();
+    std::string text;
+    for (const auto& [name, why] : result.unreadable) {
+        left.push_back({{"name", name}, {"written", false}, {"message", why}});
+        text += join("  left to mend: ", name, " (not written): ", why, "\n");
+    }
+    for (NamedMesh& mesh : mended.meshes) {
+        const std::vector<Finding> findings =
+            find_all(mesh, sound.empty() ? mesh : sound.front(), static_cast<int>(arguments.limit));
+        const bool is_repeated = std::ranges::find(names, mesh.name) != names.end();
+        const bool is_sound = !is_repeated && std::ranges::all_of(findings, [](const Finding& f) {
+            return f.kind == "correspondence";
+        });
+        if (!findings.empty() || is_repeated) {
+            const std::string why = is_repeated
+                                        ? "repeated_name: another mesh has this name"
+                                        : findings.front().kind + ": " + findings.front().message;
+            left.push_back({{"name", mesh.name}, {"written", is_sound}, {"message", why}});
+            text += join("  left to mend: ", mesh.name,
+                         is_sound ? " (written): " : " (not written): ", why, "\n");
+        }
+        if (is_sound) {
+            names.push_back(mesh.name);
+            sound.push_back(std::move(mesh));
+        }
+    }
+    std::string list;
+    for (const std::string& change : mended.changes)
+        list += join("  ", change, "\n");
+    Json outputs = Json::array();
+    if (!sound.empty()) {
+        MeshOutputArguments place = arguments.fixed;
+        place.path = (directory / "").string();
+        MeshOutput output(session, place, names, inputs);
+        for (std::size_t i = 0; i < sound.size(); ++i)
+            output.write(i, sound[i].points, sound[i].faces);
+        output.commit();
+        outputs = output.paths();
+    }
+    session.message(join(directory.string(), ": ", counted(sound.size(), "mesh", "meshes"),
+                         " written, ", counted(mended.changes.size(), "change"),
+                         mended.changes.empty() ? "" : ":", "\n", list, text));
+    return {{"outputs", outputs}, {"changes", mended.changes}, {"left", left}};
 }
 
 void run(const Session& session, const Arguments& arguments)
 {
-    const std::vector<CheckedMesh> checked = check_all(session, arguments);
-    const auto is_broken = [](const CheckedMesh& mesh) { return !mesh.findings.empty(); };
-    const auto broken = std::count_if(checked.begin(), checked.end(), is_broken);
+    Result result = check_all(session, arguments);
+    const auto broken = count_broken(result);
     if (!session.json)
-        session.print(print(checked));
-    session.print_figures({{"meshes", figures(checked)}, {"broken", broken}});
-    if (broken == 0)
+        session.print(print(result, arguments.verbose));
+    Json all{{"meshes", figures(result)},
+             {"broken", broken},
+             {"suspicious", count_suspicious(result)},
+             {"warnings", figures(result.warnings)}};
+    bool is_mended = false;
+    if (!arguments.fixed.path.empty()) {
+        all["fix"] = fix(session, arguments, result);
+        is_mended = all["fix"]["left"].empty();
+    }
+    session.print_figures(all);
+    if (broken == 0 || is_mended)
         return;
-    const auto first = std::find_if(checked.begin(), checked.end(), is_broken);
+    const auto first = std::ranges::find_if(result.meshes, &CheckedMesh::is_broken);
     const std::string& message = first->findings.front().message;
     const bool names_file = message.starts_with(first->path);
-    throw InvalidInput(join(broken, " of ", counted(checked.size(), "mesh", "meshes"),
-                            broken == 1 ? " is" : " are", " broken, first ",
-                            names_file ? "" : first->path + ": ", message));
+    throw InvalidInput(join(
+        broken, " of ", counted(result.meshes.size(), "mesh", "meshes"),
+        broken == 1 ? " is" : " are", " broken, first ", names_file ? "" : first->path + ": ",
+        message,
+        arguments.fixed.path.empty() ? "; --fix DIR writes mended copies where that is safe" : ""));
 }
 
 } // namespace
@@ -218,15 +477,37 @@ Run set_up_check(CLI::App& command)
     command.description(
         "Say which mesh breaks what, where, and how it could be repaired: syntax, indices,\n"
         "manifold edges and vertices, orientation, one component, degenerate triangles, the\n"
-        "inequalities of edge-length space, and correspondence with the first mesh. Says\n"
-        "also which meshes `shape conformal` can map to the sphere, and why not. Indices count\n"
-        "from 0. The exit code is 3 if anything is broken.");
-    command.footer("Example:\n  shape check faces/ --json");
+        "inequalities of edge-length space, and correspondence with the first mesh. Warns of what\n"
+        "is seldom meant: seams (vertices that lie on one another), mirror images, surfaces that\n"
+        "are inside out, sizes in other units, meshes far from all others. Says also whether\n"
+        "`shape conformal` can map the surface to the sphere. Indices count from 0. The exit code\n"
+        "is 3 if anything is broken, with --fix if something is left to mend; warnings alone\n"
+        "leave it 0.");
+    command.footer(
+        "Examples:\n"
+        "  shape check faces/ --verbose\n"
+        "  shape check faces/ --fix mended/");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_integer(command, "--limit", arguments->limit,
                 "List at most this many defects of each kind and mesh, [1, 1000000] (default: 20)",
                 1, 1'000'000);
+    command.add_flag("--verbose", arguments->verbose, "List the good meshes as well");
+    command
+        .add_option(
+            "--fix", arguments->fixed.path,
+            "Write mended copies of the meshes into this directory and list what was done:\n"
+            "polygons split, seams welded, repeated faces and vertices without a face taken\n"
+            "away, faces turned, pieces chosen, mirror images and surfaces that are inside out\n"
+            "turned back, units made one. Meshes in correspondence stay so")
+        ->option_text("DIR");
+    add_choice(
+        command, "--components", arguments->components,
+        "With --fix, of a surface in several pieces: largest: keep the one with the most faces\n"
+        "(default); split: write each as a mesh of its own",
+        {{"largest", Components::KeepLargest}, {"split", Components::Split}})
+        ->needs(command.get_option("--fix"));
+    add_mesh_format(command, arguments->fixed);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -25,12 +26,14 @@ namespace shape::tools {
 using namespace internal;
 namespace {
 
+constexpr int default_modes = 20;
+
 struct Arguments
 {
     LabelledInput input;
     std::string by;
     std::string leave_out;
-    std::int64_t modes = 20;
+    std::optional<std::int64_t> modes; ///< Default: default_modes, or as many as the meshes allow.
     std::string output;
     std::string predictions;
     std::string plot;
@@ -105,6 +108,26 @@ std::string draw_variates(const Collection& collection, const std::string& label
     return plot_svg(plot);
 }
 
+/// What was asked for; else the default, or as many as the meshes leave that are learnt from without
+/// the largest fold, less the groups.
+int chosen_modes(const Session& session, const Arguments& arguments, const Grouping& groups,
+                 const Grouping& folds)
+{
+    if (arguments.modes)
+        return static_cast<int>(*arguments.modes);
+    std::size_t largest = 0;
+    for (const std::vector<int>& fold : members(folds))
+        largest = std::max(largest, fold.size());
+    const int most =
+        static_cast<int>(groups.size()) - static_cast<int>(largest) - groups.group_count();
+    if (most >= default_modes)
+        return default_modes;
+    const int modes = std::max(most, 1);
+    session.message(join(modes, modes == 1 ? " mode is" : " modes are",
+                         " used, as many as the meshes allow (--modes)"));
+    return modes;
+}
+
 void check_outputs(const Session& session, const Arguments& arguments)
 {
     check_ending("-o", arguments.output, ".csv");
@@ -127,10 +150,12 @@ void run(const Session& session, const Arguments& arguments)
     const Collection collection = read_labelled(session, arguments.input);
     const Grouping groups = group_by_label(collection, arguments.by);
     const Grouping folds = group_by_label_or_each(collection, arguments.leave_out);
+    if (arguments.leave_out.empty())
+        warn_of_repeated_rows(session, collection, codes(groups), {arguments.by}, "--leave-out");
     const ShapeSpace space = make_space(collection, arguments.space);
     warn_of_alignment(session, space);
     throw_if_interrupted();
-    const int modes = static_cast<int>(arguments.modes);
+    const int modes = chosen_modes(session, arguments, groups, folds);
     const CrossValidation result =
         cross_validate(centred_inner_products(encode(space, collection)), groups, folds, modes);
     throw_if_interrupted();
@@ -191,7 +216,7 @@ Run set_up_classify(CLI::App& command)
               "(default: one mesh at a time)");
     add_integer(command, "--modes", arguments->modes,
                 "Number of leading modes, >= 1; at most the meshes that are learnt from less the\n"
-                "groups (default: 20)",
+                "groups (default: 20, or that many)",
                 1, std::numeric_limits<int>::max());
     add_output_file(
         command, arguments->output,

@@ -24,6 +24,7 @@ using Run = std::function<void(const Session&)>;
 [[nodiscard]] Run set_up_difference(CLI::App& command);
 [[nodiscard]] Run set_up_distance(CLI::App& command);
 [[nodiscard]] Run set_up_draw(CLI::App& command);
+[[nodiscard]] Run set_up_explore(CLI::App& command); // `report` too
 [[nodiscard]] Run set_up_generate(CLI::App& command);
 [[nodiscard]] Run set_up_groups(CLI::App& command);
 [[nodiscard]] Run set_up_info(CLI::App& command);
@@ -33,7 +34,6 @@ using Run = std::function<void(const Session&)>;
 [[nodiscard]] Run set_up_reconstruct(CLI::App& command);
 [[nodiscard]] Run set_up_regress(CLI::App& command);
 [[nodiscard]] Run set_up_remove(CLI::App& command);
-[[nodiscard]] Run set_up_report(CLI::App& command);
 [[nodiscard]] Run set_up_stats(CLI::App& command);
 [[nodiscard]] Run set_up_synth(CLI::App& command);
 

@@ -34,6 +34,9 @@ struct Arguments
     EmbeddingArguments embedding;
 };
 
+/// The lengths are the conformal map itself; the angles only choose between meshes.
+constexpr double morph_smoothness = 1e-3;
+
 /// Columns vertex, u: one row a vertex, in their order.
 Table factor_table(const Eigen::VectorXd& factors)
 {
@@ -96,7 +99,7 @@ class MorphMaker
 {
 public:
     MorphMaker(const Topology& topology, const Points& points, const Points& sphere,
-               const ConformalMorph& morph, const EmbeddingOptions& options)
+               const ConformalMorph& morph, double smoothness)
         : topology_(topology),
           sphere_(sphere),
           morph_(morph),
@@ -104,7 +107,7 @@ public:
                     [&morph](double s) {
                         return morph_frame(morph, morph_parameter(s)).point.edge_lengths;
                     },
-                    morph.dihedral_angles.row(1).transpose(), {.smoothness = options.smoothness})
+                    morph.dihedral_angles.row(1).transpose(), {.smoothness = smoothness})
     {
     }
 
@@ -164,24 +167,29 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
     }
     MeshOutput output(session, arguments.output, names(targets), input_files(arguments.mesh));
     const Points sphere = placed_sphere(map, points);
-    const EmbeddingOptions& options = arguments.embedding.options;
+    EmbeddingArguments embedding = arguments.embedding;
+    const EmbeddingOptions& options = embedding.options;
+    check_methods(options, {options.method});
+    if (options.method == EmbeddingMethod::Dihedral)
+        embedding.options.smoothness = options.smoothness.value_or(morph_smoothness);
     Json figures;
-    if (options.method == EmbeddingMethod::Dihedral && options.quality == EmbeddingQuality::Fine) {
-        prepare_output(arguments.embedding, topology, targets, output);
-        MorphMaker maker(topology, points, sphere, morph, options);
+    if (options.method == EmbeddingMethod::Dihedral &&
+        options.quality != EmbeddingQuality::Preview) {
+        prepare_output(embedding, topology, targets, output);
+        MorphMaker maker(topology, points, sphere, morph, *options.smoothness);
         const auto make = [&](std::size_t i, const auto&) {
             return finish(targets[i].name, name(options.method),
                           [&] { return maker.embed(parameter(i)); });
         };
-        figures = make_and_write(session, arguments.embedding, topology, targets, make, output,
+        figures = make_and_write(session, embedding, topology, targets, make, output,
                                  TargetOrder::Sequence);
         figures["end_gap"] = maker.gap() / map.radius;
         session.message(join("the path from the mesh ends within ",
                              100.0 * figures["end_gap"].get<double>(),
                              " % of the radius from the sphere"));
     } else {
-        figures = embed_and_write(session, arguments.embedding, topology, {points, sphere}, targets,
-                                  output, TargetOrder::Sequence);
+        figures = embed_and_write(session, embedding, topology, {points, sphere}, targets, output,
+                                  TargetOrder::Sequence);
     }
     figures["frames"] = frames;
     return figures;
@@ -276,9 +284,7 @@ Run set_up_conformal(CLI::App& command)
             "CSV file for the log factors: columns vertex,u; of several meshes mesh,u0,u1,...,\n"
             "one row a mesh")
         ->option_text("FILE");
-    // The lengths are the conformal map itself; the angles only choose between meshes.
-    arguments->embedding.options.smoothness = 1e-3;
-    add_embedding_options(command, arguments->embedding);
+    add_embedding_options(command, arguments->embedding, morph_smoothness);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -76,7 +76,7 @@ Json find_effects(const Session& session, const Arguments& arguments,
                   const DifferenceVector& difference, const ColumnEffects& effects)
 {
     const Embedder embedder(difference.topology, {difference.reference_points},
-                            arguments.embedding.options);
+                            embedding_options(session, arguments.embedding.options));
     const ShapePoint start = start_of(difference, difference.from_size);
     return write_effects(session, arguments.effects, difference.topology,
                          embedder.embed(start).points, effects);

@@ -91,7 +91,8 @@ std::string draw_scaling(const Collection& collection, const std::vector<std::st
 {
     Plot plot = score_plot(scaling.points, collection.names, values, {});
     const auto axis = [&](Eigen::Index k) {
-        const double share = std::max(scaling.eigenvalues[k], 0.0) / scaling.total;
+        const double share = // of equal meshes there is nothing to share
+            scaling.total > 0.0 ? std::max(scaling.eigenvalues[k], 0.0) / scaling.total : 0.0;
         return join("coordinate ", k + 1, " (", std::round(1000.0 * share) / 10.0,
                     " % of squared distances)");
     };
@@ -184,9 +185,7 @@ Run set_up_distance(CLI::App& command)
         add_choice(command, "--metric", *chosen,
                    "Short for a space and a scale. edge: edge lengths as they are; edge-unit:\n"
                    "divided by their sum (default); procrustes: aligned positions, unit scale",
-                   {{"edge", std::optional(edge)},
-                    {"edge-unit", std::optional(unit)},
-                    {"procrustes", std::optional(procrustes)}});
+                   {{"edge", edge}, {"edge-unit", unit}, {"procrustes", procrustes}});
     CLI::Option* space = add_space_options(command, arguments->space);
     metric->excludes(space);
     metric->excludes(command.get_option("--scale"));

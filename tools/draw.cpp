@@ -191,9 +191,10 @@ Run set_up_draw(CLI::App& command)
     command.footer(
         "Example:\n  shape draw mean.ply mode1/ --columns 3 -o modes.svg\n"
         "  shape draw mode1/ mode2/ --scores scores.csv --color-by expression -o overview.svg\n"
-        "  shape draw mean_residuals.ply --color-by edge_error -o residuals.svg");
+        "  shape draw residuals/mean_residuals.ply --color-by edge_error -o residuals.svg");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
+    arguments->meshes.may_repeat = true;
     add_output_file(command, arguments->output, "Picture to write (.svg or .png)");
     add_integer(command, "--columns", arguments->columns,
                 "Meshes in a row (default: as many as fit 1200 px)", 1, 10000);

@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/edge_space/admissibility.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/shape_model.h"
@@ -34,6 +35,7 @@ struct Arguments
     std::string scores;
     std::string scores_file;
     std::int64_t samples = 0;
+    bool feasible = false; ///< Samples are drawn in until a mesh may have their lengths.
     std::optional<double> size;
     MeshOutputArguments output;
     EmbeddingArguments embedding;
@@ -179,6 +181,30 @@ std::vector<ModelPoint> points_of_file(const ShapeModel& model, const Arguments&
 }
 
 /// Independent standard normal scores: sample i is the same whatever their number.
+/// The largest share of the scores, at most 1, with which the point keeps the inequalities of edge
+/// lengths; a little less where it would lie on their boundary. Found by halving.
+double feasible_share(const ShapeModel& model, const Eigen::VectorXd& scores, double size)
+{
+    const auto is_feasible = [&](double share) {
+        const DecodedShape shape = model_point(model, share * scores, size);
+        const ShapePoint* const point = std::get_if<ShapePoint>(&shape);
+        return point == nullptr ||
+               ((point->edge_lengths.array() > 0.0).all() &&
+                check_admissibility(model.topology, point->edge_lengths).admissible());
+    };
+    if (is_feasible(1.0))
+        return 1.0;
+    double low = 0.0;
+    double high = 1.0;
+    if (!is_feasible(low))
+        throw InvalidInput("--feasible: the mean of the model is itself infeasible");
+    for (int round = 0; round < 20; ++round) {
+        const double middle = 0.5 * (low + high);
+        (is_feasible(middle) ? low : high) = middle;
+    }
+    return 0.99 * low;
+}
+
 std::vector<ModelPoint> sampled_points(const ShapeModel& model, const Arguments& arguments,
                                        std::int64_t seed)
 {
@@ -189,6 +215,8 @@ std::vector<ModelPoint> sampled_points(const ShapeModel& model, const Arguments&
         Eigen::VectorXd scores(model.mode_count());
         for (Eigen::Index k = 0; k < scores.size(); ++k)
             scores[k] = deviations[k] * random.normal();
+        if (arguments.feasible)
+            scores *= feasible_share(model, scores, size_of(model, arguments));
         points.push_back({numbered_name("sample", static_cast<std::size_t>(i)), scores,
                           size_of(model, arguments)});
     }
@@ -268,6 +296,11 @@ Run set_up_generate(CLI::App& command)
                 "(sample_0000.ply, ...)",
                 1, most_meshes);
     points->require_option(1);
+    command
+        .add_flag("--feasible", arguments->feasible,
+                  "With --sample: samples whose lengths no mesh has are moved towards the mean\n"
+                  "until one may have them; the others stay")
+        ->needs(points->get_option("--sample"));
     CLI::Option* sigma =
         command
             .add_option("--sigma", arguments->sigma,

@@ -144,6 +144,9 @@ void run(const Session& session, const Arguments& arguments)
     warn_of_alignment(session, shapes.space);
     throw_if_interrupted();
     const Grouping blocks = group_by_label_or_each(collection, arguments.within);
+    if (arguments.within.empty())
+        warn_of_repeated_rows(session, collection, codes(findings.groups), {arguments.by},
+                              "--within");
     const auto seed = static_cast<std::uint64_t>(session.seed);
     findings.comparison =
         compare_groups(shapes.products, findings.groups, blocks,

@@ -167,6 +167,7 @@ Run set_up_interpolate(CLI::App& command)
         "  shape interpolate poses/ -o frames/ --path spline --frames 200 --keyframes 20");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
+    arguments->meshes.may_repeat = true;
     add_mesh_output(command, arguments->output);
     add_animation_options(command, arguments->output);
     add_path_options(command, arguments->path);

@@ -3,19 +3,26 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <map>
 #include <new>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/version.h"
+#include "libshape/io/hdf5/untrusted_files.h"
 #include "tools/commands.h"
 #include "tools/program/arguments.h"
 #include "tools/program/help.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/library_start.h"
 #include "tools/program/memory.h"
 #include "tools/program/session.h"
+#include "tools/program/standard_streams.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -25,29 +32,31 @@ struct Command
 {
     const char* name;
     Run (*set_up)(CLI::App&);
+    const char* ending; ///< What `-o -` prints ends in this.
 };
 
 /// In the order of the work: put together, look, model, compare, make, draw.
 constexpr Command commands[] = {
-    {"collect", set_up_collect},
-    {"check", set_up_check},
-    {"info", set_up_info},
-    {"stats", set_up_stats},
-    {"project", set_up_project},
-    {"distance", set_up_distance},
-    {"quality", set_up_quality},
-    {"generate", set_up_generate},
-    {"groups", set_up_groups},
-    {"classify", set_up_classify},
-    {"regress", set_up_regress},
-    {"remove", set_up_remove},
-    {"difference", set_up_difference},
-    {"interpolate", set_up_interpolate},
-    {"reconstruct", set_up_reconstruct},
-    {"conformal", set_up_conformal},
-    {"draw", set_up_draw},
-    {"report", set_up_report},
-    {"synth", set_up_synth},
+    {"collect", set_up_collect, ".h5"},
+    {"check", set_up_check, ""},
+    {"info", set_up_info, ""},
+    {"stats", set_up_stats, ".h5"},
+    {"project", set_up_project, ".csv"},
+    {"distance", set_up_distance, ".csv"},
+    {"quality", set_up_quality, ".csv"},
+    {"generate", set_up_generate, ".ply"},
+    {"groups", set_up_groups, ".csv"},
+    {"classify", set_up_classify, ".csv"},
+    {"regress", set_up_regress, ".csv"},
+    {"remove", set_up_remove, ".h5"},
+    {"difference", set_up_difference, ".h5"},
+    {"interpolate", set_up_interpolate, ".ply"},
+    {"reconstruct", set_up_reconstruct, ".ply"},
+    {"conformal", set_up_conformal, ".ply"},
+    {"draw", set_up_draw, ".svg"},
+    {"explore", set_up_explore, ".html"},
+    {"report", set_up_explore, ".html"},
+    {"synth", set_up_synth, ".ply"},
 };
 
 enum ExitCode
@@ -64,7 +73,8 @@ enum ExitCode
 
 constexpr const char* program_footer =
     "MESHES is any mix of mesh files (.obj .ply .off), directories (their mesh files in natural\n"
-    "name order) and collection files (.h5). Lengths have the unit of the input.\n"
+    "name order) and collection files (.h5). Lengths have the unit of the input. `-` is standard\n"
+    "input, and after -o standard output.\n"
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 4 numerical failure,\n"
     "5 input/output, 6 over a limit, 130 interrupted.\n"
     "`shape COMMAND --help` explains a command and gives an example.";
@@ -83,7 +93,120 @@ void add_common_options(CLI::App& command, Session& session)
         ->group(group);
 }
 
-int run(int argc, char** argv)
+/// Pipes and devices are read by nobody; to say so at once saves the work done before it shows.
+void refuse_pipes(const CLI::App& command)
+{
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& value : option->results()) {
+            std::error_code ignored; // most values are no paths
+            const std::filesystem::file_status status = std::filesystem::status(value, ignored);
+            if (std::filesystem::exists(status) && std::filesystem::is_other(status))
+                throw FileError(join(value, ": is not a regular file"));
+        }
+}
+
+/// How many letters must be put in, taken out, changed or swapped to make one word of the other.
+std::size_t edit_distance(const std::string& a, const std::string& b)
+{
+    std::vector<std::vector<std::size_t>> cost(a.size() + 1,
+                                               std::vector<std::size_t>(b.size() + 1));
+    for (std::size_t i = 0; i <= a.size(); ++i)
+        for (std::size_t j = 0; j <= b.size(); ++j) {
+            if (i == 0 || j == 0) {
+                cost[i][j] = i + j;
+                continue;
+            }
+            cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1,
+                                   cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+        }
+    return cost[a.size()][b.size()];
+}
+
+/// The known word that is spelled most like this one; empty if none is near.
+std::string nearest(const std::string& word, const std::vector<std::string>& known)
+{
+    constexpr std::size_t longest = 40;
+    std::string best;
+    if (word.size() > longest)
+        return best;
+    std::size_t least = 1 + std::max<std::size_t>(2, word.size() / 3);
+    for (const std::string& candidate : known)
+        if (const std::size_t distance = edit_distance(word, candidate); distance < least) {
+            least = distance;
+            best = candidate;
+        }
+    return best;
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& known)
+{
+    const std::string best = nearest(word, known);
+    return best.empty() ? std::string() : join("; did you mean '", best, "'?");
+}
+
+std::vector<std::string> command_names()
+{
+    std::vector<std::string> names{"help"};
+    for (const Command& entry : commands)
+        names.emplace_back(entry.name);
+    return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& app)
+{
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& name : option->get_lnames())
+            names.push_back("--" + name);
+    return names;
+}
+
+/// What stands before the command: `-V`, `help COMMAND`, and words that are neither option nor
+/// command.
+void read_first_words(const CLI::App& program, std::vector<std::string>& arguments)
+{
+    if (arguments.empty())
+        throw UsageError("name a command; `shape --help` lists them");
+    std::string& first = arguments.front();
+    const std::vector<std::string> names = command_names();
+    if (first == "help") {
+        if (arguments.size() == 1) {
+            first = "--help";
+            return;
+        }
+        arguments = {arguments[1], "--help"};
+        return read_first_words(program, arguments);
+    }
+    if (first == "-V")
+        first = "--version";
+    const std::vector<std::string> options = option_names(program);
+    const bool is_option = first.starts_with('-');
+    if (is_option && (first == "-h" || std::ranges::find(options, first) != options.end()))
+        return;
+    if (is_option)
+        throw UsageError(join("no option '", first, "'", did_you_mean(first, options),
+                              "; `shape --help` lists the commands"));
+    if (std::ranges::find(names, first) == names.end())
+        throw UsageError(join("no command '", first, "'", did_you_mean(first, names),
+                              "; `shape --help` lists them"));
+}
+
+/// The options of the command that are spelled like those it does not have.
+std::string suggestion(const CLI::App& command, const std::vector<std::string>& arguments)
+{
+    const std::vector<std::string> options = option_names(command);
+    for (const std::string& argument : arguments) {
+        const std::string option = argument.substr(0, argument.find('='));
+        if (option.starts_with("--") && std::ranges::find(options, option) == options.end())
+            if (const std::string hint = did_you_mean(option, options); !hint.empty())
+                return hint;
+    }
+    return join("; `shape ", command.get_name(), " --help` explains its options");
+}
+
+int run(std::vector<std::string> arguments, std::optional<StandardStreams>& streams)
 {
     Session session;
     CLI::App program("Statistical shape analysis of triangle meshes in edge-length space.",
@@ -99,18 +222,28 @@ int run(int argc, char** argv)
         add_common_options(*command, session);
     }
     try {
-        if (argc < 2)
-            throw UsageError("name a command; `shape --help` lists them");
-        const std::string first = argv[1];
-        const auto is_first = [&](const Command& entry) { return entry.name == first; };
-        if (!first.starts_with('-') && std::ranges::none_of(commands, is_first))
-            throw UsageError(join("no command '", first, "'; `shape --help` lists them"));
-        program.parse(argc, argv);
+        read_first_words(program, arguments);
+        const auto command = std::ranges::find_if(
+            commands, [&](const Command& entry) { return entry.name == arguments.front(); });
+        streams.emplace(std::move(arguments), command == std::end(commands) ? "" : command->ending);
+        std::vector<std::string> reversed(streams->arguments().rbegin(),
+                                          streams->arguments().rend());
+        try {
+            program.parse(reversed);
+        } catch (const CLI::ExtrasError& error) {
+            if (command == std::end(commands))
+                throw;
+            throw UsageError(error.what() + suggestion(*program.get_subcommand(command->name),
+                                                       streams->arguments()));
+        }
         if (session.threads > 0)
             set_thread_count(static_cast<int>(session.threads));
         const CLI::App* chosen = program.get_subcommands().front();
         session.command = chosen->get_name();
+        refuse_pipes(*chosen);
         runs.at(chosen)(session);
+        if (const std::string output = streams->output(); !output.empty())
+            session.print(output);
         return Done;
     } catch (const CLI::CallForVersion& version) {
         session.print(std::string(version.what()) + "\n");
@@ -123,10 +256,14 @@ int run(int argc, char** argv)
 }
 
 /// Runs the program and turns what it throws into one line on stderr and an exit code.
-int guarded_run(int argc, char** argv)
+int guarded_run(std::vector<std::string> arguments)
 {
+    std::optional<StandardStreams> streams;
+    const auto report_error = [&](const std::string& text) {
+        tools::report_error(streams ? streams->readable(text) : text);
+    };
     try {
-        return run(argc, argv);
+        return run(std::move(arguments), streams);
     } catch (const UsageError& error) {
         return report_error(error.what()), UsageFailure;
     } catch (const CLI::ParseError& error) {
@@ -155,7 +292,9 @@ int guarded_run(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
+    shape::tools::use_all_processors();
+    shape::rehearse_hdf5_files(true);
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
-    return shape::tools::guarded_run(argc, argv);
+    return shape::tools::guarded_run({argv + std::min(argc, 1), argv + argc});
 }

@@ -184,8 +184,7 @@ void run(const Session& session, const Arguments& arguments)
     const Grouping folds = folds_of(session, arguments, collection);
     if (modes.empty())
         modes = usual_mode_counts(std::max(1, most_modes(folds)));
-    EmbeddingOptions embedding = arguments.embedding;
-    embedding.seed = static_cast<std::uint64_t>(session.seed);
+    const EmbeddingOptions embedding = embedding_options(session, arguments.embedding);
     const ModelQuality quality = measure_quality(collection, folds,
                                                  {.space = arguments.space,
                                                   .modes = modes,

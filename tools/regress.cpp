@@ -10,6 +10,7 @@
 #include "libshape/io/table_file.h"
 #include "libshape/model/covariate_effect.h"
 #include "libshape/report/plot.h"
+#include "libshape/statistics/covariate_blocks.h"
 #include "libshape/statistics/linear_model.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
@@ -59,13 +60,17 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     findings.sizes = sizes(space, collection);
     findings.covariates = covariates_of(collection, findings.sizes, arguments.on);
     const Grouping blocks = group_by_label_or_all(collection, arguments.within);
+    if (arguments.within.empty())
+        warn_of_repeated_rows(session, collection, findings.covariates, arguments.on, "--within");
     findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
     throw_if_interrupted();
     const PermutationOptions options{.permutations = static_cast<int>(arguments.permutations),
                                      .seed = static_cast<std::uint64_t>(session.seed)};
-    const Eigen::MatrixXd& all = findings.covariates;
+    const ExchangeableRows rows =
+        exchangeable_rows(findings.effect.products, findings.covariates, blocks);
+    const Eigen::MatrixXd& all = rows.covariates;
     const Eigen::MatrixXd none(all.rows(), 0);
-    findings.together = test_linear_model(findings.effect.products, all, none, blocks, options);
+    findings.together = test_linear_model(rows.products, all, none, rows.blocks, options);
     if (all.cols() == 1) {
         findings.each = {findings.together};
         return findings;
@@ -75,7 +80,7 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
         Eigen::MatrixXd others(all.rows(), all.cols() - 1);
         others << all.leftCols(k), all.rightCols(all.cols() - 1 - k);
         findings.each.push_back(
-            test_linear_model(findings.effect.products, all.col(k), others, blocks, options));
+            test_linear_model(rows.products, all.col(k), others, rows.blocks, options));
     }
     return findings;
 }
@@ -173,6 +178,11 @@ Json covariate_figures(const Arguments& arguments, const Findings& findings)
 std::string summary(const Arguments& arguments, const Findings& findings)
 {
     std::string text;
+    if (!arguments.within.empty())
+        text += findings.effect.design == BlockDesign::Crossed
+                    ? join("within each ", arguments.within, ":\n")
+                    : join("means of each ", arguments.within,
+                           ", within which the covariates are the same:\n");
     for (std::size_t k = 0; k < arguments.on.size(); ++k)
         text += join(arguments.on[k], findings.each.size() > 1 ? " beyond the others: " : ": ",
                      describe(findings.each[k]), "\n");
@@ -231,6 +241,8 @@ void run(const Session& session, const Arguments& arguments)
     figures.update(space_figures(findings.effect.space));
     figures["covariates"] = covariate_figures(arguments, findings);
     figures["together"] = test_figures(findings.together);
+    if (!arguments.within.empty())
+        figures["design"] = findings.effect.design == BlockDesign::Crossed ? "crossed" : "nested";
     session.message(summary(arguments, findings));
     session.print_figures(figures);
 }
@@ -257,8 +269,10 @@ Run set_up_regress(CLI::App& command)
     command.get_option("--on")->required()->option_text("LABEL|size REQUIRED");
     add_label(
         command, "--within", arguments->within,
-        "Meshes with the same value of it are a block, such as all meshes of a subject: only\n"
-        "variation inside the blocks counts");
+        "Meshes with the same value of it are a block, such as all meshes of a subject. "
+        "Covariates\n"
+        "that differ inside blocks are tested there; if they are the same for all of a block (the\n"
+        "age of a subject scanned several times), the means of the blocks are regressed");
     add_output_file(
         command, arguments->output,
         "CSV file to write: mesh, the covariates, and score, where the mesh lies along\n"

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/vector3.h"
 
 namespace shape::internal {
 
@@ -13,6 +14,20 @@ namespace shape::internal {
 /// (vectorised.h) and the first cache holds.
 inline constexpr int block_size = 128;
 using Row = double[block_size];
+
+/// The vectors of a block, a row for each coordinate.
+struct alignas(64) VectorRows
+{
+    Row x, y, z;
+
+    void set(int i, const Vector3<double>& to)
+    {
+        x[i] = to.x;
+        y[i] = to.y;
+        z[i] = to.z;
+    }
+    [[gnu::always_inline]] Vector3<double> operator[](int i) const { return {x[i], y[i], z[i]}; }
+};
 
 /// Calls work(first, count) for consecutive blocks of [0, total), count <= block_size.
 template <class Work>

@@ -11,11 +11,12 @@
 namespace shape::internal {
 
 /// Objects whose memory serves again and again, for one caller at a time each; as many are made as
-/// callers work at once.
+/// callers work at once. Fresh memory often costs more than what is done in it.
 template <class T>
 class Pool
 {
 public:
+    Pool() : Pool([] { return std::make_unique<T>(); }) {}
     explicit Pool(std::function<std::unique_ptr<T>()> make) : make_(std::move(make)) {}
 
     /// One that nobody else has until the pointer is destroyed, which must be before the pool is. Safe to

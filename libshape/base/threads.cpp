@@ -2,15 +2,13 @@
 
 #include "libshape/base/threads.h"
 
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
-#include <memory>
 #include <mutex>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -28,30 +26,171 @@ std::atomic<int>& configured_threads()
     return count;
 }
 
-/// Where a number of threads works.
-struct Arena
+thread_local bool inside_loop = false; ///< This thread runs a chunk.
+
+/// A loop that its caller has not ended yet; lives on the stack of that caller.
+class Loop
 {
-    explicit Arena(int threads)
-        : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
-          arena(threads)
+public:
+    Loop(std::size_t chunks, int helpers, const std::function<void(std::size_t)>& run)
+        : chunks_(chunks), most_helpers_(helpers), run_(run), errors_(chunks)
     {
     }
-    tbb::global_control limit; // otherwise TBB stops at the number of processors
-    tbb::task_arena arena;
+
+    /// Runs chunks until all are taken.
+    void work()
+    {
+        inside_loop = true;
+        for (std::size_t chunk = next_++; chunk < chunks_; chunk = next_++) {
+            try {
+                run_(chunk);
+            } catch (...) {
+                errors_[chunk] = std::current_exception();
+            }
+        }
+        inside_loop = false;
+    }
+
+    [[nodiscard]] bool wants_help() const { return helpers_ < most_helpers_ && next_ < chunks_; }
+
+    void rethrow_first_error() const
+    {
+        for (const std::exception_ptr& error : errors_)
+            if (error)
+                std::rethrow_exception(error);
+    }
+
+    std::atomic<int> helpers_{0}; ///< Workers inside work(); changed under the lock of the workers.
+    Loop* next_loop_ = nullptr;   ///< Posted before this one.
+
+private:
+    std::atomic<std::size_t> next_{0};
+    std::size_t chunks_;
+    int most_helpers_;
+    const std::function<void(std::size_t)>& run_;
+    std::vector<std::exception_ptr> errors_;
 };
 
-/// Made anew after set_thread_count().
-std::shared_ptr<Arena> arena_of_threads()
+/// Spins for about 50 microseconds: loops follow each other closely, and to wake a thread costs as much.
+template <class Condition>
+bool soon(const Condition& condition)
 {
-    static std::mutex mutex;
-    static std::shared_ptr<Arena> current;
-    const std::lock_guard lock(mutex);
-    if (!current || current->arena.max_concurrency() != thread_count())
-        current = std::make_shared<Arena>(thread_count());
-    return current;
+    for (int i = 0; i < 1000; ++i) {
+        if (condition())
+            return true;
+#if defined(__x86_64__)
+        __builtin_ia32_pause();
+#endif
+    }
+    return condition();
 }
 
-thread_local bool inside_loop = false; ///< This thread runs a chunk.
+/// The threads that help the callers of loops. A caller never waits for one to start: without any
+/// (no memory for a stack, or the limit of processes reached) it does all the work itself, to the
+/// same bits.
+class Workers
+{
+public:
+    Workers() = default;
+    Workers(const Workers&) = delete;
+    Workers& operator=(const Workers&) = delete;
+    ~Workers()
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            is_ending_ = true;
+        }
+        posted_.notify_all();
+        for (std::thread& thread : threads_)
+            thread.join();
+    }
+
+    void run(Loop& loop)
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            start_missing();
+            loop.next_loop_ = loops_;
+            loops_ = &loop;
+            ++posts_;
+        }
+        posted_.notify_all();
+        loop.work();
+        std::unique_lock lock(mutex_);
+        Loop** link = &loops_;
+        while (*link != &loop)
+            link = &(*link)->next_loop_;
+        *link = loop.next_loop_;
+        if (loop.helpers_ == 0)
+            return;
+        lock.unlock();
+        soon([&] { return loop.helpers_ == 0; });
+        lock.lock();
+        left_.wait(lock, [&] { return loop.helpers_ == 0; });
+    }
+
+private:
+    /// Tries once for each thread_count(): where one thread is refused the next would be too.
+    void start_missing()
+    {
+        const int wanted = thread_count();
+        if (wanted == tried_)
+            return;
+        tried_ = wanted;
+        try {
+            threads_.reserve(static_cast<std::size_t>(wanted));
+            while (static_cast<int>(threads_.size()) < wanted - 1)
+                threads_.emplace_back([this] { help(); });
+        } catch (const std::system_error&) {
+        } catch (const std::bad_alloc&) {
+        }
+    }
+
+    [[nodiscard]] Loop* loop_that_wants_help() const
+    {
+        Loop* loop = loops_;
+        while (loop != nullptr && !loop->wants_help())
+            loop = loop->next_loop_;
+        return loop;
+    }
+
+    void help()
+    {
+        std::unique_lock lock(mutex_);
+        while (!is_ending_) {
+            if (Loop* loop = loop_that_wants_help()) {
+                ++loop->helpers_;
+                lock.unlock();
+                loop->work();
+                lock.lock();
+                if (--loop->helpers_ ==
+                    0) // the caller may leave, and the loop be gone, from here on
+                    left_.notify_all();
+                continue;
+            }
+            const unsigned seen = posts_;
+            lock.unlock();
+            soon([&] { return posts_ != seen; });
+            lock.lock();
+            posted_.wait(lock, [&] { return is_ending_ || posts_ != seen; });
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable posted_; ///< A loop was posted, or the end has come.
+    std::condition_variable left_;   ///< The last helper has left a loop.
+    std::atomic<unsigned> posts_{0};
+    Loop* loops_ = nullptr; ///< The one posted last.
+    bool is_ending_ = false;
+    int tried_ = 1; ///< thread_count() for which threads were started.
+    std::vector<std::thread> threads_;
+};
+
+Workers& workers()
+{
+    static Workers all;
+    return all;
+}
 
 } // namespace
 
@@ -72,47 +211,18 @@ void parallel_for(std::size_t count, std::size_t grain,
 {
     grain = std::max<std::size_t>(grain, 1);
     const std::size_t chunks = (count + grain - 1) / grain;
-    const auto run = [&](std::size_t chunk) {
+    const std::function<void(std::size_t)> run = [&](std::size_t chunk) {
         body(chunk * grain, std::min(count, (chunk + 1) * grain));
     };
-    if (chunks <= 1 || thread_count() == 1 || inside_loop) {
+    const int threads = thread_count();
+    if (chunks <= 1 || threads == 1 || inside_loop) {
         for (std::size_t chunk = 0; chunk < chunks; ++chunk)
             run(chunk);
         return;
     }
-    std::vector<std::exception_ptr> errors(chunks);
-    const auto guarded = [&](std::size_t chunk) {
-        inside_loop = true;
-        try {
-            run(chunk);
-        } catch (...) {
-            errors[chunk] = std::current_exception();
-        }
-        inside_loop = false;
-    };
-    // The caller does what no other thread takes, so a busy machine costs no waiting; but no chunk of
-    // another loop, which might wait for what the caller holds.
-    arena_of_threads()->arena.execute([&] {
-        tbb::this_task_arena::isolate(
-            [&] { tbb::parallel_for(std::size_t{0}, chunks, guarded, tbb::simple_partitioner{}); });
-    });
-    for (const std::exception_ptr& error : errors)
-        if (error)
-            std::rethrow_exception(error);
-}
-
-double parallel_sum(std::size_t count, std::size_t grain,
-                    const std::function<double(std::size_t, std::size_t)>& term)
-{
-    grain = std::max<std::size_t>(grain, 1);
-    std::vector<double> parts((count + grain - 1) / grain, 0.0);
-    parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
-        parts[begin / grain] = term(begin, end);
-    });
-    double sum = 0.0;
-    for (double part : parts)
-        sum += part;
-    return sum;
+    Loop loop(chunks, threads - 1, run);
+    workers().run(loop);
+    loop.rethrow_first_error();
 }
 
 } // namespace shape

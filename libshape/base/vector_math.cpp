@@ -9,6 +9,17 @@
 
 namespace shape::internal {
 
+// Each loop takes values from arrays that lie side by side and puts results into others,
+//
+//     angles   t0 t1 t2 t3 | t4 ..      sines   s0 s1 s2 s3 | s4 ..      cosines   c0 c1 c2 c3 | c4 ..
+//
+// two or four (floats: four or eight) at once. The plain loop calls the standard library's function value by
+// value: its branches and tables keep it in one lane. So there is no branch here, every choice is a choice
+// of registers, and one polynomial serves the whole range after its reduction:
+//
+//     sines_cosines    t - 2 pi n, by 4: sine and cosine by Taylor, doubled twice     (|t| <= pi / 4)
+//     vector_angles    octant by comparisons, then atan(r) = r + r^3 p(r^2)            (|r| <= tan(pi / 8))
+
 SHAPE_VECTORISED void sines_cosines(const double* angles, std::size_t count, double* sines,
                                     double* cosines)
 {

@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/conformal/conformal_edges.h"
 #include "libshape/conformal/flat_metric.h"
 #include "libshape/conformal/layout.h"
@@ -27,15 +28,22 @@ ConformalCertificate certify(const DiscMap& map, const FlatMetric& flat)
 
 } // namespace
 
+void check(const DiscMapOptions& options)
+{
+    for (Eigen::Index v = 0; v < options.boundary_factors.size(); ++v)
+        require(std::isfinite(options.boundary_factors[v]),
+                join("DiscMapOptions.boundary_factors[", v, "]"), options.boundary_factors[v],
+                "finite");
+}
+
 DiscMap map_to_plane(const Topology& topology, const Eigen::VectorXd& lengths,
                      const DiscMapOptions& options)
 {
+    check(options);
     if (topology.boundary_loop_count() != 1 || topology.genus() != 0)
         throw InvalidInput(join("the mesh has ", topology.boundary_loop_count(),
                                 " boundary loops and genus ", topology.genus(),
                                 ", a disc has 1 and 0; cut the mesh open or fill its holes"));
-    if (options.boundary_factors.size() != 0 && !options.boundary_factors.allFinite())
-        throw InvalidInput("boundary_factors has an entry that is not finite");
     const FlatMetric flat = flatten_disc(IntrinsicTriangulation(topology, lengths),
                                          options.boundary_factors.size() != 0
                                              ? options.boundary_factors

@@ -13,10 +13,13 @@ namespace shape {
 
 struct DiscMapOptions
 {
-    Eigen::VectorXd boundary_factors; ///< #V; u_i to keep at boundary vertices, others are ignored.
-                                      ///< Empty: 0, boundary edges keep their lengths; of all
-                                      ///< choices this distorts areas least.
+    /// Boundary vertices keep these u_i; #V, finite, others are ignored. Empty: 0, boundary edges keep
+    /// their lengths; of all choices this distorts areas least.
+    Eigen::VectorXd boundary_factors;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const DiscMapOptions& options);
 
 /// A discrete conformal map of a disc to the plane.
 struct DiscMap

@@ -211,6 +211,7 @@ private:
 FlatMetric flatten_disc(IntrinsicTriangulation triangulation, const Eigen::VectorXd& factors,
                         const TriangulationRepairOptions& options)
 {
+    check(options);
     if (factors.size() != triangulation.vertex_count())
         throw InvalidInput(join("factors has ", factors.size(), " entries, the mesh ",
                                 triangulation.vertex_count(), " vertices"));
@@ -220,6 +221,7 @@ FlatMetric flatten_disc(IntrinsicTriangulation triangulation, const Eigen::Vecto
 FlatMetric flatten_punctured_sphere(IntrinsicTriangulation triangulation, int removed_vertex,
                                     const TriangulationRepairOptions& options)
 {
+    check(options);
     const Eigen::VectorXd factors = Eigen::VectorXd::Zero(triangulation.vertex_count());
     return Flattening(std::move(triangulation), removed_vertex, factors, options).run();
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "libshape/base/require.h"
 #include "libshape/conformal/angle_defect_energy.h"
 
 namespace shape::internal {
@@ -83,10 +84,17 @@ Place go_to(const IntrinsicTriangulation& t, Eigen::VectorXd u, const ScaleFacto
 
 } // namespace
 
+void check(const ScaleFactorOptions& options)
+{
+    require_positive(options.tolerance, "ScaleFactorOptions.tolerance");
+    require_at_least(0, options.max_iterations, "ScaleFactorOptions.max_iterations");
+}
+
 ScaleFactors solve_scale_factors(const IntrinsicTriangulation& triangulation,
                                  const Eigen::VectorXd& initial, const ScaleFactorProblem& problem,
                                  const ScaleFactorOptions& options)
 {
+    check(options);
     Place place = go_to(triangulation, initial, problem);
     CotangentSystem system(place.triangulation, problem.is_free);
     int iterations = 0;

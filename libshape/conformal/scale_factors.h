@@ -21,10 +21,15 @@ struct ScaleFactorProblem
 
 struct ScaleFactorOptions
 {
-    double tolerance = 1e-13; ///< Ends when max |angle defect| <= tolerance [rad]; > 0. Also ends
-                              ///< where rounding keeps steps from helping.
-    int max_iterations = 200; ///< Newton steps; >= 0.
+    /// It ends where max |angle defect| <= tolerance [rad], > 0; and where rounding keeps steps from
+    /// helping.
+    double tolerance = 1e-13;
+    /// It ends after this many Newton steps; >= 0.
+    int max_iterations = 200;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const ScaleFactorOptions& options);
 
 /// The minimiser of the angle-defect energy.
 struct ScaleFactors
@@ -36,7 +41,7 @@ struct ScaleFactors
     std::vector<int> broken_faces; ///< Faces that break the triangle inequality there: then no
                                    ///< solution exists with these edges. Ascending.
     Eigen::VectorXd edge_weights;  ///< #E half cotangent sums at u.
-    CotangentSystem system;        ///< Of the triangulation and the free vertices.
+    CotangentSystem system;        ///< The system of the triangulation and its free vertices.
 };
 
 /// Finds the factors that make the angles at every free vertex sum to 2 pi: Newton's method on the

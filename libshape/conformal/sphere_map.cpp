@@ -11,6 +11,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/conformal/central_vertex.h"
 #include "libshape/conformal/conformal_edges.h"
 #include "libshape/conformal/flat_metric.h"
@@ -110,13 +111,20 @@ std::string why_not_spherical(const Topology& topology)
     return {};
 }
 
+void check(const SphereMapOptions& options)
+{
+    require_at_least(-1, options.infinite_vertex, "SphereMapOptions.infinite_vertex");
+    check(options.repair);
+}
+
 SphereMap map_to_sphere(const Topology& topology, const Eigen::VectorXd& lengths,
                         const SphereMapOptions& options)
 {
     if (const std::string reason = why_not_spherical(topology); !reason.empty())
         throw InvalidInput(reason);
+    check(options);
     const int vertex_count = topology.vertex_count();
-    if (options.infinite_vertex < -1 || options.infinite_vertex >= vertex_count)
+    if (options.infinite_vertex >= vertex_count)
         throw InvalidInput(join("infinite_vertex is ", options.infinite_vertex,
                                 ", must be in [-1, ", vertex_count - 1, "]"));
     IntrinsicTriangulation triangulation(topology, lengths);

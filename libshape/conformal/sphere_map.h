@@ -15,9 +15,14 @@ namespace shape {
 
 struct SphereMapOptions
 {
-    int infinite_vertex = -1; ///< Vertex whose star is taken out to solve; -1: central_vertex().
+    /// The star of this vertex is taken out to solve, >= -1; -1: that of central_vertex().
+    int infinite_vertex = -1;
+    /// How a triangulation without solution is repaired.
     TriangulationRepairOptions repair = {};
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const SphereMapOptions& options);
 
 /// A discrete conformal map to a sphere about 0 with the area of the mesh.
 struct SphereMap

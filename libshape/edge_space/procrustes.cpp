@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/mesh/rotation_fit.h"
 
@@ -43,7 +44,7 @@ Eigen::Matrix3d turn_towards(const Points& reference, const Points& points,
     return nearest_rotation(placement.factor * covariance, guess);
 }
 
-void check(const std::vector<Points>& meshes, const ProcrustesOptions& options)
+void check_meshes(const std::vector<Points>& meshes)
 {
     if (meshes.empty())
         throw InvalidInput("Procrustes alignment of no mesh");
@@ -52,12 +53,6 @@ void check(const std::vector<Points>& meshes, const ProcrustesOptions& options)
             throw InvalidInput(join("Procrustes alignment: mesh ", i, " has ", meshes[i].rows(),
                                     " vertices, the first ", meshes.front().rows(),
                                     "; the counts must be equal and not 0"));
-    if (options.max_iterations < 1)
-        throw InvalidInput(join("Procrustes alignment: max_iterations is ", options.max_iterations,
-                                ", must be > 0"));
-    if (!(options.tolerance > 0.0))
-        throw InvalidInput(
-            join("Procrustes alignment: tolerance is ", options.tolerance, ", must be > 0"));
 }
 
 } // namespace
@@ -78,9 +73,16 @@ Points aligned_with(const Points& reference, const Points& points, Scale scale)
     return (points.rowwise() - placement.centre) * (placement.factor * rotation.transpose());
 }
 
+void check(const ProcrustesOptions& options)
+{
+    require_at_least(1, options.max_iterations, "ProcrustesOptions.max_iterations");
+    require_positive(options.tolerance, "ProcrustesOptions.tolerance");
+}
+
 ProcrustesMean procrustes_mean(const std::vector<Points>& meshes, const ProcrustesOptions& options)
 {
-    check(meshes, options);
+    check(options);
+    check_meshes(meshes);
     const std::size_t count = meshes.size();
     std::vector<Placement> placements;
     for (const Points& mesh : meshes)

@@ -11,10 +11,16 @@ namespace shape {
 
 struct ProcrustesOptions
 {
-    Scale scale = Scale::Unit; ///< Unit: every mesh is brought to centroid size 1 first.
-    int max_iterations = 100;  ///< > 0.
-    double tolerance = 1e-12;  ///< The iteration ends once |m' - m| <= tolerance * |m|; > 0.
+    /// Unit: every mesh is brought to centroid size 1 first. None: sizes stay.
+    Scale scale = Scale::Unit;
+    /// The alignment ends after this many iterations; >= 1.
+    int max_iterations = 100;
+    /// It ends once the mean moves by |m' - m| <= tolerance * |m|; > 0.
+    double tolerance = 1e-12;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const ProcrustesOptions& options);
 
 /// The mean of meshes after generalised Procrustes alignment.
 struct ProcrustesMean

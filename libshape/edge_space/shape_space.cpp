@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/edge_space/procrustes.h"
@@ -18,19 +19,6 @@ using namespace internal;
 namespace {
 
 using Eigen::Index;
-
-void check(const Collection& collection, const SpaceOptions& options)
-{
-    if (collection.size() == 0)
-        throw InvalidInput("a space of shapes needs at least one mesh");
-    if (!(options.dihedral_weight >= 0.0 && std::isfinite(options.dihedral_weight)))
-        throw InvalidInput(join("space: dihedral_weight is ", options.dihedral_weight,
-                                ", must be >= 0 and finite"));
-    if (options.kind != SpaceKind::Edge &&
-        (options.coordinates != LengthCoordinates::Plain ||
-         options.weighting != EdgeWeighting::Uniform || options.dihedral_weight != 0.0))
-        throw InvalidInput("space: coordinates, weighting and dihedral_weight are of edge space");
-}
 
 Eigen::VectorXd scaled_lengths(const Topology& topology, const Points& points, Scale scale)
 {
@@ -195,9 +183,25 @@ DecodedShape decode_point(const ProcrustesSpace& space, const Eigen::VectorXd& c
 
 } // namespace
 
+void check(const SpaceOptions& options)
+{
+    require_not_negative(options.dihedral_weight, "SpaceOptions.dihedral_weight");
+    const auto of_edge_space = [&](const char* field, bool is_set) {
+        if (is_set && options.kind != SpaceKind::Edge)
+            throw InvalidInput(
+                join("SpaceOptions.", field,
+                     " is set, but belongs to edge space, which is not the chosen one"));
+    };
+    of_edge_space("coordinates", options.coordinates != LengthCoordinates::Plain);
+    of_edge_space("weighting", options.weighting != EdgeWeighting::Uniform);
+    of_edge_space("dihedral_weight", options.dihedral_weight != 0.0);
+}
+
 ShapeSpace make_space(const Collection& collection, const SpaceOptions& options)
 {
-    check(collection, options);
+    check(options);
+    if (collection.size() == 0)
+        throw InvalidInput("a space of shapes needs at least one mesh");
     if (options.kind == SpaceKind::Procrustes)
         return make_procrustes_space(collection, options.scale);
     return make_edge_space(collection, options);

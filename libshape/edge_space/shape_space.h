@@ -29,7 +29,7 @@ struct ProcrustesSpace
 {
     Scale scale = Scale::Unit; ///< Unit: centroid size 1.
     Points mean = {};          ///< #V by 3, centroid at 0: what meshes are aligned with.
-    int iterations = 0;        ///< Of the alignment that found the mean; not kept in files.
+    int iterations = 0;        ///< The alignment that found the mean took these; not kept in files.
     bool converged = true;     ///< So did it; not kept in files.
 };
 
@@ -49,16 +49,24 @@ enum class EdgeWeighting
     Area,    ///< By its share of the surface: see make_space().
 };
 
+/// coordinates, weighting and dihedral_weight belong to edge space and may be set there alone.
 struct SpaceOptions
 {
+    /// The space in which shapes are points.
     SpaceKind kind = SpaceKind::Edge;
+    /// Unit: every mesh is brought to one size first. None: size is a part of shape.
     Scale scale = Scale::Unit;
-    // Of edge space alone:
+    /// Lengths are taken as they are, or by another function of them.
     LengthCoordinates coordinates = LengthCoordinates::Plain;
+    /// Edges count alike, or by the area around them.
     EdgeWeighting weighting = EdgeWeighting::Uniform;
-    double dihedral_weight = 0.0; ///< > 0: dihedral angles are coordinates; 1 rad counts as much as
-                                  ///< a relative change of length by so much.
+    /// Where > 0, dihedral angles are coordinates too: 1 rad counts as much as a relative change of
+    /// length by so much; >= 0.
+    double dihedral_weight = 0.0;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const SpaceOptions& options);
 
 /// The space of a collection.
 ///

@@ -9,13 +9,11 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/edge_space/admissibility.h"
+#include "libshape/base/require.h"
 #include "libshape/embedding/closure/closure_embedding.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
+#include "libshape/embedding/finished_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
-#include "libshape/embedding/start/face_layout.h"
-#include "libshape/mesh/alignment.h"
-#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
@@ -27,25 +25,24 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// E of Rojas 2014, eq. 3.
-double closure_energy(const Topology& topology, const ShapePoint& target)
-{
-    const FaceLayout layout =
-        lay_out_faces(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
-    return (4.0 * (1.0 - closure_angles(topology, layout.transitions).array().cos())).sum();
-}
-
 } // namespace
 
-Embedding as_embedding(const Topology& topology, Points points)
+void check(const EmbeddingOptions& options)
 {
-    points.rowwise() -= centroid(points);
-    const ShapePoint target{edge_lengths(topology, points), dihedral_angles(topology, points)};
-    Embedding embedding{std::move(points), {}};
-    embedding.report = measure_embedding(topology, embedding.points, target);
-    embedding.report.closure_energy = closure_energy(topology, target);
-    embedding.report.converged = true;
-    return embedding;
+    const auto belongs_to = [&](EmbeddingMethod method, const char* name, const char* field,
+                                bool is_set) {
+        if (is_set && options.method != method)
+            throw InvalidInput(join("EmbeddingOptions.", field,
+                                    " is set, but belongs to the method ", name,
+                                    ", which is not the chosen one"));
+    };
+    belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "quality", options.quality.has_value());
+    belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "smoothness", options.smoothness.has_value());
+    belongs_to(EmbeddingMethod::Multiscale, "Multiscale", "registration_start",
+               options.registration_start.has_value());
+    belongs_to(EmbeddingMethod::Multiscale, "Multiscale", "seed", options.seed.has_value());
+    require_positive(options.smoothness.value_or(default_smoothness),
+                     "EmbeddingOptions.smoothness");
 }
 
 struct Embedder::State
@@ -65,15 +62,20 @@ struct Embedder::State
     {
     }
 
+    [[nodiscard]] MultiscaleOptions multiscale_options() const
+    {
+        MultiscaleOptions chosen;
+        chosen.seed = options.seed.value_or(chosen.seed);
+        chosen.registration.start = options.registration_start.value_or(chosen.registration.start);
+        return chosen;
+    }
+
     void prepare()
     {
         std::call_once(prepared, [this] {
             const auto start = std::chrono::steady_clock::now();
             if (options.method == EmbeddingMethod::Multiscale)
-                multiscale.emplace(
-                    topology, references.front(),
-                    MultiscaleOptions{.seed = options.seed,
-                                      .registration = {.start = options.registration_start}});
+                multiscale.emplace(topology, references.front(), multiscale_options());
             if (options.method == EmbeddingMethod::Dihedral)
                 dihedral.emplace(topology, references);
             setup_seconds = seconds_since(start);
@@ -81,20 +83,34 @@ struct Embedder::State
     }
 };
 
+namespace {
+
+/// Energies and weights hold fourth powers of lengths and of their inverses.
+void check_size(double largest, const char* what)
+{
+    constexpr double limit = 1e60;
+    if (!(largest >= 1.0 / limit && largest <= limit))
+        throw InvalidInput(join("the longest edge of ", what, " is ", largest, ", must be in [",
+                                1.0 / limit, ", ", limit, "]; choose another unit"));
+}
+
+} // namespace
+
 Embedder::Embedder(const Topology& topology, std::vector<Points> references,
                    const EmbeddingOptions& options)
 {
+    check(options);
     if (references.empty())
         throw InvalidInput("the embedding needs at least one reference mesh");
     for (const Points& reference : references) {
         if (reference.rows() != topology.vertex_count())
             throw InvalidInput(join("reference has ", reference.rows(), " rows, the topology ",
                                     topology.vertex_count(), " vertices"));
-        if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
+        const Eigen::VectorXd lengths = edge_lengths(topology, reference);
+        if (!(lengths.minCoeff() > 0.0))
             throw InvalidInput("a reference mesh has an edge of length 0");
+        check_size(lengths.maxCoeff(), "a reference mesh");
     }
-    if (!(options.smoothness > 0.0))
-        throw InvalidInput(join("smoothness is ", options.smoothness, ", must be > 0"));
     state_ = std::make_unique<State>(topology, std::move(references), options);
 }
 
@@ -105,50 +121,37 @@ Embedder& Embedder::operator=(Embedder&&) noexcept = default;
 Embedding Embedder::embed(const ShapePoint& target) const
 {
     State& s = *state_;
+    if (target.edge_lengths.size() > 0)
+        check_size(target.edge_lengths.cwiseAbs().maxCoeff(), "the target");
     s.prepare();
-    const auto start = std::chrono::steady_clock::now();
-    Points points;
-    EmbeddingReport solver; // the fields that measure_embedding() leaves open
-    std::optional<MultiscaleTimes> multiscale;
+    const Clock::time_point start = Clock::now();
+    const Points& reference = s.references.front();
+    Embedding embedding;
     switch (s.options.method) {
         case EmbeddingMethod::Dihedral: {
             DihedralEmbeddingOptions options;
             if (s.options.quality == EmbeddingQuality::Preview)
                 options = dihedral_preview();
-            options.smoothness = s.options.smoothness;
-            DihedralEmbedding nearest = s.dihedral->embed(target, options);
-            points = std::move(nearest.points);
-            solver.iterations = nearest.iterations;
-            solver.converged = nearest.converged;
+            options.smoothness = s.options.smoothness.value_or(default_smoothness);
+            embedding = embed_by_dihedrals(*s.dihedral, s.topology, reference, target, options);
             break;
         }
         case EmbeddingMethod::Closure: {
-            ClosureEmbedding closed = embed_by_closure(s.topology, target);
-            points = std::move(closed.points);
-            solver.iterations = closed.solution.iterations;
-            solver.converged = closed.solution.converged;
-            solver.closure_energy = closed.solution.energy;
+            const ClosureEmbedding closed = embed_by_closure(s.topology, target);
+            embedding = finished_embedding(s.topology, closed.points, reference, target, start);
+            embedding.report.iterations = closed.solution.iterations;
+            embedding.report.converged = closed.solution.converged;
+            embedding.report.closure_energy = closed.solution.energy;
             break;
         }
         case EmbeddingMethod::Multiscale: {
-            MultiscaleEmbedding pose = s.multiscale->embed(target);
-            points = std::move(pose.points);
-            multiscale = {s.multiscale->setup_times(), pose.times};
-            solver.converged = true; // a fixed number of passes
+            const MultiscaleEmbedding pose = s.multiscale->embed(target);
+            embedding = finished_embedding(s.topology, pose.points, reference, target, start);
+            embedding.multiscale = {s.multiscale->setup_times(), pose.times};
+            embedding.report.converged = true; // a fixed number of passes
             break;
         }
     }
-    points = best_rigid_motion(points, s.references.front())(points);
-    points.rowwise() -= centroid(points);
-    const double seconds = seconds_since(start);
-
-    Embedding embedding{points, measure_embedding(s.topology, points, target), multiscale};
-    embedding.report.closure_energy = s.options.method == EmbeddingMethod::Closure
-                                          ? solver.closure_energy
-                                          : closure_energy(s.topology, target);
-    embedding.report.iterations = solver.iterations;
-    embedding.report.converged = solver.converged;
-    embedding.report.seconds = seconds;
     embedding.report.setup_seconds = s.setup_seconds;
     return embedding;
 }

@@ -31,14 +31,26 @@ enum class EmbeddingQuality
     Fine,    ///< To convergence.
 };
 
+/// Weight of angles [rad] against relative lengths: mu of docs/embedding.md, which says what it means.
+inline constexpr double default_smoothness = 5e-3;
+
+/// Fields that belong to a method may be set only where it is chosen; what is not set has its default.
 struct EmbeddingOptions
 {
+    /// This is how meshes are made.
     EmbeddingMethod method = EmbeddingMethod::Dihedral;
-    EmbeddingQuality quality = EmbeddingQuality::Fine;
-    double smoothness = 5e-3; ///< Weight mu of the dihedral term against the length term; > 0.
-    RegistrationStart registration_start = RegistrationStart::Incremental; ///< Of Multiscale.
-    std::uint64_t seed = 1;                                                ///< Of Multiscale.
+    /// Dihedral takes this effort; default Fine.
+    std::optional<EmbeddingQuality> quality = {};
+    /// Dihedral weighs angles by this; > 0, default default_smoothness.
+    std::optional<double> smoothness = {};
+    /// Multiscale starts to register patches from this; default Incremental.
+    std::optional<RegistrationStart> registration_start = {};
+    /// Multiscale draws the seed triangles of its patches by this; default 1.
+    std::optional<std::uint64_t> seed = {};
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule, or that belongs to another method.
+void check(const EmbeddingOptions& options);
 
 /// Where the time of EmbeddingMethod::Multiscale goes.
 struct MultiscaleTimes
@@ -52,7 +64,7 @@ struct Embedding
 {
     Points points; ///< #V by 3 [length], centroid at 0.
     EmbeddingReport report;
-    std::optional<MultiscaleTimes> multiscale = {}; ///< Of that method.
+    std::optional<MultiscaleTimes> multiscale = {}; ///< Set by that method alone.
 };
 
 /// A mesh that needs no embedding, as one: its targets are its own lengths and angles. The centroid
@@ -66,7 +78,7 @@ class Embedder
 public:
     /// @param references  Meshes of the topology near the points to come, at least one: the inputs of
     ///     a blend, the reference mesh of a model. Results are aligned with the first.
-    /// @throws InvalidInput if an option is out of its range, there is no reference, or one has
+    /// @throws InvalidInput if an option breaks its rule, there is no reference, or one has
     ///     another size or edges of length 0.
     Embedder(const Topology& topology, std::vector<Points> references,
              const EmbeddingOptions& options = {});

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libshape/base/error.h"
-#include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 
@@ -70,17 +69,18 @@ SequenceStep measure_step(const Topology& topology, const Points& before, const 
             .bending = weight > 0.0 ? std::sqrt(bending / weight) : 0.0};
 }
 
+void check(const JumpOptions& options)
+{
+    require_positive(options.ratio, "JumpOptions.ratio");
+    require(options.reach > 0, "JumpOptions.reach", options.reach, "> 0");
+    require_positive(options.least_displacement, "JumpOptions.least_displacement");
+    require_positive(options.least_bending, "JumpOptions.least_bending");
+}
+
 std::vector<SequenceJump> find_jumps(const std::vector<SequenceStep>& steps,
                                      const JumpOptions& options)
 {
-    const auto check = [](const char* name, double value) {
-        if (!(value > 0.0))
-            throw InvalidInput(join(name, " is ", value, ", must be > 0"));
-    };
-    check("ratio", options.ratio);
-    check("reach", static_cast<double>(options.reach));
-    check("least_displacement", options.least_displacement);
-    check("least_bending", options.least_bending);
+    check(options);
     std::vector<SequenceJump> jumps;
     for (std::size_t k = 0; k < steps.size(); ++k) {
         const double ratio = std::max(ratio_to_nearby(steps, k, &SequenceStep::displacement,

@@ -35,11 +35,18 @@ struct SequenceJump
 
 struct JumpOptions
 {
-    double ratio = 5.0;               ///< > 0; a larger one is a jump.
-    std::size_t reach = 4;            ///< Steps on either side that are nearby; > 0.
-    double least_displacement = 2e-4; ///< Smaller steps count as this [1]; > 0.
-    double least_bending = 4e-4;      ///< Smaller steps count as this [rad] (0.02 deg); > 0.
+    /// A step is a jump where it exceeds this times the median of those nearby; > 0.
+    double ratio = 5.0;
+    /// This many steps on either side are nearby; > 0.
+    std::size_t reach = 4;
+    /// Displacements below this count as this [1]; > 0.
+    double least_displacement = 2e-4;
+    /// Bendings below this count as this [rad] (0.02 deg); > 0.
+    double least_bending = 4e-4;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const JumpOptions& options);
 
 /// Finds the steps s_k, from frame k to frame k + 1, with
 ///

@@ -79,7 +79,18 @@ Collection read_collection(const std::filesystem::path& path)
             Eigen::Map<const Points>(points.row(i).data(), vertex_count, 3);
     });
     points.resize(0, 0);
-    (void)file.numbers("/dihedral_angles", {count, topology.edge_count()});
+    {
+        const RowMatrix angles = file.numbers("/dihedral_angles", {count, topology.edge_count()});
+        for_each_mesh(collection.size(), [&](Eigen::Index i) {
+            const Eigen::VectorXd measured =
+                dihedral_angles(topology, collection.points[static_cast<std::size_t>(i)]);
+            for (Eigen::Index e = 0; e < measured.size(); ++e)
+                if (!(std::abs(wrapped_angle(angles(i, e) - measured[e])) <= 1e-6))
+                    file.fail("/dihedral_angles",
+                              join("value (", i, ", ", e, ") is ", angles(i, e),
+                                   ", the points and /topology/faces give ", measured[e]));
+        });
+    }
     const RowMatrix lengths = file.numbers("/edge_lengths", {count, topology.edge_count()});
     for_each_mesh(collection.size(), [&](Eigen::Index i) {
         const Eigen::VectorXd measured =

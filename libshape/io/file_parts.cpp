@@ -3,11 +3,14 @@
 #include "libshape/io/file_parts.h"
 
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <set>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/version.h"
+#include "libshape/io/label_file.h"
 
 namespace shape::internal {
 namespace {
@@ -54,6 +57,24 @@ void check_kind(const Hdf5File& file, FileKind kind)
                   join("is ", version, "; this program reads ", format_version));
 }
 
+namespace {
+
+/// FNV-1a over the entries, row by row: tells whether faces were changed, in any way, after a file was
+/// written.
+std::int64_t checksum(const Faces& faces)
+{
+    std::uint64_t hash = 0xcbf29ce484222325;
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+        for (int c = 0; c < 3; ++c)
+            for (int byte = 0; byte < 4; ++byte) {
+                hash ^= (static_cast<std::uint32_t>(faces(f, c)) >> (8 * byte)) & 0xff;
+                hash *= 0x100000001b3;
+            }
+    return std::bit_cast<std::int64_t>(hash);
+}
+
+} // namespace
+
 void add_topology(Hdf5Content& content, const Topology& topology)
 {
     const auto add = [&](const char* name, const auto& matrix) {
@@ -64,6 +85,7 @@ void add_topology(Hdf5Content& content, const Topology& topology)
     };
     add("/topology/faces", topology.faces());
     add("/topology/edges", topology.edges());
+    content.attributes.emplace_back("faces_checksum", checksum(topology.faces()));
 }
 
 Topology read_topology(const Hdf5File& file, Eigen::Index vertex_count)
@@ -82,7 +104,22 @@ Topology read_topology(const Hdf5File& file, Eigen::Index vertex_count)
             file.fail("/topology/edges", join("row ", e, " is (", edges(e, 0), ", ", edges(e, 1),
                                               "), the faces give (", topology.edges()(e, 0), ", ",
                                               topology.edges()(e, 1), ")"));
+    if (file.has_attribute("faces_checksum") &&
+        file.integer_attribute("faces_checksum") != checksum(faces))
+        file.fail("/topology/faces",
+                  "are not those that the file was written with (attribute faces_checksum)");
     return topology;
+}
+
+void check_boundary_angles(const Hdf5File& file, const std::string& name, const Topology& topology,
+                           const RowMatrix& angles)
+{
+    for (Eigen::Index e = 0; e < topology.edge_count(); ++e)
+        if (topology.is_boundary_edge(static_cast<int>(e)) &&
+            !(angles.col(e).cwiseAbs().maxCoeff() <= 1e-9))
+            file.fail(name, join("edge ", e,
+                                 " is on the boundary of /topology/faces and has an angle "
+                                 "that is not 0: faces are missing"));
 }
 
 void add_strings(Hdf5Content& content, std::string name, Eigen::Index count,
@@ -127,8 +164,11 @@ void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels)
 Labels read_labels(const Hdf5File& file, Eigen::Index count)
 {
     Labels labels;
-    for (const std::string& name : file.members("/labels"))
+    for (const std::string& name : file.members("/labels")) {
         labels.push_back({name, file.strings("/labels/" + name, count)});
+        for (std::string& value : labels.back().values)
+            value = label_value(value); // whoever wrote the file
+    }
     return labels;
 }
 

@@ -29,6 +29,11 @@ void add_topology(Hdf5Content& content, const Topology& topology);
 /// @throws InvalidInput if the faces are not a Topology or the edges are not its edges.
 [[nodiscard]] Topology read_topology(const Hdf5File& file, Eigen::Index vertex_count);
 
+/// Angles of boundary edges are 0: others tell of faces that are missing.
+/// @param angles  Rows of #E [rad].
+void check_boundary_angles(const Hdf5File& file, const std::string& name, const Topology& topology,
+                           const RowMatrix& angles);
+
 void add_strings(Hdf5Content& content, std::string name, Eigen::Index count,
                  const std::vector<std::string>& strings);
 

@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/base/version.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_formats.h"
@@ -236,15 +237,19 @@ std::string internal::print_glb(const Points& points, const Faces& faces)
     return print(mesh_asset(points, faces));
 }
 
+void check(const GlbAnimationOptions& options)
+{
+    require_not_negative(options.tolerance, "GlbAnimationOptions.tolerance");
+    require_positive(options.frames_per_second, "GlbAnimationOptions.frames_per_second");
+}
+
 GlbAnimation write_glb_animation(const std::filesystem::path& path,
                                  const std::vector<Points>& frames, const Faces& faces,
                                  const GlbAnimationOptions& options)
 {
+    check(options);
     if (frames.size() < 2)
         throw InvalidInput(join("frames has ", frames.size(), " entries, an animation needs two"));
-    if (!(options.frames_per_second > 0.0))
-        throw InvalidInput(
-            join("frames_per_second is ", options.frames_per_second, ", must be > 0"));
     check_mesh(frames.front(), faces);
     const double diagonal = bounding_box_diagonal(frames.front());
     const Keyframes keyframes = choose_keyframes(frames, options.tolerance * diagonal);

@@ -12,9 +12,15 @@ namespace shape {
 
 struct GlbAnimationOptions
 {
-    double tolerance = 1e-3;         ///< Of the positions / bounding box diagonal [1]; >= 0.
-    double frames_per_second = 25.0; ///< > 0.
+    /// Frames are left out while positions between the others stay within this times the bounding box
+    /// diagonal [1]; >= 0.
+    double tolerance = 1e-3;
+    /// The animation shows this many frames a second; > 0.
+    double frames_per_second = 25.0;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const GlbAnimationOptions& options);
 
 /// What a viewer shows.
 struct GlbAnimation

@@ -3,12 +3,37 @@
 #include "libshape/io/mesh_builder.h"
 
 #include <cmath>
+#include <string>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/io/file/line_reader.h"
 
 namespace shape::internal {
+namespace {
+
+/// The name as it is, or with the bytes that are no text as %XX: tables, pictures and JSON take
+/// nothing but text, and on Linux a file may be called anything.
+std::string as_text(const std::string& name)
+{
+    const bool is_text = is_utf8(name);
+    std::string text;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 0x20 && byte != 0x7f && (byte < 0x80 || is_text)) {
+            text += c;
+            continue;
+        }
+        constexpr const char* digits = "0123456789ABCDEF";
+        text += '%';
+        text += digits[byte >> 4U];
+        text += digits[byte & 15U];
+    }
+    return text;
+}
+
+} // namespace
 
 MeshBuilder::MeshBuilder(std::filesystem::path path, const MeshReadOptions& options, Fail fail)
     : path_(std::move(path)), options_(options), fail_(std::move(fail))
@@ -45,7 +70,8 @@ void MeshBuilder::add_polygon(std::span<const std::int64_t> corners)
         fail_(join("a face has ", corners.size(), " corners; it needs at least 3"));
     if (corners.size() > 3 && !options_.triangulate)
         fail_(join("a face has ", corners.size(),
-                   " corners; polygons are refused unless they are to be split (triangulate)"));
+                   " corners; polygons are refused unless they are to be split (--triangulate); "
+                   "or export triangles (`Triangulate Faces`)"));
     for (const std::int64_t v : corners)
         if (v < 0 || v >= vertex_count())
             fail_(join("a face names vertex ", v, " (counted from 0) after only ",
@@ -70,10 +96,11 @@ std::int64_t MeshBuilder::face_count() const
 NamedMesh MeshBuilder::finish() const
 {
     if (coordinates_.empty() || corners_.empty())
-        throw InvalidInput(join(path_.string(), ": the file has ",
-                                counted(vertex_count(), "vertex", "vertices"), " and ",
-                                counted(face_count(), "face"), "; a mesh needs some of both"));
-    return {path_.stem().string(), path_.string(),
+        throw InvalidInput(
+            join(path_.string(), ": the file has ", counted(vertex_count(), "vertex", "vertices"),
+                 " and ", counted(face_count(), "face"),
+                 "; a mesh needs some of both (export the faces as well, and only the surface)"));
+    return {as_text(path_.stem().string()), path_.string(),
             Eigen::Map<const Points>(coordinates_.data(), vertex_count(), 3),
             Eigen::Map<const Faces>(corners_.data(), face_count(), 3)};
 }

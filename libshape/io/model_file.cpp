@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/io/file_parts.h"
+#include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
 using namespace internal;
@@ -183,6 +184,19 @@ Points read_reference_points(const Hdf5File& file)
     return file.numbers("/reference_points", {any_length, 3});
 }
 
+/// The reference is the first mesh.
+void check_first_size(const Hdf5File& file, const ShapeModel& model)
+{
+    if (!std::holds_alternative<EdgeSpace>(model.space))
+        return;
+    const double size = edge_lengths(model.topology, model.reference_points).sum();
+    if (!(std::abs(model.sizes[0] - size) <= 1e-9 * size))
+        file.fail("/sizes", join("value 0 is ", model.sizes[0],
+                                 ", the edges of /reference_points sum "
+                                 "to ",
+                                 size));
+}
+
 double read_number(const Hdf5File& file, const std::string& name)
 {
     return file.numbers(name, {})(0, 0);
@@ -193,6 +207,8 @@ double read_number(const Hdf5File& file, const std::string& name)
 void write_model(const std::filesystem::path& path, const ShapeModel& model,
                  const std::optional<ModelOptions>& asked)
 {
+    if (asked)
+        check(*asked);
     check_model(model, "model");
     const Eigen::Index edges = model.topology.edge_count();
     const Eigen::Index modes = model.mode_count();
@@ -255,12 +271,20 @@ ShapeModel read_model(const std::filesystem::path& path)
         .labels = read_labels(file, count),
     };
     check_model(model, file.path());
+    if (companions) {
+        check_boundary_angles(file, "/mean/dihedral_angles", topology,
+                              model.mean_dihedral_angles.transpose());
+        check_boundary_angles(file, "/modes/dihedral_angles", topology, model.mode_dihedral_angles);
+    }
+    check_first_size(file, model);
     return model;
 }
 
 void write_difference(const std::filesystem::path& path, const DifferenceVector& difference,
                       const std::optional<DifferenceOptions>& asked)
 {
+    if (asked)
+        check(*asked);
     check_difference(difference, "difference");
     const Eigen::Index edges = difference.topology.edge_count();
     const Single from_size(difference.from_size);
@@ -303,6 +327,10 @@ DifferenceVector read_difference(const std::filesystem::path& path)
         .pairs = file.strings("/pairs", any_length),
     };
     check_difference(difference, file.path());
+    check_boundary_angles(file, "/mean/dihedral_angles", topology,
+                          difference.mean_dihedral_angles.transpose());
+    check_boundary_angles(file, "/difference/dihedral_angles", topology,
+                          difference.dihedral_angles.transpose());
     return difference;
 }
 

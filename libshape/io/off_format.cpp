@@ -29,6 +29,74 @@ void next_line(LineReader& reader, std::string_view what, std::int64_t index, st
         reader.fail(join("the file ends before ", what, " ", index, " of ", count));
 }
 
+/// What a header line declares, [ST][C][N]OFF: numbers that follow the coordinates of every vertex.
+struct Variant
+{
+    std::int64_t least_extras = 0;
+    std::int64_t most_extras = 0;
+    std::string_view counts; ///< Glued to the keyword ("OFF490 518 0"), as ModelNet has it.
+};
+
+Variant parse_variant(const LineReader& reader, std::string_view word)
+{
+    Variant variant;
+    std::string_view rest = word;
+    const auto take = [&](std::string_view prefix, int least, int most) {
+        if (!rest.starts_with(prefix))
+            return;
+        rest.remove_prefix(prefix.size());
+        variant.least_extras += least;
+        variant.most_extras += most;
+    };
+    take("ST", 2, 2);
+    take("C", 3, 4); // with or without alpha
+    take("N", 3, 3);
+    if (rest.starts_with("4") || rest.starts_with("n"))
+        reader.fail(join("starts with ", in_quotes(word),
+                         ": points of other dimensions; export OFF with three coordinates"));
+    if (!rest.starts_with("OFF"))
+        reader.fail(join("starts with ", in_quotes(word),
+                         "; must start with OFF (or COFF, NOFF, STOFF); is this an OFF file?"));
+    variant.counts = rest.substr(3);
+    return variant;
+}
+
+/// The counts stand on the header line or on the next one.
+std::int64_t parse_vertex_count(LineReader& reader, std::string_view glued)
+{
+    if (!glued.empty()) {
+        const std::optional<std::int64_t> count = spelled_integer(glued);
+        if (!count || *count < 0)
+            reader.fail(join("the header is 'OFF' and ", in_quotes(glued),
+                             "; the vertex count must follow OFF"));
+        return *count;
+    }
+    if (reader.line_done() && !reader.next_line())
+        reader.fail("the counts are missing");
+    return parse_count(reader, "vertex count");
+}
+
+void skip_extras(LineReader& reader, const Variant& variant)
+{
+    if (variant.most_extras == 0) {
+        if (!reader.line_done())
+            reader.fail(join("unexpected ", in_quotes(reader.token()),
+                             " after the three coordinates; colours need the header COFF, normals "
+                             "NOFF"));
+        return;
+    }
+    std::int64_t count = 0;
+    for (std::string_view text = reader.token(); !text.empty(); text = reader.token()) {
+        if (!spells_a_number(text))
+            reader.fail(join(in_quotes(text), " after the coordinates must be a number"));
+        ++count;
+    }
+    if (count < variant.least_extras || count > variant.most_extras)
+        reader.fail(join("has ", counted(count, "number"), " after the coordinates, must have ",
+                         variant.least_extras, " to ", variant.most_extras,
+                         " as the header declares"));
+}
+
 } // namespace
 
 NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
@@ -38,14 +106,10 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
     MeshBuilder mesh(path, options, [&](std::string_view rule) { reader.fail(rule); });
     if (!reader.next_line())
         reader.fail("there is nothing but comments");
-    const std::string_view keyword = reader.token();
-    if (keyword != "OFF")
-        reader.fail(join("starts with ", in_quotes(keyword),
-                         "; must start with OFF (variants such as COFF and NOFF are not read)"));
-    // The counts stand on the header line or on the next one.
-    if (reader.line_done() && !reader.next_line())
-        reader.fail("the counts are missing");
-    const std::int64_t vertices = parse_count(reader, "vertex count");
+    const Variant variant = parse_variant(reader, reader.token());
+    if (reader.rest().starts_with("BINARY"))
+        reader.fail("starts with 'OFF BINARY'; export OFF as text, or PLY");
+    const std::int64_t vertices = parse_vertex_count(reader, variant.counts);
     const std::int64_t faces = parse_count(reader, "face count");
     if (!reader.line_done())
         (void)parse_count(reader, "edge count"); // nobody keeps it right
@@ -62,7 +126,7 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
         const double x = reader.number("coordinate x");
         const double y = reader.number("coordinate y");
         const double z = reader.number("coordinate z");
-        reader.finish_line();
+        skip_extras(reader, variant);
         mesh.add_vertex(x, y, z);
     }
     std::vector<std::int64_t> corners;
@@ -77,8 +141,8 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
             corners.push_back(reader.integer("vertex index"));
         mesh.add_polygon(corners);
         for (std::string_view colour = reader.token(); !colour.empty(); colour = reader.token())
-            if (!spelled_number(colour))
-                reader.fail(join("colour is ", in_quotes(colour), ", must be a finite number"));
+            if (!spells_a_number(colour))
+                reader.fail(join("colour is ", in_quotes(colour), ", must be a number"));
     }
     if (reader.next_line())
         reader.fail(join("there are more lines than ", counted(vertices, "vertex", "vertices"),

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -30,19 +31,27 @@ enum class Scalar
     Uint16,
     Int32,
     Uint32,
+    Int64,
+    Uint64,
+    Float16,
     Float32,
     Float64,
 };
 
-constexpr std::array<std::array<std::string_view, 2>, 8> scalar_names = {{{"char", "int8"},
-                                                                          {"uchar", "uint8"},
-                                                                          {"short", "int16"},
-                                                                          {"ushort", "uint16"},
-                                                                          {"int", "int32"},
-                                                                          {"uint", "uint32"},
-                                                                          {"float", "float32"},
-                                                                          {"double", "float64"}}};
-constexpr std::array<std::int64_t, 8> scalar_sizes = {1, 1, 2, 2, 4, 4, 4, 8};
+/// Those of the format, and what some writers add to them.
+constexpr std::array<std::array<std::string_view, 3>, 11> scalar_names = {
+    {{"char", "int8", "byte"},
+     {"uchar", "uint8", "ubyte"},
+     {"short", "int16", "int16"},
+     {"ushort", "uint16", "uint16"},
+     {"int", "int32", "int32"},
+     {"uint", "uint32", "uint32"},
+     {"int64", "long", "longlong"},
+     {"uint64", "ulong", "ulonglong"},
+     {"float16", "half", "half"},
+     {"float", "float32", "float32"},
+     {"double", "float64", "float64"}}};
+constexpr std::array<std::int64_t, 11> scalar_sizes = {1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};
 
 std::int64_t size_of(Scalar type)
 {
@@ -51,14 +60,14 @@ std::int64_t size_of(Scalar type)
 
 bool is_integer(Scalar type)
 {
-    return type < Scalar::Float32;
+    return type < Scalar::Float16;
 }
 
 struct Property
 {
     std::string name;
     Scalar type = Scalar::Int8;
-    std::optional<Scalar> count_type; ///< Of a list.
+    std::optional<Scalar> count_type; ///< A list is counted by this.
     int coordinate = -1;              ///< 0, 1, 2 for x, y, z of a vertex.
     bool is_corners = false;          ///< The list of the vertices of a face.
 };
@@ -88,8 +97,6 @@ struct Header
 
 Encoding parse_encoding(LineReader& reader)
 {
-    if (!reader.next_line() || reader.token() != "format")
-        reader.fail("must be 'format <encoding> 1.0'");
     const std::string_view name = reader.word("the encoding");
     const std::string_view version = reader.word("the version");
     if (version != "1.0")
@@ -108,9 +115,10 @@ Encoding parse_encoding(LineReader& reader)
 Scalar parse_scalar(const LineReader& reader, std::string_view name)
 {
     for (std::size_t i = 0; i < scalar_names.size(); ++i)
-        if (name == scalar_names[i][0] || name == scalar_names[i][1])
+        if (std::find(scalar_names[i].begin(), scalar_names[i].end(), name) !=
+            scalar_names[i].end())
             return static_cast<Scalar>(i);
-    reader.fail(join("unknown type ", in_quotes(name)));
+    reader.fail(join("unknown type ", in_quotes(name), "; export the property as float or int"));
 }
 
 Element parse_element(LineReader& reader, const std::vector<Element>& before)
@@ -165,6 +173,8 @@ void check_header(const LineReader& reader, const Header& header)
     int coordinates = 0;
     int corner_lists = 0;
     for (const Element& element : header.elements) {
+        if (element.name == "tristrips")
+            reader.fail("the faces are triangle strips; export them as single triangles");
         if (element.properties.empty() && element.count > 0)
             reader.fail(join("element ", in_quotes(element.name), " has no properties"));
         for (const Property& property : element.properties) {
@@ -180,14 +190,23 @@ void check_header(const LineReader& reader, const Header& header)
 
 Header parse_header(LineReader& reader)
 {
-    if (!reader.next_line() || reader.line() != "ply")
+    if (!reader.next_line() || reader.token() != "ply" || !reader.line_done())
         reader.fail("must be 'ply'; is this a PLY file?");
     Header header;
-    header.encoding = parse_encoding(reader);
+    std::optional<Encoding> encoding;
     while (reader.next_line()) {
         const std::string_view keyword = reader.token();
+        if (keyword == "comment" || keyword == "obj_info")
+            continue;
+        if (keyword == "format" && !encoding) {
+            encoding = parse_encoding(reader);
+            continue;
+        }
+        if (!encoding)
+            reader.fail("must be 'format <encoding> 1.0'");
         if (keyword == "end_header") {
             reader.finish_line();
+            header.encoding = *encoding;
             check_header(reader, header);
             return header;
         }
@@ -198,10 +217,23 @@ Header parse_header(LineReader& reader)
         else if (keyword == "property")
             header.elements.back().properties.push_back(
                 parse_property(reader, header.elements.back()));
-        else if (keyword != "comment" && keyword != "obj_info")
+        else
             reader.fail(join("unknown header line ", in_quotes(keyword)));
     }
-    reader.fail("the header has no end_header");
+    reader.fail(encoding ? "the header has no end_header" : "must be 'format <encoding> 1.0'");
+}
+
+/// The value of an IEEE 754 binary16: sign, 5 bits of exponent, 10 of mantissa.
+double half_value(std::uint16_t bits)
+{
+    const int exponent = (bits >> 10) & 31;
+    const int mantissa = bits & 1023;
+    double value =
+        std::ldexp(exponent == 0 ? mantissa : mantissa + 1024, std::max(exponent, 1) - 25);
+    if (exponent == 31)
+        value = mantissa == 0 ? std::numeric_limits<double>::infinity()
+                              : std::numeric_limits<double>::quiet_NaN();
+    return (bits >> 15) == 0 ? value : -value;
 }
 
 /// Values of an ascii body: one line an element.
@@ -264,6 +296,8 @@ public:
     double number(Scalar type)
     {
         switch (type) {
+            case Scalar::Float16:
+                return half_value(take<std::uint16_t>());
             case Scalar::Float32:
                 return take<float>();
             case Scalar::Float64:
@@ -287,6 +321,14 @@ public:
                 return take<std::int32_t>();
             case Scalar::Uint32:
                 return take<std::uint32_t>();
+            case Scalar::Int64:
+                return take<std::int64_t>();
+            case Scalar::Uint64: {
+                const auto value = take<std::uint64_t>();
+                if (value > std::numeric_limits<std::int64_t>::max())
+                    fail(join("an integer is ", value, ", beyond what can be counted"));
+                return static_cast<std::int64_t>(value);
+            }
             default:
                 fail("an integer has a type that is none");
         }
@@ -300,7 +342,8 @@ public:
     void end() {}
     void finish() const
     {
-        if (remaining() > 0)
+        const std::string_view rest = content_.substr(offset_);
+        if (rest != "\n" && rest != "\r\n" && !rest.empty()) // some writers end the last line
             fail(join(counted(remaining(), "byte"), " more than the header declares"));
     }
     [[noreturn]] void fail(std::string_view rule) const
@@ -499,7 +542,7 @@ void check_scalars(const std::vector<VertexScalar>& scalars, Eigen::Index vertic
 } // namespace
 
 NamedMesh internal::parse_ply(std::string_view content, const std::filesystem::path& path,
-                    const MeshReadOptions& options)
+                              const MeshReadOptions& options)
 {
     return parse(content, path, options, nullptr);
 }

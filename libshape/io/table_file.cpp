@@ -3,7 +3,6 @@
 #include "libshape/io/table_file.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <set>
 
@@ -34,7 +33,7 @@ public:
         while (rest_.ends_with('\n')) // blank lines at the end, too
             rest_.remove_suffix(rest_.ends_with("\r\n") ? 2 : 1);
         if (rest_.find('\0') != std::string_view::npos || !is_utf8(rest_))
-            throw InvalidInput(path_ + ": the file is not UTF-8 text");
+            throw InvalidInput(path_ + ": the file is not UTF-8 text; save it as CSV in UTF-8");
     }
 
     [[nodiscard]] bool done() const { return rest_.empty(); }
@@ -113,6 +112,18 @@ void check_columns(const Row& columns, const std::string& place)
     }
 }
 
+/// Programs in countries with a decimal comma separate cells by semicolons, others by tabs.
+void check_separator(const Row& columns, const std::string& path)
+{
+    if (columns.size() > 1)
+        return;
+    for (const auto& [separator, name] : {std::pair{';', "';'"}, {'\t', "a tab"}})
+        if (columns.front().find(separator) != std::string::npos)
+            throw InvalidInput(join(path, ": line 1: the separator of the cells is ", name,
+                                    ", must be ','; save the table as CSV with commas (and decimal "
+                                    "points)"));
+}
+
 void append_row(std::string& text, const Row& cells)
 {
     for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -143,6 +154,7 @@ Table read_table(const std::filesystem::path& path)
         throw InvalidInput(path.string() + ": the file is empty; a table needs a header row");
     Table table;
     table.columns = parser.row();
+    check_separator(table.columns, path.string());
     check_columns(table.columns, path.string() + ": line 1: ");
     while (!parser.done()) {
         Row row = parser.row();
@@ -180,40 +192,10 @@ double parse_number(const std::string& cell, const std::string& place)
 {
     const std::optional<double> value = spelled_number(cell);
     if (!value)
-        throw InvalidInput(join(place, ": ", in_quotes(cell), " is not a finite number"));
+        throw InvalidInput(
+            join(place, ": ", in_quotes(cell), " is not a finite number",
+                 cell.find(',') == std::string::npos ? "" : " (decimal point, no comma)"));
     return *value;
-}
-
-Labels read_labels(const std::filesystem::path& path, const std::vector<std::string>& names)
-{
-    const Table table = read_table(path);
-    const auto fail = [&](const auto&... parts) {
-        throw InvalidInput(join(path.string(), ": ", parts...));
-    };
-    if (table.columns.front() != "mesh")
-        fail("the first column is ", in_quotes(table.columns.front()), ", must be 'mesh'");
-    std::map<std::string, const Row*> row_of;
-    for (const std::string& name : names)
-        row_of[name] = nullptr;
-    for (const Row& row : table.rows) {
-        const auto found = row_of.find(row.front());
-        if (found == row_of.end())
-            fail("mesh ", in_quotes(row.front()), " is not in the collection");
-        if (found->second != nullptr)
-            fail("mesh ", in_quotes(row.front()), " occurs twice");
-        found->second = &row;
-    }
-    Labels labels;
-    for (std::size_t c = 1; c < table.columns.size(); ++c)
-        labels.push_back({table.columns[c], {}});
-    for (const std::string& name : names) {
-        const Row* row = row_of[name];
-        if (row == nullptr)
-            fail("mesh ", in_quotes(name), " is missing");
-        for (std::size_t c = 1; c < row->size(); ++c)
-            labels[c - 1].values.push_back((*row)[c]);
-    }
-    return labels;
 }
 
 } // namespace shape

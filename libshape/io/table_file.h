@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "libshape/mesh/labels.h"
-
 namespace shape {
 
 /// A CSV file: one header row and rows of as many cells.
@@ -20,7 +18,7 @@ struct Table
 /// Reads RFC 4180 CSV (UTF-8, a byte order mark is skipped, LF or CRLF).
 /// @throws FileError if it cannot be read.
 /// @throws InvalidInput naming the line for ragged rows, unclosed quotes, empty or repeated
-///     column names.
+///     column names, or cells separated by semicolons or tabs.
 [[nodiscard]] Table read_table(const std::filesystem::path& path);
 
 /// RFC 4180 with LF line ends; cells are quoted where they must be. Written as write_file_atomically.
@@ -32,11 +30,5 @@ void write_table(const std::filesystem::path& path, const Table& table);
 /// The finite number that the whole cell spells.
 /// @throws InvalidInput if it is none; `place` starts the message.
 [[nodiscard]] double parse_number(const std::string& cell, const std::string& place);
-
-/// Labels of the named meshes from a file whose first column is `mesh`.
-/// @throws InvalidInput if the first column has another name, a mesh is missing, unknown or occurs
-///     twice.
-[[nodiscard]] Labels read_labels(const std::filesystem::path& path,
-                                 const std::vector<std::string>& names);
 
 } // namespace shape

@@ -11,6 +11,17 @@
 namespace shape::internal {
 namespace {
 
+// Solves L L^T X = B for 24 columns: three coordinates of eight problems. In memory the factor by columns in
+// the order of elimination, each entry one float for all 24, and the unknowns eight to a register:
+//
+//     values_   l21 l31 .. of column 0,  l32 ..  of column 1, ...
+//     x         x: p0 p1 .. p7   y: p0 .. p7   z: p0 .. p7   of unknown 0,  of unknown 1, ...
+//
+// It is the plain substitution, column by column; what is not plain is its number: each index and entry is
+// read once for 24 multiplications in three registers. Blocks as in factor_blocks.cpp would not pay:
+// regions are small, and so
+// are the supernodes of their factors.
+
 SHAPE_VECTORISED void substitute(int size, const int* order, const int* begins, const int* rows,
                                  const float* values, const float* inverse_pivots,
                                  EightLanePoint* __restrict x)

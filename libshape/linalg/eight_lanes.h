@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "libshape/base/vector3.h"
+
 namespace shape::internal {
 
 /// A number of eight problems of the same structure that are solved in eight SIMD lanes: one vector
@@ -13,6 +15,7 @@ namespace shape::internal {
 /// passed by value: GCC (PR 84877) does not always align such copies.
 struct alignas(32) EightLanes
 {
+    using Scalar = float;
     static constexpr int lanes = 8;
     float of[lanes];
 
@@ -46,6 +49,22 @@ inline EightLanes operator/(const EightLanes& a, const EightLanes& b)
 {
     return lane_by_lane(a, b, [](float x, float y) { return x / y; });
 }
+inline EightLanes operator+(float a, const EightLanes& b)
+{
+    return lane_by_lane(b, b, [a](float x, float) { return a + x; });
+}
+inline EightLanes operator+(const EightLanes& a, float b)
+{
+    return lane_by_lane(a, a, [b](float x, float) { return x + b; });
+}
+inline EightLanes operator-(const EightLanes& a, float b)
+{
+    return lane_by_lane(a, a, [b](float x, float) { return x - b; });
+}
+inline EightLanes operator-(const EightLanes& a)
+{
+    return lane_by_lane(a, a, [](float x, float) { return -x; });
+}
 inline EightLanes operator*(float a, const EightLanes& b)
 {
     return lane_by_lane(b, b, [a](float x, float) { return a * x; });
@@ -56,35 +75,7 @@ inline EightLanes sqrt(const EightLanes& a)
 }
 
 /// A point or vector of eight problems.
-struct EightLanePoint
-{
-    EightLanes x, y, z;
-};
-
-inline EightLanePoint operator+(const EightLanePoint& a, const EightLanePoint& b)
-{
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline EightLanePoint operator-(const EightLanePoint& a, const EightLanePoint& b)
-{
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline EightLanePoint operator*(const EightLanes& s, const EightLanePoint& a)
-{
-    return {s * a.x, s * a.y, s * a.z};
-}
-inline EightLanePoint operator*(float s, const EightLanePoint& a)
-{
-    return {s * a.x, s * a.y, s * a.z};
-}
-inline EightLanes dot(const EightLanePoint& a, const EightLanePoint& b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-inline EightLanePoint cross(const EightLanePoint& a, const EightLanePoint& b)
-{
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+using EightLanePoint = Vector3<EightLanes>;
 
 /// One per vertex, face, ...
 using EightLanePoints = std::vector<EightLanePoint>;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "libshape/base/bits.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape::internal {
@@ -16,16 +17,28 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// How a block is worked on. Of a block with columns L (a triangle) over B, solving upwards means
+// How a block is worked on. Of a block with columns L (a triangle) over B, forward substitution means
 //
 //     own = L^-1 own,   x -= B own (the new one),      that is   own, x += (L^-1, -B L^-1) own (the old one),
 //
-// and solving downwards the same transposed. So both ways are one product with a dense matrix of few
-// columns, row by row, and no row waits for the one before. The vectors of all columns stay in
-// registers, two in each; the matrix is read once, from its first entry to the last one or back,
-// which is what memory does fastest.
+// and back substitution the same transposed. In memory, for 6 columns (triangle_step is 4):
+//
+//     L^-1   | a 0 0 0       |      values   a000 bb00 ccc0 dddd, eeeeee ffffff  the first rows are filled
+//            | b b 0 0       |               up with zeros to 4 entries, the next to 6;
+//            | c c c 0       |
+//            | d d d d       |      then     gggggg hhhhhh ...  the rows of -B L^-1, row r of which belongs to
+//            | e e e e e 0   |               the vector x[row[r]]
+//            | f f f f f f   |
+//     vectors   x y z 0  x y z 0   two in a register of eight floats
+//
+// It is not the plain substitution, in which every row waits for the one before: both ways are one product
+// with a dense matrix of few columns. The vectors of all columns stay in registers, and the matrix is
+// read once, from its first entry to the last one or back, which is what memory does fastest. A large
+// factor costs nothing but this reading: 4 bytes an entry in float, 2 in bfloat16.
 
-constexpr int ahead = 4096; // bytes: how far before its use the matrix is fetched
+// Bytes before its use at which the matrix is fetched: a read from memory takes some 100 ns, in
+// which blocks of tens of bytes a nanosecond are worked on.
+constexpr int ahead = 4096;
 
 /// Two vectors in one register, at any address of Lanes.
 using Pair = float __attribute__((vector_size(32), aligned(16)));
@@ -44,7 +57,7 @@ struct Vectors
 }
 [[gnu::always_inline]] inline float value_of(Bfloat16 entry)
 {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(entry) << 16);
+    return float_of(static_cast<std::uint32_t>(entry) << 16);
 }
 
 /// Adds two entries times a vector each.
@@ -204,8 +217,8 @@ float rounded(double value, std::uint32_t lower_half, double least)
 {
     const bool vanishes = lower_half != 0 && std::abs(value) < least;
     const auto wanted = static_cast<float>(vanishes ? least : value);
-    const std::uint32_t bits = std::bit_cast<std::uint32_t>(wanted) - lower_half + 0x8000U;
-    return std::bit_cast<float>((bits & 0xffff0000U) | lower_half);
+    const std::uint32_t bits = bits_of(wanted) - lower_half + 0x8000U;
+    return float_of((bits & 0xffff0000U) | lower_half);
 }
 
 } // namespace
@@ -234,7 +247,7 @@ SHAPE_VECTORISED void back_substitute(const FactorBlock* first, const FactorBloc
 
 Bfloat16 upper_half(double value)
 {
-    return static_cast<Bfloat16>(std::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 16);
+    return static_cast<Bfloat16>(bits_of(static_cast<float>(value)) >> 16);
 }
 
 void round_to_halves(MatrixXd& matrix)

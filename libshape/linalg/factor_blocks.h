@@ -16,12 +16,12 @@ namespace shape::internal {
 ///     own = L^-1 own,   x -= B own (the new one),   that is   own, x += (L^-1, -B L^-1) own (the old one),
 ///
 /// and solving downwards the same transposed. So both ways are one product with a dense matrix of few
-/// columns, no row of which waits for the one before.
+/// columns, no row of which waits for the one before. The layout is drawn in factor_blocks.cpp.
 struct FactorBlock
 {
     int first_column; ///< Where its own vectors are.
     int columns;      ///< At most widest_block.
-    int rows;         ///< Of B.
+    int rows;         ///< B has this many.
 };
 
 inline constexpr int widest_block = 16; ///< For more columns there are no registers.

@@ -11,24 +11,10 @@
 #include <new>
 
 #include "libshape/base/error.h"
-#include "libshape/base/format.h"
+#include "libshape/base/require.h"
 
 namespace shape::internal {
 namespace {
-
-void check(const LbfgsOptions& options)
-{
-    if (options.memory < 1)
-        throw InvalidInput(join("memory is ", options.memory, ", must be >= 1"));
-    if (!(options.gradient_tolerance >= 0.0))
-        throw InvalidInput(
-            join("gradient_tolerance is ", options.gradient_tolerance, ", must be >= 0"));
-    if (!(options.decrease_tolerance >= 0.0))
-        throw InvalidInput(
-            join("decrease_tolerance is ", options.decrease_tolerance, ", must be >= 0"));
-    if (options.max_iterations < 0)
-        throw InvalidInput(join("max_iterations is ", options.max_iterations, ", must be >= 0"));
-}
 
 /// What libLBFGS calls back. No exception may cross the C library: the first is kept.
 struct Run
@@ -79,6 +65,14 @@ struct Run
 };
 
 } // namespace
+
+void check(const LbfgsOptions& options)
+{
+    require_at_least(1, options.memory, "LbfgsOptions.memory");
+    require_not_negative(options.gradient_tolerance, "LbfgsOptions.gradient_tolerance");
+    require_not_negative(options.decrease_tolerance, "LbfgsOptions.decrease_tolerance");
+    require_at_least(0, options.max_iterations, "LbfgsOptions.max_iterations");
+}
 
 Minimum minimize_lbfgs(const Objective& objective, const Eigen::VectorXd& start,
                        const LbfgsOptions& options, const std::function<void(int)>& after_step)

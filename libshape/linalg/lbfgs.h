@@ -15,18 +15,24 @@ struct Minimum
     Eigen::VectorXd point;
     double value = 0.0;
     int iterations = 0;
-    int evaluations = 0; ///< Of value and gradient.
+    int evaluations = 0; ///< Value and gradient were evaluated this often.
     bool converged = false;
 };
 
 struct LbfgsOptions
 {
-    int memory = 5;                     ///< Pairs kept; >= 1.
-    double gradient_tolerance = 1e-5;   ///< Converged if max_i |g_i| <= this; >= 0.
-    double decrease_tolerance = 2.2e-9; ///< Converged if a step lowers f by <= this * max(1, |f|);
-                                        ///< >= 0.
-    int max_iterations = 15000;         ///< >= 0.
+    /// The Hessian is estimated from this many of the last steps; >= 1.
+    int memory = 5;
+    /// It has converged where max_i |g_i| <= gradient_tolerance; >= 0.
+    double gradient_tolerance = 1e-5;
+    /// It has converged as well once a step lowers f by <= decrease_tolerance * max(1, |f|); >= 0.
+    double decrease_tolerance = 2.2e-9;
+    /// It ends after this many steps; >= 0.
+    int max_iterations = 15000;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const LbfgsOptions& options);
 
 /// Lowers a smooth function by L-BFGS with the line search of More and Thuente (1994), as libLBFGS
 /// implements them.

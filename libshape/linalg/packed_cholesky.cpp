@@ -10,6 +10,19 @@
 namespace shape::internal {
 namespace {
 
+// L D L^T = A row by row ("up-looking"): row k of L solves L(0..k-1) y = a_k, and d_k = a_kk - sum y_i^2 / d_i.
+// In memory the factors of thousands of matrices follow one another, each by columns:
+//
+//     values_           | L_0: column 0, column 1, ..  | L_1: column 0, ..  | ...
+//     rows_             | its rows, the same places    |
+//     column_ends_      | e0 e1 ..                     | e0 ..              |  from the factor's first entry on
+//     inverse_pivots_   | 1/d0 1/d1 ..                 | 1/d0 ..            |
+//
+// so that solves one after the other read memory from start to end, as a pose does. It is not a library's
+// factor a matrix: most have a few dozen unknowns, and what CHOLMOD or Eigen allocate and check for each would
+// cost more than the solve. solve() works on four right-hand sides, a point and 1, in one
+// register of AVX (Eigen::Vector4d).
+
 std::size_t at(int i)
 {
     return static_cast<std::size_t>(i);

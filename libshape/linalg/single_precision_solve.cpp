@@ -13,6 +13,24 @@
 namespace shape::internal {
 namespace {
 
+// X = A^-1 B for three columns by the factor of a SparseCholesky, in float. With the elimination tree cut into
+// parts, leaf subtrees below middle ones below the root,
+//
+//          [ root ]             forward: L y = b, leaves first; every part adds what it does to
+//         /        \             the rows of the part above to a copy of them of its own,
+//     [middle]   [middle]
+//      /  \        /  \          backward: L^T x = y, the root first; every part reads those rows.
+//    [l]  [l]   [l]  [l]
+//
+// In memory every part has its place in the workspace, which no other part writes to, so that parts of a
+// tier may be worked on at once with the same bits:
+//
+//     workspace   | columns of part 0 | rows reached above | columns of part 1 | rows reached above | ...
+//     values_     | blocks of part 0 (factor_blocks.cpp)   | blocks of part 1  | ...
+//
+// CHOLMOD's solve takes double precision, one thread and, for three right-hand sides, gathers and scatters
+// around calls of BLAS that are too small for it.
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 
@@ -24,8 +42,8 @@ std::size_t index(int i)
 /// Parts of the elimination tree, the lower tiers first: each a subtree less the parts below.
 struct Cut
 {
-    std::vector<std::size_t> part_of_column; ///< Of the factor.
-    std::vector<std::size_t> parent;         ///< Of every part; itself at a root.
+    std::vector<std::size_t> part_of_column; ///< The part that each column of the factor is in.
+    std::vector<std::size_t> parent;         ///< The part above each part; itself at a root.
     std::array<std::size_t, 3> tiers{};      ///< Where the leaf, middle and root subtrees end.
 };
 
@@ -48,9 +66,20 @@ Cut cut(const SupernodalFactor& f)
             entries[above[s]] += entries[s];
     }
     const double all = f.first_values.back();
+    // Entries of 2 bytes, read both ways: below half a megabyte a solve takes some 50 microseconds, and handing
+    // parts to threads is no longer small beside it.
     constexpr double worth = 1 << 17;
+    // Sixteen leaves keep up to eight threads busy though they are unequal; smaller ones would copy more rows
+    // than they save.
+    constexpr double largest_leaf = 1.0 / 16.0;
+    // What is above this share is the chain of the largest separators, each over the one below, which no two
+    // threads can work on side by side.
+    constexpr double largest_middle = 0.6;
     const auto tier = [&](std::size_t s) -> std::size_t {
-        return all < worth ? 2 : entries[s] <= all / 16.0 ? 0 : entries[s] <= 0.6 * all ? 1 : 2;
+        return all < worth                          ? 2
+               : entries[s] <= largest_leaf * all   ? 0
+               : entries[s] <= largest_middle * all ? 1
+                                                    : 2;
     };
 
     Cut cut;
@@ -142,6 +171,88 @@ SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
         part.end_block = blocks_.size();
         part.end_row = rows_.size();
         part.end_value = values_.size();
+    }
+}
+
+SinglePrecisionSolve::SinglePrecisionSolve(ByteReader& from)
+    : permutation_(from.array<int>()), blocks_(from.array<FactorBlock>()), rows_(from.array<int>()),
+      reached_rows_(from.array<int>()), values_(from.array<float>()),
+      halves_(from.array<Bfloat16>())
+{
+    for (std::size_t& end : tiers_)
+        end = from.number<std::uint32_t>();
+    scale_ = from.number<float>();
+    const auto numbers = from.array<std::uint32_t>();
+    auto next = numbers.begin();
+    parts_.resize(numbers.size() / Part().numbers().size());
+    for (Part& part : parts_)
+        for (std::size_t* const number : part.numbers())
+            *number = *next++;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const Part& part = parts_[p];
+        if (part.parent >= parts_.size())
+            throw InvalidInput("factor: a part hangs from none that there is");
+        if (part.parent != p)
+            parts_[part.parent].children.push_back(p);
+        places_ = std::max(places_, part.place + part.columns + part.reached);
+    }
+    check();
+}
+
+void SinglePrecisionSolve::write(ByteWriter& to) const
+{
+    to.array(permutation_);
+    to.array(blocks_);
+    to.array(rows_);
+    to.array(reached_rows_);
+    to.array(values_);
+    to.array(halves_);
+    for (const std::size_t end : tiers_)
+        to.number(static_cast<std::uint32_t>(end));
+    to.number(scale_);
+    std::vector<std::uint32_t> numbers;
+    for (Part part : parts_)
+        for (const std::size_t* const number : part.numbers())
+            numbers.push_back(static_cast<std::uint32_t>(*number));
+    to.array(numbers);
+}
+
+/// That no solve reads or writes where nothing is.
+void SinglePrecisionSolve::check() const
+{
+    const auto require = [](bool holds) {
+        if (!holds)
+            throw InvalidInput("factor: its numbers do not fit each other");
+    };
+    const std::size_t size = permutation_.size();
+    require(!parts_.empty() && tiers_[0] <= tiers_[1] && tiers_[1] <= tiers_[2] &&
+            tiers_[2] == parts_.size() && halves_.size() == values_.size());
+    for (const int row : permutation_)
+        require(row >= 0 && index(row) < size);
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const Part& part = parts_[p];
+        const Part& above = parts_[part.parent];
+        const std::size_t vectors = part.columns + part.reached;
+        require(part.first_column + part.columns <= size &&
+                part.above + part.reached <= reached_rows_.size() &&
+                part.first_block <= part.end_block && part.end_block <= blocks_.size() &&
+                part.first_row <= part.end_row && part.end_row <= rows_.size() &&
+                part.first_value <= part.end_value && part.end_value <= values_.size());
+        for (std::size_t i = part.above; i < part.above + part.reached; ++i)
+            require(reached_rows_[i] >= 0 &&
+                    index(reached_rows_[i]) < above.columns + above.reached);
+        for (std::size_t i = part.first_row; i < part.end_row; ++i)
+            require(rows_[i] >= 0 && index(rows_[i]) < vectors);
+        std::size_t rows = 0;
+        std::size_t values = 0;
+        for (std::size_t b = part.first_block; b < part.end_block; ++b) {
+            const FactorBlock& block = blocks_[b];
+            require(block.columns > 0 && block.columns <= widest_block && block.rows >= 0 &&
+                    block.first_column >= 0 && index(block.first_column + block.columns) <= vectors);
+            rows += index(block.rows);
+            values += index(stored_triangle(block.columns) + block.columns * block.rows);
+        }
+        require(rows == part.end_row - part.first_row && values == part.end_value - part.first_value);
     }
 }
 

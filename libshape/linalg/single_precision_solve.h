@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "libshape/base/bytes.h"
 #include "libshape/linalg/factor_blocks.h"
 #include "libshape/linalg/lanes.h"
 #include "libshape/linalg/sparse_cholesky.h"
@@ -22,6 +23,14 @@ class SinglePrecisionSolve
 {
 public:
     explicit SinglePrecisionSolve(const SparseCholesky& cholesky);
+
+    /// What write() wrote: the same bits, and nothing is factorised.
+    /// @throws InvalidInput if the bytes are damaged.
+    explicit SinglePrecisionSolve(ByteReader& from);
+    void write(ByteWriter& to) const;
+
+    /// Rows of A.
+    [[nodiscard]] Eigen::Index size() const { return std::ssize(permutation_); }
 
     /// Solves A X = B about as exactly as float allows.
     /// @param rhs  A row of B in each column.
@@ -55,8 +64,17 @@ private:
         std::size_t end_value = 0;
         std::size_t parent = 0; ///< The part above; itself where there is none.
         std::vector<std::size_t> children;
+
+        /// All of it but the children.
+        [[nodiscard]] auto numbers()
+        {
+            return std::array{&first_column, &columns,    &reached, &place,
+                              &above,        &first_block, &end_block, &first_row,
+                              &end_row,      &first_value, &end_value, &parent};
+        }
     };
 
+    void check() const;
     template <class Number>
     void add_blocks(const SupernodalFactor& f, std::size_t supernode, const Number& number);
     template <class Entry>
@@ -72,7 +90,7 @@ private:
     std::vector<Part> parts_;            ///< Leaf, middle and root subtrees.
     std::array<std::size_t, 3> tiers_{}; ///< Where each ends.
     std::vector<FactorBlock> blocks_;
-    std::vector<int> rows_; ///< Of all B, in the numbers of the part.
+    std::vector<int> rows_; ///< The rows of every B, in the numbers of the part.
     std::vector<int> reached_rows_;
     std::vector<float> values_;
     std::vector<Bfloat16> halves_; ///< The same, rounded.

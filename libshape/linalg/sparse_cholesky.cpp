@@ -5,8 +5,11 @@
 #include <cblas.h>
 #include <cholmod.h>
 
+#include <new>
+
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/linalg/blas_turn.h"
 
 extern "C" void openblas_set_num_threads(
     int);                                   // cblas.h of OpenBLAS declares it, that of others not
@@ -36,6 +39,15 @@ void start_quietly(cholmod_common& common)
     common.print = 0;
     common.error_handler = nullptr;
     common.try_catch = 1;
+}
+
+/// @throws std::bad_alloc or NumericalError if CHOLMOD has failed.
+void check(const cholmod_common& common, const char* what)
+{
+    if (common.status == CHOLMOD_OUT_OF_MEMORY)
+        throw std::bad_alloc();
+    if (common.status < CHOLMOD_OK)
+        throw NumericalError(join(what, " failed (CHOLMOD status ", common.status, ")"));
 }
 
 /// What one solve needs of its own, so that solves may run concurrently.
@@ -104,17 +116,16 @@ struct SparseCholesky::Factor
     {
         // CHOLMOD starts four threads for loops of every supernode, whatever the machine has: 3
         // times slower on two cores. The setting is that of the calling thread, and given back.
+        const BlasTurn turn;
         const int levels = omp_get_max_active_levels();
         omp_set_max_active_levels(0);
         cholmod_sparse a = view(matrix);
         cholmod_factorize(&a, factor, &common);
         omp_set_max_active_levels(levels);
+        check(common, "sparse Cholesky factorisation");
         if (common.status == CHOLMOD_NOT_POSDEF || factor->minor < factor->n)
             throw NumericalError(join("sparse Cholesky factorisation: the matrix of size ", size,
                                       " is not positive definite (pivot ", factor->minor, ")"));
-        if (common.status < CHOLMOD_OK)
-            throw NumericalError(
-                join("sparse Cholesky factorisation failed (CHOLMOD status ", common.status, ")"));
     }
 };
 
@@ -134,9 +145,7 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, Ordering ordering)
         f.common.supernodal = CHOLMOD_SIMPLICIAL;
     cholmod_sparse a = Factor::view(matrix);
     f.factor = cholmod_analyze(&a, &f.common);
-    if (f.factor == nullptr)
-        throw NumericalError(
-            join("sparse Cholesky analysis failed (CHOLMOD status ", f.common.status, ")"));
+    check(f.common, "sparse Cholesky analysis");
     f.factorise(matrix);
 }
 
@@ -169,10 +178,10 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& rhs) const
     cholmod_dense b = dense_view(rhs);
     cholmod_dense x = dense_view(solution);
     cholmod_dense* target = &x; // of the right size: CHOLMOD fills it in place
-    if (!cholmod_solve2(CHOLMOD_A, f.factor, &b, nullptr, &target, nullptr, &workspace.y,
-                        &workspace.e, &workspace.common))
-        throw NumericalError(
-            join("sparse back-substitution failed (CHOLMOD status ", workspace.common.status, ")"));
+    const BlasTurn turn;
+    cholmod_solve2(CHOLMOD_A, f.factor, &b, nullptr, &target, nullptr, &workspace.y, &workspace.e,
+                   &workspace.common);
+    check(workspace.common, "sparse back-substitution");
     return solution;
 }
 

@@ -9,7 +9,9 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
+#include "libshape/mesh/handedness.h"
 
 namespace shape {
 using namespace internal;
@@ -54,6 +56,26 @@ std::string print_face(const Faces& faces, Eigen::Index f)
     return join("(", faces(f, 0), ", ", faces(f, 1), ", ", faces(f, 2), ")");
 }
 
+/// All faces are reversed: the mesh is inside out, or it is a mirror image, sound in itself.
+std::string cause_of_flipped_faces(const NamedMesh& reference, const NamedMesh& mesh)
+{
+    std::string cause = "the orientation of every face is flipped; ";
+    const auto is_mirrored = [&] {
+        try {
+            const Topology topology(reference.faces, static_cast<int>(reference.points.rows()));
+            const std::array<Points, 2> both{reference.points, mesh.points};
+            return !compare_handedness(topology, both).mirrored.empty();
+        } catch (const InvalidInput&) { // the reference is broken: a thing of its own
+            return false;
+        }
+    };
+    if (is_mirrored())
+        return cause +
+               "the mesh is a mirror image: mirror it back (one coordinate times -1) and reverse "
+               "its faces; reversing alone would let a mirror image pass";
+    return cause + "the mesh is inside out: reverse its faces";
+}
+
 /// The likely cause of two different face lists of the same size over as many vertices.
 std::string likely_cause(const NamedMesh& reference, const NamedMesh& mesh)
 {
@@ -66,7 +88,7 @@ std::string likely_cause(const NamedMesh& reference, const NamedMesh& mesh)
     for (const Triple& t : got)
         mirrored.insert(flipped(t));
     if (wanted == mirrored)
-        return "the orientation of every face is flipped; reverse them";
+        return cause_of_flipped_faces(reference, mesh);
     const auto common =
         std::count_if(got.begin(), got.end(), [&](const Triple& t) { return wanted.contains(t); });
     const auto total = static_cast<std::ptrdiff_t>(got.size());
@@ -128,7 +150,8 @@ Collection collect(std::vector<NamedMesh> meshes)
         try {
             return Topology(reference.faces, static_cast<int>(reference.points.rows()));
         } catch (const InvalidInput& error) {
-            throw InvalidInput(reference.path + ": " + error.what());
+            throw InvalidInput(reference.path + ": " + error.what() +
+                               describe_coincident(reference.points));
         }
     }();
     Collection collection{topology, {}, {}, {}};

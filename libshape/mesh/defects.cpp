@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/mesh/partition.h"
 
 namespace shape {
 using namespace internal;
@@ -100,27 +100,6 @@ void find_edge_defects(const std::vector<Side>& sides, DefectList& list)
         i = end;
     }
 }
-
-/// Union of items by path halving.
-class Partition
-{
-public:
-    explicit Partition(std::size_t count) : parent_(count)
-    {
-        std::iota(parent_.begin(), parent_.end(), 0);
-    }
-    int root(int i)
-    {
-        while (at(i) != i)
-            i = at(i) = at(at(i));
-        return i;
-    }
-    void unite(int a, int b) { at(std::max(root(a), root(b))) = std::min(root(a), root(b)); }
-
-private:
-    int& at(int i) { return parent_[static_cast<std::size_t>(i)]; }
-    std::vector<int> parent_;
-};
 
 /// Corners around a vertex are united across the edges they share; more than one class is a
 /// bow-tie. Faces united the same way give the components.

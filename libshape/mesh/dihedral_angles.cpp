@@ -2,27 +2,21 @@
 
 #include "libshape/mesh/dihedral_angles.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/mesh/hinge.h"
 
 namespace shape {
 using namespace internal;
 namespace {
 
-/// Angle in (-pi, pi] about `axis` from the normal on its left to that on its right, of any length.
-double turning_angle(const Eigen::Vector3d& left, const Eigen::Vector3d& right,
-                     const Eigen::Vector3d& axis)
+double turning_angle(const Vector3<double>& edge, const Vector3<double>& left,
+                     const Vector3<double>& right)
 {
-    const double sine = axis.dot(left.cross(right));
-    const double cosine = axis.norm() * left.dot(right);
-    if (sine == 0.0 && cosine == 0.0) // a face without area; atan2(0, -0) would be pi
-        return 0.0;
-    const double angle = std::atan2(sine, cosine);
-    return angle <= -std::numbers::pi ? std::numbers::pi : angle;
+    return angle_of(hinge_angle(edge, std::sqrt(dot(edge, edge)), left, right));
 }
 
 } // namespace
@@ -30,8 +24,11 @@ double turning_angle(const Eigen::Vector3d& left, const Eigen::Vector3d& right,
 double dihedral_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                       const Eigen::Vector3d& d)
 {
-    const Eigen::Vector3d axis = b - a;
-    return turning_angle(axis.cross(c - a), (d - a).cross(axis), axis);
+    const Vector3<double> from = vector3(a.data());
+    const Vector3<double> edge = vector3(b.data()) - from;
+    const auto [left, right] =
+        hinge_normals(edge, vector3(c.data()) - from, vector3(d.data()) - from);
+    return turning_angle(edge, left, right);
 }
 
 Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points)
@@ -39,20 +36,23 @@ Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points)
     if (points.rows() != topology.vertex_count())
         throw InvalidInput(join("points has ", points.rows(), " rows, the topology ",
                                 topology.vertex_count(), " vertices"));
+    const auto point = [&](int v) { return vector3(points.data() + 3 * v); };
     const Faces& faces = topology.faces();
     Points normals(faces.rows(), 3);
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        const Eigen::RowVector3d corner = points.row(faces(f, 0));
-        normals.row(f) = (points.row(faces(f, 1)) - corner).cross(points.row(faces(f, 2)) - corner);
+        const Vector3<double> corner = point(faces(f, 0));
+        store(cross(point(faces(f, 1)) - corner, point(faces(f, 2)) - corner),
+              normals.data() + 3 * f);
     }
     const Edges& edges = topology.edges();
     const Edges& halfedges = topology.edge_halfedges();
     Eigen::VectorXd angles = Eigen::VectorXd::Zero(edges.rows());
     for (Eigen::Index e = 0; e < edges.rows(); ++e)
         if (halfedges(e, 1) >= 0)
-            angles[e] = turning_angle(normals.row(Topology::face(halfedges(e, 0))),
-                                      normals.row(Topology::face(halfedges(e, 1))),
-                                      points.row(edges(e, 1)) - points.row(edges(e, 0)));
+            angles[e] =
+                turning_angle(point(edges(e, 1)) - point(edges(e, 0)),
+                              vector3(normals.data() + 3 * Topology::face(halfedges(e, 0))),
+                              vector3(normals.data() + 3 * Topology::face(halfedges(e, 1))));
     return angles;
 }
 

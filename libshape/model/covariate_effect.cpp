@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/statistics/covariate_blocks.h"
 #include "libshape/statistics/inner_products.h"
 #include "libshape/statistics/mean.h"
 
@@ -51,12 +52,24 @@ CovariateEffect covariate_effect(const Collection& collection, const ShapeSpace&
     CovariateEffect effect;
     effect.space = space;
     RowMatrix coordinates = encode(space, collection);
-    effect.regression =
-        head(regress(coordinates, with_blocks(covariates, blocks)), covariates.cols());
+    effect.design = block_design(covariates, blocks);
+    Eigen::VectorXd shares; // of the rows in the means, if each block counts once
+    if (effect.design == BlockDesign::Nested) {
+        const Eigen::MatrixXd weights = mean_weights(blocks);
+        effect.regression =
+            regress(RowMatrix(weights.transpose() * coordinates), weights.transpose() * covariates);
+        effect.regression.weights = weights * effect.regression.weights;
+        shares = weights.rowwise().mean();
+    } else {
+        effect.regression =
+            head(regress(coordinates, with_blocks(covariates, blocks)), covariates.cols());
+    }
     effect.scores = regression_scores(effect.regression, coordinates, 0);
     effect.products = centred_inner_products(std::move(coordinates));
     const RowMatrix angles = companions(space, collection);
-    effect.mean_dihedral_angles = mean_of_rows(angles);
+    effect.mean_dihedral_angles = effect.design == BlockDesign::Nested
+                                      ? Eigen::VectorXd(angles.transpose() * shares)
+                                      : mean_of_rows(angles);
     effect.slope_dihedral_angles = effect.regression.weights.transpose() * angles;
     return effect;
 }

@@ -7,6 +7,7 @@
 #include "libshape/edge_space/shape_space.h"
 #include "libshape/linalg/dense.h"
 #include "libshape/mesh/collection.h"
+#include "libshape/statistics/group_comparison.h"
 #include "libshape/statistics/grouping.h"
 #include "libshape/statistics/regression.h"
 
@@ -17,7 +18,8 @@ namespace shape {
 struct CovariateEffect
 {
     ShapeSpace space;
-    Regression regression;                ///< Of D coordinates on C covariates.
+    BlockDesign design = BlockDesign::Crossed; ///< How the blocks were taken.
+    Regression regression;                ///< D coordinates on C covariates.
     Eigen::VectorXd mean_dihedral_angles; ///< #E [rad]; or empty.
     RowMatrix slope_dihedral_angles;      ///< C by #E [rad per unit of the covariate]; or C by 0.
     Eigen::VectorXd scores;               ///< N: regression_scores() along the first slope.
@@ -25,9 +27,10 @@ struct CovariateEffect
 };
 
 /// @param covariates  N by C.
-/// @param blocks  Each has an effect of its own, slopes are those within them; one_group() if there
-///     are none.
-/// @throws InvalidInput as make_space() and regress().
+/// @param blocks  Crossed with the covariates, each has an effect of its own, and slopes are those
+///     within them; nested, their means are regressed, so that each counts once (covariate_blocks.h).
+///     one_group() if there are none.
+/// @throws InvalidInput as make_space(), regress() and block_design().
 /// Memory: beside the collection, one N by D matrix.
 [[nodiscard]] CovariateEffect covariate_effect(const Collection& collection,
                                                const ShapeSpace& space,

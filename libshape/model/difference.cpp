@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/statistics/mean.h"
 
 namespace shape {
@@ -22,7 +23,7 @@ Group find_group(const Collection& collection, const LabelColumn& pair_by, const
     const LabelColumn& column = find_label(collection.labels, label);
     Group group;
     for (std::size_t i = 0; i < collection.size(); ++i) {
-        if (column.values[i] != value)
+        if (column.values[i] != value || pair_by.values[i].empty()) // no value, no partner
             continue;
         const auto [member, is_new] = group.try_emplace(pair_by.values[i], i);
         if (!is_new)
@@ -32,7 +33,8 @@ Group find_group(const Collection& collection, const LabelColumn& pair_by, const
                                     collection.names[i]));
     }
     if (group.empty())
-        throw InvalidInput(join("difference: no mesh has ", label, " = '", value, "'"));
+        throw InvalidInput(join("difference: no mesh has ", label, " = '", value,
+                                "' and a value of ", pair_by.name));
     return group;
 }
 
@@ -59,11 +61,12 @@ Collection pair_up(const Collection& collection, const Group& from, const Group&
 struct Pairs
 {
     Collection members;
-    std::vector<std::string> values; ///< Of the pairing label.
+    std::vector<std::string> values; ///< Their values of the pairing label.
 };
 
 Pairs find_pairs(const Collection& collection, const DifferenceOptions& options)
 {
+    check(options);
     const LabelColumn& pair_by = find_label(collection.labels, options.pair_by);
     const Group from = find_group(collection, pair_by, options.from_label, options.from_value);
     const Group to = find_group(collection, pair_by, options.to_label, options.to_value);
@@ -77,6 +80,13 @@ Pairs find_pairs(const Collection& collection, const DifferenceOptions& options)
 }
 
 } // namespace
+
+void check(const DifferenceOptions& options)
+{
+    require(!options.pair_by.empty(), "DifferenceOptions.pair_by", "empty", "a label");
+    require(!options.from_label.empty(), "DifferenceOptions.from_label", "empty", "a label");
+    require(!options.to_label.empty(), "DifferenceOptions.to_label", "empty", "a label");
+}
 
 DifferenceVector mean_difference(const Collection& collection, const DifferenceOptions& options)
 {

@@ -30,13 +30,22 @@ struct DifferenceVector
 
 struct DifferenceOptions
 {
-    std::string pair_by;    ///< Label whose equal values make a pair.
-    std::string from_label; ///< Meshes with this label ...
-    std::string from_value; ///< ... of this value are the start ...
-    std::string to_label;   ///< ... and those with this label ...
-    std::string to_value;   ///< ... of this value the end of the difference.
+    /// Two meshes with the same value of this label are a pair, those without a value are not; not empty.
+    std::string pair_by;
+    /// Meshes with this label, not empty ...
+    std::string from_label;
+    /// ... of this value are the start ...
+    std::string from_value = {};
+    /// ... and those with this label, not empty ...
+    std::string to_label;
+    /// ... of this value the end of the difference.
+    std::string to_value = {};
+    /// Unit: every mesh is brought to one size first. None: size is a part of shape.
     Scale scale = Scale::Unit;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const DifferenceOptions& options);
 
 /// @throws InvalidInput if a label is missing, a group is empty, a value of pair_by occurs twice in
 ///     a group, or no value occurs in both. Members without a partner are left out.

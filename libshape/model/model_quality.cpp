@@ -13,6 +13,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/mesh/alignment.h"
@@ -35,19 +36,12 @@ std::vector<int> shuffled(Index count, Random& random)
     return order;
 }
 
-void check(const Collection& collection, const Grouping& folds, const QualityOptions& options)
+void check_folds(const Collection& collection, const Grouping& folds)
 {
     if (folds.size() != static_cast<Index>(collection.size()) || folds.group_count() < 2)
         throw InvalidInput(join("quality: ", folds.size(), " meshes in ", folds.group_count(),
                                 " folds for ", collection.size(),
                                 " meshes; there must be as many meshes and at least 2 folds"));
-    if (options.tests < 1 || options.samples < 1)
-        throw InvalidInput(join("quality: tests is ", options.tests, " and samples is ",
-                                options.samples, ", both must be >= 1"));
-    if (options.modes.empty() || options.modes.front() < 1 ||
-        std::adjacent_find(options.modes.begin(), options.modes.end(), std::greater_equal()) !=
-            options.modes.end())
-        throw InvalidInput("quality: numbers of modes must be >= 1 and ascend");
 }
 
 /// A mesh as the measures see it.
@@ -239,10 +233,24 @@ void measure_specificity(const Collection& collection, const Ruler& ruler,
 
 } // namespace
 
+void check(const QualityOptions& options)
+{
+    check(options.space);
+    require(!options.modes.empty(), "QualityOptions.modes", "empty", "one number at least");
+    int last = 0;
+    for (std::size_t i = 0; i < options.modes.size(); last = options.modes[i++])
+        require(options.modes[i] > last, join("QualityOptions.modes[", i, "]"), options.modes[i],
+                join("> ", last, ": ascending and >= 1"));
+    require_at_least(1, options.tests, "QualityOptions.tests");
+    require_at_least(1, options.samples, "QualityOptions.samples");
+    check(options.embedding);
+}
+
 ModelQuality measure_quality(const Collection& collection, const Grouping& folds,
                              const QualityOptions& options, const Progress& progress)
 {
-    check(collection, folds, options);
+    check(options);
+    check_folds(collection, folds);
     Random random(options.seed);
     std::vector<int> tests = shuffled(static_cast<Index>(collection.size()), random);
     tests.resize(std::min(tests.size(), static_cast<std::size_t>(options.tests)));

@@ -16,13 +16,22 @@ namespace shape {
 
 struct QualityOptions
 {
+    /// The space that models are made in.
     SpaceOptions space = {};
-    std::vector<int> modes = {}; ///< Numbers of modes to measure at, ascending, >= 1.
-    int tests = 25;              ///< Meshes to reconstruct at most, >= 1; drawn from all.
-    int samples = 25;            ///< Random meshes, >= 1.
+    /// Models are measured at these numbers of modes; ascending, >= 1, at least one.
+    std::vector<int> modes = {};
+    /// At most this many meshes, drawn from all, are reconstructed; >= 1.
+    int tests = 25;
+    /// This many random meshes are made; >= 1.
+    int samples = 25;
+    /// How meshes are made.
     EmbeddingOptions embedding = {};
+    /// All draws depend on this.
     std::uint64_t seed = 1;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const QualityOptions& options);
 
 /// A measure at every number of modes: over the meshes, mean and standard deviation (divisor n - 1).
 struct QualityCurve

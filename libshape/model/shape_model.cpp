@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/statistics/mean.h"
 #include "libshape/statistics/principal_components.h"
 #include "libshape/statistics/projection.h"
@@ -15,8 +16,19 @@
 namespace shape {
 using namespace internal;
 
+void check(const ModelOptions& options)
+{
+    require_at_least(0, options.modes, "ModelOptions.modes");
+    require(options.variance > 0.0 && options.variance <= 1.0, "ModelOptions.variance",
+            options.variance, "in (0, 1]");
+    require(options.modes == 0 || options.variance == 1.0, "ModelOptions.variance",
+            options.variance, "1 where modes, too, says how many are kept");
+    check(options.space);
+}
+
 ShapeModel fit_model(const Collection& collection, const ModelOptions& options)
 {
+    check(options);
     if (collection.size() < 2)
         throw InvalidInput("a model needs at least 2 meshes, there is 1");
     ShapeSpace space = make_space(collection, options.space);
@@ -59,11 +71,12 @@ DecodedShape model_point(const ShapeModel& model, const Eigen::VectorXd& scores,
 Projection project(const ShapeModel& model, const Collection& collection)
 {
     if (!(collection.topology == model.topology))
-        throw InvalidInput(join("projection: the meshes (", collection.topology.vertex_count(),
-                                " vertices, ", counted(collection.topology.face_count(), "face"),
-                                ") have another triangulation than the model (",
-                                model.topology.vertex_count(), " vertices, ",
-                                counted(model.topology.face_count(), "face"), ")"));
+        throw InvalidInput(
+            join("projection: the meshes have another triangulation than the model; ",
+                 describe_correspondence_break(
+                     {"the model", "the model", model.reference_points, model.topology.faces()},
+                     {collection.names.front(), "mesh " + collection.names.front(),
+                      collection.points.front(), collection.topology.faces()})));
     SubspaceProjection projection =
         project_onto_subspace(encode(model.space, collection), model.mean, model.modes);
     return {.names = collection.names,

@@ -24,7 +24,7 @@ struct ShapeModel
     RowMatrix modes;                      ///< K by D, orthonormal rows.
     RowMatrix mode_dihedral_angles;       ///< K by #E [rad per unit of score], or K by 0.
     Eigen::VectorXd variances;            ///< K, descending, divisor N - 1.
-    double total_variance = 0.0;          ///< Of all modes, kept or not.
+    double total_variance = 0.0;          ///< The sum over all modes, kept or not.
     RowMatrix scores;                     ///< N by K, coordinates along the modes.
     Eigen::VectorXd sizes;                ///< N, see sizes() of shape_space.h [length].
     std::vector<std::string> names;       ///< N.
@@ -36,10 +36,17 @@ struct ShapeModel
 
 struct ModelOptions
 {
-    int modes = 0;         ///< K in [1, N - 1]; 0: as many as `variance` asks for.
-    double variance = 1.0; ///< Smallest share of the total variance to keep, in (0, 1].
+    /// This many modes are kept, K in [1, N - 1]; 0: as few as have the share `variance`.
+    int modes = 0;
+    /// The modes kept have at least this share of the total variance; in (0, 1], and 1 unless `modes`
+    /// is 0.
+    double variance = 1.0;
+    /// The space that the model is made in.
     SpaceOptions space = {};
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const ModelOptions& options);
 
 /// Fits a model: PCA of the coordinates through the N by N Gram matrix; never a D by D one.
 /// The sign of a mode makes its coordinate of largest magnitude positive (the first of equals).

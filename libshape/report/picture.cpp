@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/mesh/alignment.h"
 
@@ -23,14 +24,8 @@ constexpr double caption_height = 24.0;
 constexpr double bar_height = 44.0;
 constexpr Colour paper{255, 255, 255};
 
-void check(const Collection& collection, const PictureOptions& options)
+void check_meshes(const Collection& collection, const PictureOptions& options)
 {
-    if (options.columns < 0)
-        throw InvalidInput(join("columns is ", options.columns, ", must be >= 0"));
-    if (options.cell_width < 16 || options.cell_width > 4096)
-        throw InvalidInput(join("cell_width is ", options.cell_width, ", must be in [16, 4096]"));
-    if (options.scale < 1 || options.scale > 4)
-        throw InvalidInput(join("scale is ", options.scale, ", must be in [1, 4]"));
     if (collection.size() == 0)
         throw InvalidInput("a picture needs at least one mesh");
     if (options.values.empty())
@@ -43,9 +38,6 @@ void check(const Collection& collection, const PictureOptions& options)
             throw InvalidInput(join("values[", i, "] has ", options.values[i].size(),
                                     " entries, the mesh has ", collection.topology.vertex_count(),
                                     " vertices"));
-    if (!(options.value_low < options.value_high))
-        throw InvalidInput(join("value_low is ", options.value_low, ", must be below value_high, ",
-                                options.value_high));
 }
 
 std::vector<Colour> colours_of(const Eigen::VectorXd& values, const PictureOptions& options)
@@ -92,10 +84,25 @@ void draw_picture(Svg& svg, const Picture& picture, double left)
 
 } // namespace
 
+void check(const PictureOptions& options)
+{
+    require_at_least(0, options.columns, "PictureOptions.columns");
+    require(options.cell_width >= 16 && options.cell_width <= 4096, "PictureOptions.cell_width",
+            options.cell_width, "in [16, 4096]");
+    require(options.scale >= 1 && options.scale <= 4, "PictureOptions.scale", options.scale,
+            "in [1, 4]");
+    require(std::isfinite(options.value_low), "PictureOptions.value_low", options.value_low,
+            "finite");
+    require(std::isfinite(options.value_high) && options.value_high > options.value_low,
+            "PictureOptions.value_high", options.value_high,
+            join("> value_low, ", options.value_low, ", and finite"));
+}
+
 Picture draw_collection(const Collection& collection, const PictureOptions& options,
                         const Progress& progress)
 {
-    check(collection, options);
+    check(options);
+    check_meshes(collection, options);
     const Faces& faces = collection.topology.faces();
     const Points& first = collection.points.front();
     const Eigen::Matrix3d rotation =

@@ -17,17 +17,30 @@ namespace shape {
 
 struct PictureOptions
 {
-    int columns = 0;                   ///< Cells in a row; 0: about as wide as a page.
-    int cell_width = 200;              ///< [px], in [16, 4096].
-    int scale = 2;                     ///< Pixels of the raster a px; in [1, 4].
-    std::optional<ViewDirection> view; ///< None: automatic_view of the first mesh.
-    bool is_sequence = false;          ///< Each mesh is moved onto the one before; else the first.
-    std::vector<Eigen::VectorXd> values; ///< Empty, or per mesh #V values to colour it by.
+    /// A row has this many cells, >= 0; 0: about as wide as a page.
+    int columns = 0;
+    /// A cell is this wide [px]; in [16, 4096].
+    int cell_width = 200;
+    /// The raster has this many pixels a px; in [1, 4].
+    int scale = 2;
+    /// Meshes are seen from here; none: automatic_view() of the first mesh.
+    std::optional<ViewDirection> view = {};
+    /// Each mesh is moved onto the one before; else onto the first.
+    bool is_sequence = false;
+    /// Each mesh is coloured by #V values; empty: none is.
+    std::vector<Eigen::VectorXd> values = {};
+    /// Values have these colours.
     ColourMap colour_map = ColourMap::Sequential;
-    double value_low = 0.0;  ///< Value of the first colour.
-    double value_high = 1.0; ///< Value of the last colour; > value_low.
-    std::string value_name;  ///< Stands at the colour bar.
+    /// This value has the first colour; finite.
+    double value_low = 0.0;
+    /// This value has the last colour; finite, > value_low.
+    double value_high = 1.0;
+    /// This stands at the colour bar.
+    std::string value_name = {};
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const PictureOptions& options);
 
 /// A sheet of meshes and their captions.
 struct Picture
@@ -36,9 +49,10 @@ struct Picture
     int scale = 1;
     struct Caption
     {
-        double x = 0.0;     ///< Of its middle [px].
-        double y = 0.0;     ///< Of its base line [px].
-        double size = 12.0; ///< Of its letters [px]: smaller where they would leave the cell.
+        double x = 0.0; ///< Its middle is here [px].
+        double y = 0.0; ///< Its base line is here [px].
+        double size =
+            12.0; ///< Its letters are this high [px]: less where they would leave the cell.
         std::string text;
     };
     std::vector<Caption> captions;
@@ -49,7 +63,7 @@ struct Picture
         double high = 1.0;
         std::string name;
     };
-    std::optional<ColourBar> colour_bar; ///< Of a picture coloured by values; stands below it.
+    std::optional<ColourBar> colour_bar; ///< Stands below a picture coloured by values.
 
     [[nodiscard]] double width() const { return static_cast<double>(sheet.width) / scale; }
     [[nodiscard]] double height() const { return static_cast<double>(sheet.height) / scale; }

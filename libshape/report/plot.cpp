@@ -111,7 +111,7 @@ struct LegendEntry
 constexpr double legend_row = 18.0; // [px], as all below
 constexpr double legend_mark = 18.0;
 constexpr double legend_gap = 18.0;
-constexpr double legend_size = 12.0; ///< Of its text.
+constexpr double legend_size = 12.0; ///< Its letters are this high.
 
 /// The series that have a name, in as many rows as a width needs; none if fewer than two have one.
 std::vector<LegendEntry> legend_of(const Plot& plot, double width)
@@ -143,8 +143,10 @@ std::vector<LegendEntry> legend_of(const Plot& plot, double width)
 std::vector<double> round_ticks(double low, double high, int wanted)
 {
     const double magnitude = std::max(std::abs(low), std::abs(high));
-    if (high - low <= 1e-9 * magnitude) { // finer steps would drown in rounding
-        const double margin = magnitude == 0.0 ? 1.0 : 0.1 * magnitude;
+    constexpr double least = 1e-300; // below, steps lose their digits
+    if (high - low <= 1e-9 * magnitude ||
+        high - low < least) { // finer steps would drown in rounding
+        const double margin = magnitude < least ? 1.0 : 0.1 * magnitude;
         low -= margin;
         high += margin;
     }

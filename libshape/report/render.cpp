@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,6 +12,9 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
+#include "libshape/report/rasterise.h"
+#include "libshape/report/studio.h"
 
 namespace shape {
 using namespace internal;
@@ -32,148 +34,100 @@ Eigen::Matrix3d rotation_towards(const Vector3d& viewer, const Vector3d& right)
     return rotation;
 }
 
-// --- Light ----------------------------------------------------------------------------------------
+// --- Colour ---------------------------------------------------------------------------------------
 
-struct Light
+float decoded(std::uint8_t channel)
 {
-    Vector3f direction; ///< From the surface to the light.
-    Vector3f radiance;  ///< Linear RGB.
-    float gloss = 0.0F; ///< Share of the highlight.
+    const double c = channel / 255.0;
+    return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+}
+
+Vector3f decoded(Colour colour)
+{
+    return {decoded(colour.red), decoded(colour.green), decoded(colour.blue)};
+}
+
+std::uint8_t encoded(float linear)
+{
+    const double c = std::clamp(static_cast<double>(linear), 0.0, 1.0);
+    const double srgb = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055;
+    return static_cast<std::uint8_t>(std::lround(255.0 * srgb));
+}
+
+// --- What is seen ---------------------------------------------------------------------------------
+
+/// What a ray through a sample meets first.
+struct Sample
+{
+    float depth = -std::numeric_limits<float>::max();
+    int face = -1; ///< -1 where there is none.
+    Vector3f weights;
 };
 
-/// `count` directions spread evenly over the cap of that half angle around an axis.
-std::vector<Vector3d> cap_directions(const Vector3d& axis, double half_angle, int count)
-{
-    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), axis);
-    const double golden = pi * (3.0 - std::sqrt(5.0));
-    std::vector<Vector3d> directions;
-    for (int i = 0; i < count; ++i) {
-        const double z = 1.0 - (1.0 - std::cos(half_angle)) * (i + 0.5) / count;
-        const double r = std::sqrt(1.0 - z * z);
-        directions.push_back(turn *
-                             Vector3d(r * std::cos(golden * i), r * std::sin(golden * i), z));
-    }
-    return directions;
-}
-
-/// A key light from the upper left, a dome that is brighter above, a rim light from behind.
-std::vector<Light> studio()
-{
-    std::vector<Light> lights;
-    const auto add = [&](const Vector3d& direction, const Vector3d& radiance, double gloss) {
-        lights.push_back(
-            {direction.cast<float>(), radiance.cast<float>(), static_cast<float>(gloss)});
-    };
-    const std::vector<Vector3d> key =
-        cap_directions(Vector3d(-0.58, 0.48, 0.66).normalized(), 0.45, 14);
-    for (const Vector3d& d : key)
-        add(d, Vector3d(0.98, 0.94, 0.88) / 14.0, 1.0 / 14.0);
-    const std::vector<Vector3d> dome =
-        cap_directions(Vector3d(0.0, 0.35, 1.0).normalized(), 1.75, 30);
-    for (const Vector3d& d : dome)
-        add(d, Vector3d(0.70, 0.76, 0.86) * (0.75 + 0.45 * d.y()) / 30.0, 0.0);
-    const std::vector<Vector3d> rim =
-        cap_directions(Vector3d(0.85, 0.35, -0.35).normalized(), 0.25, 5);
-    for (const Vector3d& d : rim)
-        add(d, Vector3d(0.45, 0.48, 0.55) / 5.0, 0.0);
-    return lights;
-}
-
-// --- Rasterisation --------------------------------------------------------------------------------
-
-/// Rows of samples, from the upper edge of an image.
-struct Rows
-{
-    int begin = 0;
-    int end = 0;
-};
-
-/// Calls hit(x, y, weights) for every sample in these rows whose centre lies in the triangle.
-template <class Hit>
-void rasterise(const std::array<Vector3f, 3>& corners, int width, Rows rows, const Hit& hit)
-{
-    const auto& [a, b, c] = corners;
-    const float area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-    if (area == 0.0F)
-        return;
-    const auto first = [](float value, int begin) {
-        return std::max(begin, static_cast<int>(std::ceil(value - 0.5F)));
-    };
-    const auto last = [](float value, int end) {
-        return std::min(end - 1, static_cast<int>(std::floor(value - 0.5F)));
-    };
-    const int x0 = first(std::min({a.x(), b.x(), c.x()}), 0);
-    const int x1 = last(std::max({a.x(), b.x(), c.x()}), width);
-    const int y0 = first(std::min({a.y(), b.y(), c.y()}), rows.begin);
-    const int y1 = last(std::max({a.y(), b.y(), c.y()}), rows.end);
-    const float scale = 1.0F / area;
-    for (int y = y0; y <= y1; ++y)
-        for (int x = x0; x <= x1; ++x) {
-            const float px = static_cast<float>(x) + 0.5F;
-            const float py = static_cast<float>(y) + 0.5F;
-            const float v =
-                scale * ((px - a.x()) * (c.y() - a.y()) - (py - a.y()) * (c.x() - a.x()));
-            const float w =
-                scale * ((b.x() - a.x()) * (py - a.y()) - (b.y() - a.y()) * (px - a.x()));
-            const float u = 1.0F - v - w;
-            if (u >= 0.0F && v >= 0.0F && w >= 0.0F)
-                hit(x, y, Vector3f(u, v, w));
-        }
-}
-
-/// What a light sees: per texel the distance of the nearest surface, larger is nearer to the light.
-class ShadowMap
+/// The samples of an image, made a band of rows at a time.
+class SampleBands
 {
 public:
-    ShadowMap(const Faces& faces, const std::vector<Vector3f>& points, Vector3f centre, float reach,
-              const Vector3f& direction)
-        : centre_(std::move(centre)),
-          direction_(direction),
-          scale_(0.5F * size / reach),
-          depth_(size * size, nothing)
+    SampleBands(const Faces& faces, const Points& points, const RenderOptions& options)
+        : faces_(faces), width_(samples * options.width), height_(samples * options.height)
     {
-        right_ = direction.unitOrthogonal();
-        up_ = direction.cross(right_);
-        std::vector<Vector3f> seen;
-        seen.reserve(points.size());
-        for (const Vector3f& p : points)
-            seen.push_back(project(p));
-        for (const auto& face : faces.rowwise()) {
-            const std::array<Vector3f, 3> corners{seen[static_cast<std::size_t>(face[0])],
-                                                  seen[static_cast<std::size_t>(face[1])],
-                                                  seen[static_cast<std::size_t>(face[2])]};
+        const double step = options.pixel_size / samples;
+        for (const auto& p : points.rowwise())
+            seen_.emplace_back(
+                static_cast<float>(0.5 * width_ + (p.x() - options.centre.x()) / step),
+                static_cast<float>(0.5 * height_ - (p.y() - options.centre.y()) / step),
+                static_cast<float>(p.z()));
+    }
+
+    /// Calls visit(sample) for the samples of a pixel that meet the mesh. Pixels go row by row, from
+    /// the uppermost.
+    template <class Visit>
+    void for_pixel(int x, int y, const Visit& visit)
+    {
+        if (samples * y >= band_.end)
+            fill(y);
+        for (int row = samples * y; row < samples * (y + 1); ++row)
+            for (int column = samples * x; column < samples * (x + 1); ++column)
+                if (const Sample& sample = at(column, row); sample.face >= 0)
+                    visit(sample);
+    }
+
+private:
+    [[nodiscard]] Sample& at(int column, int row)
+    {
+        return buffer_[static_cast<std::size_t>(row - band_.begin) *
+                           static_cast<std::size_t>(width_) +
+                       static_cast<std::size_t>(column)];
+    }
+
+    /// Makes the band that starts with a row of pixels.
+    void fill(int first_row)
+    {
+        const int rows = std::max(1, buffer_size / (width_ * samples)); // of pixels
+        band_ = {samples * first_row, std::min(height_, samples * (first_row + rows))};
+        buffer_.assign(
+            static_cast<std::size_t>(width_) * static_cast<std::size_t>(band_.end - band_.begin),
+            Sample{});
+        for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
+            const Triangle corners = corners_of(faces_, f, seen_);
             const Vector3f depths(corners[0].z(), corners[1].z(), corners[2].z());
-            rasterise(corners, size, {0, size}, [&](int x, int y, const Vector3f& weights) {
-                float& texel = depth_[static_cast<std::size_t>(y * size + x)];
-                texel = std::max(texel, weights.dot(depths));
+            rasterise(corners, width_, band_, [&](int x, int y, const Vector3f& weights) {
+                Sample& sample = at(x, y);
+                const float depth = weights.dot(depths);
+                if (depth > sample.depth)
+                    sample = {depth, static_cast<int>(f), weights};
             });
         }
     }
 
-    /// Whether nothing that the light sees lies in front of a point.
-    [[nodiscard]] bool lit(const Vector3f& point) const
-    {
-        const Vector3f p = project(point);
-        const int x = std::clamp(static_cast<int>(p.x()), 0, size - 1);
-        const int y = std::clamp(static_cast<int>(p.y()), 0, size - 1);
-        return depth_[static_cast<std::size_t>(y * size + x)] <= p.z();
-    }
-
-private:
-    static constexpr int size = 256;
-    static constexpr float nothing = -std::numeric_limits<float>::max();
-
-    [[nodiscard]] Vector3f project(const Vector3f& point) const
-    {
-        const Vector3f d = point - centre_;
-        return {0.5F * size + scale_ * right_.dot(d), 0.5F * size + scale_ * up_.dot(d),
-                direction_.dot(d)};
-    }
-
-    Vector3f centre_, direction_, right_, up_;
-    float scale_;
-    std::vector<float> depth_;
+    const Faces& faces_;
+    int width_, height_;         ///< In samples.
+    std::vector<Vector3f> seen_; ///< Vertices, in samples from the upper left corner.
+    Rows band_;                  ///< In the buffer.
+    std::vector<Sample> buffer_;
 };
+
+// --- The surface there ----------------------------------------------------------------------------
 
 /// Unit normals of the corners, 3 f + c: the mean over the faces at the vertex that meet this face
 /// within the crease angle, weighted by area.
@@ -207,42 +161,93 @@ std::vector<Vector3f> corner_normals(const Faces& faces, const Points& points, d
     return normals;
 }
 
-// --- Colour ---------------------------------------------------------------------------------------
-
-float decoded(std::uint8_t channel)
+/// A mesh as what is to be shaded.
+class Surface
 {
-    const double c = channel / 255.0;
-    return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
+public:
+    Surface(const Faces& faces, const Points& points, const RenderOptions& options)
+        : faces_(faces),
+          normals_(corner_normals(faces, points, options.crease_angle)),
+          colours_(static_cast<std::size_t>(points.rows()), decoded(options.surface))
+    {
+        for (const auto& p : points.rowwise())
+            places_.emplace_back(p.transpose().cast<float>());
+        std::transform(options.vertex_colours.begin(), options.vertex_colours.end(),
+                       colours_.begin(), [](Colour colour) { return decoded(colour); });
+    }
 
-Vector3f decoded(Colour colour)
-{
-    return {decoded(colour.red), decoded(colour.green), decoded(colour.blue)};
-}
+    [[nodiscard]] Patch patch(const Sample& sample) const
+    {
+        const Triangle corners = corners_of(faces_, sample.face, places_);
+        const Triangle colours = corners_of(faces_, sample.face, colours_);
+        Patch patch;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float weight = sample.weights[static_cast<Eigen::Index>(c)];
+            patch.place += weight * corners[c];
+            patch.normal += weight * normals_[3 * static_cast<std::size_t>(sample.face) + c];
+            patch.colour += weight * colours[c];
+        }
+        patch.normal.normalize();
+        patch.flat_normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+        if (patch.flat_normal.z() < 0.0F) { // the back of a face
+            patch.normal = -patch.normal;
+            patch.flat_normal = -patch.flat_normal;
+            patch.colour *= 0.55F;
+        }
+        return patch;
+    }
 
-std::uint8_t encoded(float linear)
-{
-    const double c = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-    const double srgb = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(std::lround(255.0 * srgb));
-}
-
-/// What a ray through a sample meets first.
-struct Sample
-{
-    float depth = -std::numeric_limits<float>::max();
-    int face = -1;
-    Vector3f weights;
+private:
+    const Faces& faces_;
+    std::vector<Vector3f> places_;  ///< View coordinates.
+    std::vector<Vector3f> normals_; ///< One a corner, 3 f + c.
+    std::vector<Vector3f> colours_; ///< One a vertex, linear RGB.
 };
 
-/// A piece of surface to shade; the mean of several is one as well.
-struct Patch
+Patch mean_of(const std::vector<Patch>& patches)
 {
-    Vector3f place = Vector3f::Zero();
-    Vector3f normal = Vector3f::Zero();
-    Vector3f flat_normal = Vector3f::Zero();
-    Vector3f colour = Vector3f::Zero();
-};
+    const auto count = static_cast<float>(patches.size());
+    Patch mean;
+    for (const Patch& patch : patches) {
+        mean.place += patch.place / count;
+        mean.normal += patch.normal / count;
+        mean.flat_normal += patch.flat_normal / count;
+        mean.colour += patch.colour / count;
+    }
+    return mean;
+}
+
+/// The sum of the light of some patches of one pixel. Where the surface is smooth within the pixel, their
+/// mean is shaded, else each of them.
+Vector3f light_of(const std::vector<Patch>& patches, const Studio& studio, double pixel_size)
+{
+    const Patch mean = mean_of(patches);
+    const auto near_mean = [&](const Patch& patch) {
+        return patch.normal.dot(mean.normal) > 0.98F &&
+               (patch.place - mean.place).norm() < 4.0 * pixel_size;
+    };
+    if (std::all_of(patches.begin(), patches.end(), near_mean))
+        return static_cast<float>(patches.size()) * studio.shade(mean);
+    Vector3f sum = Vector3f::Zero();
+    for (const Patch& patch : patches)
+        sum += studio.shade(patch);
+    return sum;
+}
+
+void check_mesh(const Faces& faces, const Points& points)
+{
+    if (points.rows() == 0 || faces.rows() == 0)
+        throw InvalidInput(join("the mesh has ", points.rows(), " vertices and ", faces.rows(),
+                                " faces, a picture needs one of each at least"));
+    for (Eigen::Index v = 0; v < points.rows(); ++v)
+        if (!points.row(v).allFinite())
+            throw InvalidInput(join("points: vertex ", v, " has a coordinate that is not finite"));
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+        if (faces.row(f).minCoeff() < 0 || faces.row(f).maxCoeff() >= points.rows())
+            throw InvalidInput(join("faces: face ", f, " names vertices ", faces(f, 0), ", ",
+                                    faces(f, 1), ", ", faces(f, 2), ", must be in [0, ",
+                                    points.rows() - 1, "]"));
+}
 
 } // namespace
 
@@ -257,6 +262,7 @@ Eigen::Matrix3d view_rotation(const ViewDirection& direction)
 
 Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
 {
+    check_mesh(faces, points);
     // Area-weighted, so that dense regions do not count more; +z wins ties.
     Vector3d mean = Vector3d::Zero();
     Vector3d facing = Vector3d::Zero();
@@ -294,150 +300,46 @@ Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
                             right.norm() > 1e-3 ? Vector3d(right.normalized()) : Vector3d::UnitX());
 }
 
+void check(const RenderOptions& options)
+{
+    constexpr int most = 32768; // coordinates of samples stay exact in float
+    require(options.width >= 1 && options.width <= most, "RenderOptions.width", options.width,
+            join("in [1, ", most, "]"));
+    require(options.height >= 1 && options.height <= most, "RenderOptions.height", options.height,
+            join("in [1, ", most, "]"));
+    require(options.centre.allFinite(), "RenderOptions.centre",
+            join(options.centre.x(), ", ", options.centre.y()), "finite");
+    require_positive(options.pixel_size, "RenderOptions.pixel_size");
+    require_not_negative(options.crease_angle, "RenderOptions.crease_angle");
+}
+
 Image render_mesh(const Faces& faces, const Points& points, const RenderOptions& options)
 {
-    if (options.width < 1 || options.height < 1 || !(options.pixel_size > 0.0))
-        throw InvalidInput(join("width, height and pixel_size are ", options.width, ", ",
-                                options.height, " and ", options.pixel_size, ", must be > 0"));
+    check(options);
+    check_mesh(faces, points);
     if (!options.vertex_colours.empty() &&
         static_cast<Eigen::Index>(options.vertex_colours.size()) != points.rows())
         throw InvalidInput(join("vertex_colours has ", options.vertex_colours.size(),
                                 " entries, the mesh has ", points.rows(), " vertices"));
-    const int width = samples * options.width;
-    const int height = samples * options.height;
-    std::vector<Vector3f> places; // view coordinates
-    std::vector<Vector3f> seen;   // in samples from the upper left corner
-    for (const auto& p : points.rowwise()) {
-        places.emplace_back(p.transpose().cast<float>());
-        const double step = options.pixel_size / samples;
-        seen.emplace_back(static_cast<float>(0.5 * width + (p.x() - options.centre.x()) / step),
-                          static_cast<float>(0.5 * height - (p.y() - options.centre.y()) / step),
-                          static_cast<float>(p.z()));
-    }
-    const auto corners_of = [&](const std::vector<Vector3f>& of, Eigen::Index f) {
-        return std::array<Vector3f, 3>{of[static_cast<std::size_t>(faces(f, 0))],
-                                       of[static_cast<std::size_t>(faces(f, 1))],
-                                       of[static_cast<std::size_t>(faces(f, 2))]};
-    };
-
-    /// What is seen in some rows.
-    const auto sampled = [&](Rows rows) {
-        std::vector<Sample> buffer(static_cast<std::size_t>(width) *
-                                   static_cast<std::size_t>(rows.end - rows.begin));
-        for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-            const std::array<Vector3f, 3> corners = corners_of(seen, f);
-            const Vector3f depths(corners[0].z(), corners[1].z(), corners[2].z());
-            rasterise(corners, width, rows, [&](int x, int y, const Vector3f& weights) {
-                Sample& sample = buffer[static_cast<std::size_t>(y - rows.begin) *
-                                            static_cast<std::size_t>(width) +
-                                        static_cast<std::size_t>(x)];
-                const float depth = weights.dot(depths);
-                if (depth > sample.depth)
-                    sample = {depth, static_cast<int>(f), weights};
-            });
-        }
-        return buffer;
-    };
-
-    const Eigen::RowVector3d low = points.colwise().minCoeff();
-    const Eigen::RowVector3d high = points.colwise().maxCoeff();
-    const Vector3f centre = (0.5 * (low + high)).transpose().cast<float>();
-    const float reach = static_cast<float>(0.51 * (high - low).norm());
-    const std::vector<Light> lights = studio();
-    std::vector<ShadowMap> shadows;
-    shadows.reserve(lights.size());
-    for (const Light& light : lights)
-        shadows.emplace_back(faces, places, centre, reach, light.direction);
-
-    const std::vector<Vector3f> normals = corner_normals(faces, points, options.crease_angle);
-    const Vector3f surface = decoded(options.surface);
-    const auto patch_of = [&](const Sample& sample) {
-        const std::array<Vector3f, 3> corners = corners_of(places, sample.face);
-        Patch patch;
-        for (int c = 0; c < 3; ++c) {
-            const float weight = sample.weights[c];
-            const auto corner = static_cast<std::size_t>(c);
-            patch.place += weight * corners[corner];
-            patch.normal += weight * normals[3 * static_cast<std::size_t>(sample.face) + corner];
-            patch.colour += weight * (options.vertex_colours.empty()
-                                          ? surface
-                                          : decoded(options.vertex_colours[static_cast<std::size_t>(
-                                                faces(sample.face, c))]));
-        }
-        patch.normal.normalize();
-        patch.flat_normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
-        if (patch.flat_normal.z() < 0.0F) { // the back of a face
-            patch.normal = -patch.normal;
-            patch.flat_normal = -patch.flat_normal;
-            patch.colour *= 0.55F;
-        }
-        return patch;
-    };
-    const auto shade = [&](const Patch& patch) -> Vector3f {
-        // Off the surface by about two texels of a shadow map, so that it does not shade itself.
-        const Vector3f above = patch.place + 0.018F * reach * patch.flat_normal;
-        Vector3f light_sum = Vector3f::Zero();
-        float gloss = 0.0F;
-        for (std::size_t i = 0; i < lights.size(); ++i) {
-            const Light& light = lights[i];
-            const float cosine = patch.normal.dot(light.direction);
-            if (cosine <= 0.0F || !shadows[i].lit(above))
-                continue;
-            light_sum += cosine * light.radiance;
-            if (light.gloss > 0.0F) {
-                const Vector3f half = (light.direction + Vector3f::UnitZ()).normalized();
-                gloss += light.gloss * std::pow(std::max(patch.normal.dot(half), 0.0F), 24.0F);
-            }
-        }
-        return patch.colour.cwiseProduct(light_sum) + Vector3f::Constant(0.05F * gloss);
-    };
-
     Image image(options.width, options.height, options.background);
+    const Studio studio(faces, points);
+    const Surface surface(faces, points, options);
     const Vector3f background = decoded(options.background);
-    std::vector<Sample> buffer;
-    Rows rows; // in the buffer
-    std::vector<Patch> patches;
-    for (int y = 0; y < options.height; ++y) {
-        if (samples * y >= rows.end) {
-            rows = {samples * y,
-                    std::min(height, samples * (y + std::max(1, buffer_size / (width * samples))))};
-            buffer = sampled(rows);
-        }
+    SampleBands bands(faces, points, options);
+    std::vector<Patch> patches; // of a pixel
+    for (int y = 0; y < options.height; ++y)
         for (int x = 0; x < options.width; ++x) {
             patches.clear();
-            for (int i = 0; i < samples * samples; ++i) {
-                const auto row = static_cast<std::size_t>(samples * y + i / samples - rows.begin);
-                const auto column = static_cast<std::size_t>(samples * x + i % samples);
-                const Sample& sample = buffer[row * static_cast<std::size_t>(width) + column];
-                if (sample.face >= 0)
-                    patches.push_back(patch_of(sample));
-            }
+            bands.for_pixel(
+                x, y, [&](const Sample& sample) { patches.push_back(surface.patch(sample)); });
             if (patches.empty())
                 continue;
-            const auto count = static_cast<float>(patches.size());
-            Patch mean;
-            for (const Patch& patch : patches) {
-                mean.place += patch.place / count;
-                mean.normal += patch.normal / count;
-                mean.flat_normal += patch.flat_normal / count;
-                mean.colour += patch.colour / count;
-            }
-            // Where the surface is smooth within the pixel, its mean is shaded, else each sample.
-            const auto near_mean = [&](const Patch& patch) {
-                return patch.normal.dot(mean.normal) > 0.98F &&
-                       (patch.place - mean.place).norm() < 4.0 * options.pixel_size;
-            };
-            Vector3f sum = Vector3f::Zero();
-            if (std::all_of(patches.begin(), patches.end(), near_mean))
-                sum = count * shade(mean);
-            else
-                for (const Patch& patch : patches)
-                    sum += shade(patch);
             const float all = samples * samples;
-            sum = (sum + (all - count) * background) / all;
-            image.at(x, y) = {encoded(sum.x()), encoded(sum.y()), encoded(sum.z())};
+            const auto count = static_cast<float>(patches.size());
+            const Vector3f light =
+                (light_of(patches, studio, options.pixel_size) + (all - count) * background) / all;
+            image.at(x, y) = {encoded(light.x()), encoded(light.y()), encoded(light.z())};
         }
-    }
     return image;
 }
 

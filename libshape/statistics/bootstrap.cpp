@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 
 namespace shape {
@@ -45,15 +46,22 @@ VectorXd largest_variances(const RowMatrix& coordinates, const VectorXd& times, 
 
 } // namespace
 
+void check(const BootstrapOptions& options)
+{
+    require_at_least(1, options.replicates, "BootstrapOptions.replicates");
+    require(options.confidence > 0.0 && options.confidence < 1.0, "BootstrapOptions.confidence",
+            options.confidence, "in (0, 1)");
+}
+
 RowMatrix bootstrap(const Resampling& resampling,
                     const std::function<VectorXd(const VectorXd& times)>& statistic,
                     const BootstrapOptions& options)
 {
-    if (resampling.blocks.size() != resampling.strata.size() || options.replicates < 1)
+    check(options);
+    if (resampling.blocks.size() != resampling.strata.size())
         throw InvalidInput(join("bootstrap: blocks are of ", resampling.blocks.size(),
                                 " observations, strata of ", resampling.strata.size(),
-                                ", replicates are ", options.replicates,
-                                "; sizes must agree and replicates be at least 1"));
+                                "; sizes must agree"));
     const std::vector<std::vector<int>> blocks = members(resampling.blocks);
     const std::vector<std::vector<int>> strata = blocks_of_strata(blocks, resampling.strata);
     Random seeds(options.seed);
@@ -105,6 +113,7 @@ std::vector<Interval> variance_intervals(const RowMatrix& coordinates, int modes
                                          const Resampling& resampling,
                                          const BootstrapOptions& options)
 {
+    check(options);
     if (modes < 1 || modes > coordinates.cols() || coordinates.rows() != resampling.blocks.size() ||
         coordinates.rows() < 2)
         throw InvalidInput(join("variance intervals: ", modes, " modes of ", coordinates.rows(),

@@ -14,10 +14,16 @@ namespace shape {
 
 struct BootstrapOptions
 {
-    int replicates = 1000;    ///< >= 1.
-    double confidence = 0.95; ///< Of an interval, in (0, 1).
+    /// The data are drawn anew this many times; >= 1.
+    int replicates = 1000;
+    /// An interval holds the true value with this probability; in (0, 1).
+    double confidence = 0.95;
+    /// All draws depend on this.
     std::uint64_t seed = 1;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const BootstrapOptions& options);
 
 /// Draws with replacement, as many blocks in each stratum as it has; a drawn block brings all of
 /// its observations. A block lies in the stratum of its first observation.

@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/statistics/covariate_blocks.h"
 
 namespace shape {
 using namespace internal;
@@ -54,13 +55,10 @@ Design means_of_blocks(const Design& design)
     const auto count = static_cast<Index>(blocks.size());
     if (count == design.groups.size())
         return design;
-    MatrixXd weights = MatrixXd::Zero(design.groups.size(), count);
+    const MatrixXd weights = mean_weights(design.blocks);
     std::vector<int> representatives;
-    for (Index b = 0; b < count; ++b) {
-        const std::vector<int>& block = blocks[static_cast<std::size_t>(b)];
-        weights(block, b).setConstant(1.0 / static_cast<double>(block.size()));
+    for (const std::vector<int>& block : blocks)
         representatives.push_back(block.front());
-    }
     return {weights.transpose() * design.products * weights, subset(design.groups, representatives),
             groups_of_one(count), weights.transpose() * design.covariates};
 }

@@ -27,7 +27,7 @@ struct PairComparison
     int first = 0; ///< Indices of the groups, first < second.
     int second = 0;
     double distance = 0.0;   ///< Between the means of the groups.
-    LinearModelTest test;    ///< Of these two groups alone.
+    LinearModelTest test;    ///< These two groups alone are compared.
     double adjusted_p = 1.0; ///< For all pairs at once (Holm 1979).
 };
 

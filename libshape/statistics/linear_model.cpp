@@ -10,6 +10,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 
 namespace shape {
@@ -20,11 +21,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Blocks = std::vector<std::vector<int>>;
 
-constexpr double rank_tolerance = 1e-9; ///< Of columns of length at most 1.
-constexpr double tie_tolerance = 1e-9;  ///< Of shares in [0, 1]: equal but for rounding.
+constexpr double rank_tolerance =
+    1e-9; ///< Columns, of length at most 1, that leave less are multiples of others.
+constexpr double tie_tolerance =
+    1e-9; ///< Shares in [0, 1] that differ by less are equal but for rounding.
 
-void check(const MatrixXd& products, const MatrixXd& tested, const MatrixXd& nuisance,
-           const Grouping& blocks, const PermutationOptions& options)
+void check_data(const MatrixXd& products, const MatrixXd& tested, const MatrixXd& nuisance,
+                const Grouping& blocks)
 {
     const Index count = products.rows();
     if (products.cols() != count || tested.rows() != count || nuisance.rows() != count ||
@@ -36,9 +39,6 @@ void check(const MatrixXd& products, const MatrixXd& tested, const MatrixXd& nui
                                 "; all must have as many rows and something must be tested"));
     if (!products.allFinite() || !tested.allFinite() || !nuisance.allFinite())
         throw InvalidInput("linear model: an entry is not finite");
-    if (options.permutations < 0)
-        throw InvalidInput(
-            join("linear model: permutations is ", options.permutations, ", must be >= 0"));
 }
 
 /// Columns about their means in each block.
@@ -165,11 +165,17 @@ int count_at_least(const ReducedModel& model, double share, const PermutationOpt
 
 } // namespace
 
+void check(const PermutationOptions& options)
+{
+    require_at_least(0, options.permutations, "PermutationOptions.permutations");
+}
+
 LinearModelTest test_linear_model(const MatrixXd& products, const MatrixXd& tested,
                                   const MatrixXd& nuisance, const Grouping& blocks,
                                   const PermutationOptions& options)
 {
-    check(products, tested, nuisance, blocks, options);
+    check(options);
+    check_data(products, tested, nuisance, blocks);
     const ReducedModel model = reduce(products, tested, nuisance, blocks);
     const Index count = products.rows();
     LinearModelTest result;

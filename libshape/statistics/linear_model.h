@@ -11,9 +11,15 @@ namespace shape {
 
 struct PermutationOptions
 {
-    int permutations = 999; ///< >= 0; the smallest p-value is 1 / (permutations + 1).
+    /// The statistic is compared with this many permutations; >= 0. The smallest p-value is
+    /// 1 / (permutations + 1).
+    int permutations = 999;
+    /// All permutations depend on this.
     std::uint64_t seed = 1;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const PermutationOptions& options);
 
 /// How much of the variation of N points some columns explain, and whether that is chance.
 struct LinearModelTest

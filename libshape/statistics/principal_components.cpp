@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/linalg/symmetric_eigen.h"
 #include "libshape/statistics/inner_products.h"
@@ -22,9 +23,10 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double smallest_variance_ratio = 1e-12; ///< Of a mode to the first one; else rounding.
+constexpr double smallest_variance_ratio =
+    1e-12; ///< Modes of less, relative to the first one, are rounding.
 
-void check(const RowMatrix& data, const PrincipalComponentsOptions& options)
+void check_data(const RowMatrix& data, const PrincipalComponentsOptions& options)
 {
     if (data.rows() < 2 || data.cols() == 0)
         throw InvalidInput(join("principal components: the data has ", data.rows(),
@@ -32,13 +34,10 @@ void check(const RowMatrix& data, const PrincipalComponentsOptions& options)
                                 " variables, must have at least 2 of at least 1"));
     if (!data.allFinite())
         throw InvalidInput("principal components: the data has an entry that is not finite");
-    if (options.modes < 0 || options.modes > data.rows() - 1)
+    if (options.modes > data.rows() - 1)
         throw InvalidInput(join("principal components: modes is ", options.modes,
                                 ", must be in [0, ", data.rows() - 1, "] for ", data.rows(),
                                 " observations"));
-    if (!(options.variance > 0.0 && options.variance <= 1.0))
-        throw InvalidInput(
-            join("principal components: variance is ", options.variance, ", must be in (0, 1]"));
 }
 
 /// weights^T x, in fixed strips of columns.
@@ -172,9 +171,19 @@ void measure_variances(PrincipalComponents& components)
 
 } // namespace
 
+void check(const PrincipalComponentsOptions& options)
+{
+    require_at_least(0, options.modes, "PrincipalComponentsOptions.modes");
+    require(options.variance > 0.0 && options.variance <= 1.0,
+            "PrincipalComponentsOptions.variance", options.variance, "in (0, 1]");
+    require(options.modes == 0 || options.variance == 1.0, "PrincipalComponentsOptions.variance",
+            options.variance, "1 where modes, too, says how many are kept");
+}
+
 PrincipalComponents principal_components(RowMatrix data, const PrincipalComponentsOptions& options)
 {
-    check(data, options);
+    check(options);
+    check_data(data, options);
     PrincipalComponents result;
     result.mean = mean_of_rows(data);
     const double squares = data.squaredNorm();

@@ -14,16 +14,22 @@ struct PrincipalComponents
     Eigen::VectorXd mean;        ///< E.
     RowMatrix modes;             ///< K by E, orthonormal rows.
     Eigen::VectorXd variances;   ///< K, descending, > 0; divisor N - 1.
-    double total_variance = 0.0; ///< Of all modes, kept or not.
+    double total_variance = 0.0; ///< The sum over all modes, kept or not.
     RowMatrix scores;            ///< N by K, coordinates along the modes: (data - mean) modes^T.
     RowMatrix weights;           ///< N by K, columns of sum 0: modes = weights^T data.
 };
 
 struct PrincipalComponentsOptions
 {
-    int modes = 0;         ///< K in [1, N - 1]; 0: as many as `variance` asks for.
-    double variance = 1.0; ///< Smallest share of the total variance to keep, in (0, 1].
+    /// This many modes are kept, K in [1, N - 1]; 0: as few as have the share `variance`.
+    int modes = 0;
+    /// The modes kept have at least this share of the total variance; in (0, 1], and 1 unless `modes`
+    /// is 0.
+    double variance = 1.0;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const PrincipalComponentsOptions& options);
 
 /// Principal component analysis through the N by N Gram matrix G = X X^T of the centred data X
 /// ("method of snapshots", Sirovich 1987); never an E by E matrix.

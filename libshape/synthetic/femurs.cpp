@@ -25,7 +25,7 @@ constexpr double head_radius = 22.0;
 struct Bone
 {
     double shaft = grid_shaft;            ///< Length of the shaft [mm].
-    double girth = 1.0;                   ///< Of the shaft, relative.
+    double girth = 1.0;                   ///< The shaft is this thick, relative to the usual.
     double condyles = 1.0;                ///< Width of the knee end, relative.
     double trochanter = 1.0;              ///< Height of the great trochanter, relative.
     double neck_turn = 52.0 * pi / 180.0; ///< Between shaft and neck [rad].

@@ -2,6 +2,8 @@
 
 #include "libshape/synthetic/grids.h"
 
+#include "libshape/base/require.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -68,8 +70,17 @@ Disc disc(int rings)
     return result;
 }
 
+void check(const TubeOptions& options)
+{
+    require_positive(options.length, "TubeOptions.length");
+    require_positive(options.radius, "TubeOptions.radius");
+    require_at_least(1, options.vertices, "TubeOptions.vertices");
+    require_positive(options.stretch, "TubeOptions.stretch");
+}
+
 Tube tube(const TubeOptions& options)
 {
+    check(options);
     // m rings in each cap, n steps of 6 m vertices between the rims. Edges around are
     // 2 pi r / 6 m long; rows of equilateral triangles lie sqrt(3)/2 of that apart.
     const double row = std::sqrt(3.0) / 2.0 * 2.0 * pi * options.radius / 6.0 * options.stretch;

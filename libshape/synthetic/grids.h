@@ -46,11 +46,18 @@ struct Tube
 
 struct TubeOptions
 {
-    double length = 1.0;  ///< Of the axis without the caps [length], > 0.
-    double radius = 1.0;  ///< [length], > 0.
-    int vertices = 1000;  ///< Wanted number.
-    double stretch = 1.0; ///< Length of a triangle along the axis over that of an equilateral one.
+    /// The axis is this long without the caps [length]; > 0.
+    double length = 1.0;
+    /// The tube has this radius [length]; > 0.
+    double radius = 1.0;
+    /// It has about this many vertices; >= 1.
+    int vertices = 1000;
+    /// Triangles are this many times as long along the axis as equilateral ones; > 0.
+    double stretch = 1.0;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const TubeOptions& options);
 
 [[nodiscard]] Tube tube(const TubeOptions& options);
 

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/synthetic/generators.h"
 
 namespace shape {
@@ -119,6 +120,12 @@ const std::vector<SyntheticDataset>& synthetic_datasets()
     return list;
 }
 
+void check(const SyntheticOptions& options)
+{
+    require_at_least(0, options.count, "SyntheticOptions.count");
+    require_at_least(0, options.vertices, "SyntheticOptions.vertices");
+}
+
 Collection make_synthetic(std::string_view name, const SyntheticOptions& options)
 {
     const auto found = std::find_if(entries().begin(), entries().end(),
@@ -129,6 +136,7 @@ Collection make_synthetic(std::string_view name, const SyntheticOptions& options
             known += (known.empty() ? "" : ", ") + entry.dataset.name;
         throw InvalidInput(join("no synthetic dataset '", name, "'; there are ", known));
     }
+    check(options);
     const SyntheticDataset& dataset = found->dataset;
     return found->make({.count = chosen(options.count, dataset.count, name, "count"),
                         .vertices = chosen(options.vertices, dataset.vertices, name, "vertices"),

@@ -31,10 +31,17 @@ struct SyntheticDataset
 
 struct SyntheticOptions
 {
-    int count = 0;          ///< See SyntheticDataset::count_meaning; 0: the default of the dataset.
-    int vertices = 0;       ///< Wanted #V of each mesh; 0: the default of the dataset.
-    std::uint64_t seed = 1; ///< Of all that is random in the dataset.
+    /// The dataset has this many of what SyntheticDataset::count_meaning says, in its range; 0: its
+    /// default.
+    int count = 0;
+    /// Each mesh has about this many vertices, in the range of the dataset; 0: its default.
+    int vertices = 0;
+    /// All that is random in the dataset depends on this.
+    std::uint64_t seed = 1;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const SyntheticOptions& options);
 
 /// All datasets, sorted by name; datasets/README.md describes them.
 [[nodiscard]] const std::vector<SyntheticDataset>& synthetic_datasets();

@@ -31,7 +31,7 @@ TEST(Pool, MakesAsManyAsAreBorrowedAtOnceAndLendsThemAgain)
 
 TEST(Pool, LendsNothingTwiceAtOnce)
 {
-    Pool<int> pool([] { return std::make_unique<int>(0); });
+    Pool<int> pool;
     std::vector<char> alone(1000, 0);
     parallel_for(alone.size(), 1, [&](std::size_t i, std::size_t) {
         const auto item = pool.borrow();

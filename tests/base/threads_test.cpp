@@ -3,10 +3,15 @@
 #include "libshape/base/threads.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -112,6 +117,33 @@ TEST(ParallelFor, RunsLoopsOfSeveralThreadsAtOnce)
     for (const auto& visit : visits)
         EXPECT_EQ(visit, rounds);
 }
+
+#if !defined(__SANITIZE_ADDRESS__) // which maps terabytes
+/// Leaves no room for the stack of another thread.
+void forbid_threads()
+{
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlimit limit{pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + (1 << 20),
+                       RLIM_INFINITY};
+    setrlimit(RLIMIT_AS, &limit);
+}
+
+TEST(ParallelForDeathTest, WorksWhereNoThreadCanBeStarted)
+{
+    testing::FLAGS_gtest_death_test_style = "threadsafe";
+    EXPECT_EXIT(
+        {
+            set_thread_count(64);
+            forbid_threads();
+            std::atomic<int> visits = 0;
+            for (int round = 0; round < 3; ++round)
+                parallel_for(100, 1, [&](std::size_t, std::size_t) { ++visits; });
+            std::exit(visits == 300 ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "");
+}
+#endif
 
 TEST(ParallelFor, WorksOnAfterAPauseAndWithAnotherNumberOfThreads)
 {

@@ -175,7 +175,7 @@ int main(int argc, char** argv)
     int repeats = 9;
     int frames = 0;
     int threads = 2;
-    double smoothness = EmbeddingOptions{}.smoothness;
+    double smoothness = default_smoothness;
     app.add_option("meshes", files, "Two meshes in correspondence")->required()->expected(2);
     app.add_option("--methods", names, "Of fine, preview, multiscale, closure")
         ->delimiter(',')
@@ -196,7 +196,8 @@ int main(int argc, char** argv)
             {"back_substitution_ms", back_substitution_ms(meshes.topology, meshes.points[0])}};
         for (const std::string& name : names) {
             EmbeddingOptions options = methods.at(name);
-            options.smoothness = smoothness;
+            if (options.method == EmbeddingMethod::Dihedral)
+                options.smoothness = smoothness;
             report["methods"][name] = benchmark.run(options, repeats, frames);
         }
         if (!measured.empty())

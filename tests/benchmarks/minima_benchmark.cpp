@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -21,6 +20,7 @@
 #include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/mesh/collection.h"
+#include "libshape/mesh/edge_lengths.h"
 
 namespace {
 
@@ -44,7 +44,8 @@ public:
           vectors_(shape_vectors(meshes, Scale::None)),
           smoothness_(smoothness),
           half_(energy(0.5)),
-          solver_(meshes.topology, all_vertices())
+          solver_(meshes.topology,
+                  graded_unknowns(meshes.topology, edge_lengths(meshes.topology, meshes.points[0])))
     {
     }
 
@@ -91,13 +92,6 @@ private:
         return {meshes_.topology, blend(vectors_, Eigen::Vector2d(1.0 - t, t)), smoothness_};
     }
 
-    std::vector<int> all_vertices() const
-    {
-        std::vector<int> vertices(static_cast<std::size_t>(meshes_.topology.vertex_count()));
-        std::iota(vertices.begin(), vertices.end(), 0);
-        return vertices;
-    }
-
     const Collection& meshes_;
     ShapeVectors vectors_;
     double smoothness_;
@@ -112,7 +106,7 @@ int main(int argc, char** argv)
     CLI::App app("Energies that several methods reach half-way between two meshes");
     std::vector<std::string> files;
     int threads = 2;
-    double smoothness = EmbeddingOptions{}.smoothness;
+    double smoothness = default_smoothness;
     app.add_option("meshes", files, "Two meshes in correspondence")->required()->expected(2);
     app.add_option("--threads", threads, "Threads");
     app.add_option("--smoothness", smoothness, "Weight of the angles");

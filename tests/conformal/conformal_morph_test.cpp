@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "libshape/base/error.h"
+#include "libshape/base/random.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -93,6 +94,36 @@ TEST(ConformalMorph, MendsBrokenFacesAsLittleAsItCan)
         EXPECT_GT(worst, 0.0);
     }
     EXPECT_GT(mended, 0);
+}
+
+TEST(ConformalMorph, CorrectsToTheNearestLengths)
+{
+    // The inequalities are those of a convex cone C in x = l / l*. Its point nearest to 1, and no other,
+    // has (1 - x) . x = 0 and (1 - x) . z <= 0 for all z in C; any mesh gives such a z.
+    const test::TestMesh mesh = test::stretched(test::random_inscribed(500, 5), {1, 1, 10});
+    const ConformalMorph morph = morph_of(mesh);
+    int corrected = 0;
+    for (int i = 1; i < 10; ++i) {
+        const double k = i / 10.0;
+        const MorphFrame frame = morph_frame(morph, k);
+        if (frame.corrected_faces.empty())
+            continue;
+        ++corrected;
+        const Eigen::VectorXd wanted = (morph.log_lengths + k * morph.log_ratios).array().exp();
+        const Eigen::VectorXd x = frame.point.edge_lengths.cwiseQuotient(wanted);
+        const Eigen::VectorXd missed = Eigen::VectorXd::Ones(x.size()) - x;
+        ASSERT_GT(missed.norm(), 1e-6);
+        EXPECT_LE(std::abs(missed.dot(x)), 1e-6 * missed.norm()) << k;
+        internal::Random random(1);
+        for (int sample = 0; sample < 20; ++sample) {
+            const Points other =
+                Points::NullaryExpr(mesh.points.rows(), 3, [&] { return random.normal(); });
+            const Eigen::VectorXd z =
+                edge_lengths(mesh.topology, other).cwiseQuotient(wanted).normalized();
+            EXPECT_LE(missed.dot(z), 1e-6 * missed.norm()) << k;
+        }
+    }
+    EXPECT_GT(corrected, 0);
 }
 
 TEST(ConformalMorph, IsContinuousInItsParameter)

@@ -12,6 +12,7 @@
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
+#include "libshape/embedding/multiscale/multiscale_embedding.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -181,6 +182,79 @@ TEST(Embedder, PreviewIsNoBetterThanFineAndBothReportTheirSteps)
               12);
 }
 
+TEST(Embedder, PlacesMeshesLikeTheFirstReferenceWithTheirCentroidAtZero)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(2, 0.4, 1);
+    const Points first = test::moved(mesh.points, 3);
+    const Points wanted = first.rowwise() - centroid(first);
+    const ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+    for (const EmbeddingMethod method :
+         {EmbeddingMethod::Dihedral, EmbeddingMethod::Closure, EmbeddingMethod::Multiscale}) {
+        const Embedder embedder(mesh.topology, {first, mesh.points}, {.method = method});
+        EXPECT_LT((embedder.embed(target).points - wanted).cwiseAbs().maxCoeff(), 1e-9);
+    }
+}
+
+/// The point halfway between two meshes, which no mesh has.
+ShapePoint halfway(const Topology& topology, const Points& first, const Points& second)
+{
+    const ShapePoint a = test::shape_of(topology, first);
+    const ShapePoint b = test::shape_of(topology, second);
+    return {0.5 * (a.edge_lengths + b.edge_lengths), 0.5 * (a.dihedral_angles + b.dihedral_angles)};
+}
+
+TEST(Embedder, TradesLengthsForAnglesBySmoothness)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
+    const ShapePoint half =
+        halfway(mesh.topology, mesh.points, test::bumpy_sphere(3, 0.4, 2).points);
+    const auto report = [&](double smoothness) {
+        return Embedder(mesh.topology, {mesh.points}, {.smoothness = smoothness})
+            .embed(half)
+            .report;
+    };
+    const EmbeddingReport rough = report(1e-4);
+    const EmbeddingReport smooth = report(1e-1);
+    EXPECT_LT(rough.edge_rms, 0.9 * smooth.edge_rms);
+    EXPECT_LT(smooth.dihedral_rms_deg, 0.9 * rough.dihedral_rms_deg);
+}
+
+TEST(Embedder, HandsItsOptionsToTheMultiscaleMethod)
+{
+    const test::TestMesh mesh = test::torus(12, 30);
+    const Points bent = mesh.points * Eigen::Vector3d(1.5, 0.8, 2.0).asDiagonal();
+    const ShapePoint half = halfway(mesh.topology, mesh.points, bent);
+    for (const std::uint64_t seed : {1U, 7U})
+        for (const RegistrationStart start :
+             {RegistrationStart::Incremental, RegistrationStart::Identity}) {
+            const Points found = Embedder(mesh.topology, {mesh.points},
+                                          {.method = EmbeddingMethod::Multiscale,
+                                           .registration_start = start,
+                                           .seed = seed})
+                                     .embed(half)
+                                     .points;
+            const Points wanted =
+                MultiscaleEmbedder(mesh.topology, mesh.points,
+                                   {.seed = seed, .registration = {.start = start}})
+                    .embed(half)
+                    .points;
+            EXPECT_LT(rigid_distance(found, wanted), 1e-12) << seed;
+        }
+}
+
+TEST(DihedralEmbedder, ComesNearerByEveryStepOfItsStart)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.4, 1);
+    const ShapePoint half =
+        halfway(mesh.topology, mesh.points, test::bumpy_sphere(3, 0.4, 2).points);
+    const DihedralEmbedder embedder(mesh.topology, {mesh.points});
+    const auto energy = [&](int steps) {
+        return embedder.embed(half, {.local_global_steps = steps, .max_iterations = 0}).energy;
+    };
+    EXPECT_LT(energy(1), energy(0));
+    EXPECT_LT(energy(4), energy(1));
+}
+
 TEST(Embedder, RefusesBadInput)
 {
     const test::TestMesh mesh = test::tetrahedron();
@@ -221,9 +295,34 @@ TEST(EmbeddingReport, MeasuresWhatItSays)
     EXPECT_NEAR(drift.dihedral_max_deg, 10.0, 1e-9);
     EXPECT_NEAR(drift.dihedral_rms_deg, 10.0 / std::sqrt(mesh.topology.edge_count()), 1e-9);
 
+    // Hinges further off than 150 degrees are folded flat, with both of their faces.
+    ShapePoint folded = own;
+    folded.dihedral_angles[7] += 149.0 * std::numbers::pi / 180.0;
+    EXPECT_EQ(measure_embedding(mesh.topology, mesh.points, folded).inverted_faces, 0);
+    folded.dihedral_angles[7] += 2.0 * std::numbers::pi / 180.0;
+    EXPECT_EQ(measure_embedding(mesh.topology, mesh.points, folded).inverted_faces, 2);
+
     Points collapsed = mesh.points;
     collapsed.row(0) = collapsed.row(mesh.topology.target(mesh.topology.outgoing(0)[0]));
     EXPECT_GE(measure_embedding(mesh.topology, collapsed, own).inverted_faces, 2);
+}
+
+TEST(EmbeddingReport, GivesTheQuantilesOfErrors)
+{
+    // Errors 0, 1, ..., 1919 times a unit: 99 % of 1920 are 1900.8, 99.9 % are 1918.08.
+    const test::TestMesh mesh = test::icosphere(3);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+    ASSERT_EQ(target.edge_lengths.size(), 1920);
+    for (int e = 0; e < 1920; ++e) {
+        target.edge_lengths[e] /= 1.0 + 1e-4 * e;
+        target.dihedral_angles[e] += 0.05 * e * std::numbers::pi / 180.0;
+    }
+    const EmbeddingReport report = measure_embedding(mesh.topology, mesh.points, target);
+    EXPECT_NEAR(report.edge_max, 0.1919, 1e-12);
+    EXPECT_NEAR(report.edge_p999, 0.1918, 1e-12);
+    EXPECT_NEAR(report.edge_p99, 0.1900, 1e-12);
+    EXPECT_NEAR(report.dihedral_max_deg, 95.95, 1e-9);
+    EXPECT_NEAR(report.dihedral_p99_deg, 95.0, 1e-9);
 }
 
 } // namespace

@@ -68,10 +68,10 @@ class BetweenKeyframes : public testing::Test
 protected:
     [[nodiscard]] InBetweens by(EmbeddingMethod method) const
     {
-        return {collection_.topology,
-                keys_,
-                collection_.points,
-                {.method = method, .quality = EmbeddingQuality::Preview}};
+        EmbeddingOptions options{.method = method};
+        if (method == EmbeddingMethod::Dihedral)
+            options.quality = EmbeddingQuality::Preview;
+        return {collection_.topology, keys_, collection_.points, options};
     }
     [[nodiscard]] InBetweens by(KeyframeMotion motion) const
     {

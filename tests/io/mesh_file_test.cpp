@@ -83,13 +83,19 @@ void append_scalar(std::string& bytes, const std::string& type, double value, bo
         append_scalar<std::uint32_t>(bytes, value, big_endian);
     else if (type == "float" || type == "float32")
         append_scalar<float>(bytes, value, big_endian);
+    else if (type == "int64" || type == "long")
+        append_scalar<std::int64_t>(bytes, value, big_endian);
+    else if (type == "uint64" || type == "ulong")
+        append_scalar<std::uint64_t>(bytes, value, big_endian);
+    else if (type == "float16" || type == "half") // of 0 and 1
+        append_scalar<std::uint16_t>(bytes, value == 0.0 ? 0.0 : 0x3c00, big_endian);
     else
         append_scalar<double>(bytes, value, big_endian);
 }
 
-const std::vector<std::string> integer_types = {"char",  "uchar",  "short", "ushort",
-                                                "int",   "uint",   "int8",  "uint8",
-                                                "int16", "uint16", "int32", "uint32"};
+const std::vector<std::string> integer_types = {
+    "char",  "uchar",  "short", "ushort", "int",   "uint",   "int8", "uint8",
+    "int16", "uint16", "int32", "uint32", "int64", "uint64", "long", "ulong"};
 
 const char* const ply_header =
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
@@ -171,6 +177,24 @@ TEST(ObjFile, ReadsReferencesOfEveryKindAndIgnoresMaterials)
              "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0 0\nvn 0 0 1\nf 1/1 2/2 3/1\n",
              "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/-1/-1 3/1/1\n",
              "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//-1\n",
+             // References that are empty, lead nowhere, or to what is not read.
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1// 2// 3//\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/ 2/ 3/\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1/ 2/1/ 3/1/\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/7/9 2/0/0 3/-5/-6\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//99999999999999999999 2//1 3//1\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn nan nan nan\nvn 0 1\nvt -nan(ind) inf\nvt\nvt a b\n"
+             "vp 1\nvc 1 0 0\nl 1/ 2\nf 1//1 2//1 3//1\n",
+             // Colours: three or four numbers, kept by nobody.
+             "v 0 0 0 0.2 0.4 0.6 0.8\nv 1 0 0 1 2 3 4 5\nv 0 1 0 nan nan nan\nf 1 2 3\n",
+             "v 0 0 0 1e999 0 0\nv 1 0 0 .5 .5\nv 0 1 0\nf 1 2 3\n",
+             // Continued lines; a backslash at the end of a name or a comment continues nothing.
+             "v 0 0 \\\n0\nv \\\n 1 \\\r\n 0 \\  \n 0\nv 0 1 0\nf 1 \\\n2 3\n",
+             "mtllib C:\\models\\\nv 0 0 0\nusemtl a\\\nv 1 0 0\n# D:\\\nv 0 1 0\no b\\\nf 1 2 3\n",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\ng one \\\n two three\nl 1 \\\n2\nf 1 2 3\\",
+             "\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+             "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r",
+             "v 0 0 0   \nv 1 0 0\t\nv 0 1 0 \r\n   \nf 1 2 3  \n",
          }) {
         SCOPED_TRACE(text);
         const NamedMesh mesh = read("m.obj", text);
@@ -187,6 +211,15 @@ TEST(OffFile, ReadsCountsOnEitherLineCommentsAndColours)
              "OFF 3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n",
              "# c\nOFF # c\n# c\n\n3 1 0 # c\n\n0 0 0\n# c\n1 0 0\n0 1 0\n3 0 1 2 255 0 0 # c\n# "
              "c\n",
+             "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+             "OFF3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+             "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 .1 .2 .3\n0 1 0 0 0 0 0\n3 0 1 2\n",
+             "NOFF 3 1 0\n0 0 0 0 0 1\n1 0 0 nan nan nan\n0 1 0 0 0 1\n3 0 1 2\n",
+             "CNOFF\n3 1 0\n0 0 0 1 1 1 1 0 0 1\n1 0 0 1 1 1 0 0 1\n0 1 0 1 1 1 0 0 1\n3 0 1 2\n",
+             "STOFF\n3 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2 0.5\n",
+             "\xEF\xBB\xBFOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+             "OFF  \n3 1 0 \n0 0 0 \n1 0 0\t\n0 1 0\n3 0 1 2 \n",
+             "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r",
          }) {
         SCOPED_TRACE(text);
         expect_unit_triangle(read("m.off", text));
@@ -243,7 +276,7 @@ std::string binary_ply(const std::string& coordinate, const std::string& count,
 TEST(PlyFile, ReadsEveryScalarTypeInBothOrdersOfBytes)
 {
     std::vector<std::string> all_types = integer_types;
-    all_types.insert(all_types.end(), {"float", "double", "float32", "float64"});
+    all_types.insert(all_types.end(), {"float", "double", "float32", "float64", "float16", "half"});
     for (const bool big_endian : {false, true}) {
         for (const std::string& type : all_types)
             expect_unit_triangle(read("m.ply", binary_ply(type, "uchar", "int", big_endian)));
@@ -251,6 +284,51 @@ TEST(PlyFile, ReadsEveryScalarTypeInBothOrdersOfBytes)
             expect_unit_triangle(read("m.ply", binary_ply("float", type, "int", big_endian)));
             expect_unit_triangle(read("m.ply", binary_ply("float", "uchar", type, big_endian)));
         }
+    }
+}
+
+TEST(PlyFile, ReadsHeadersAsLooseAsTheyCome)
+{
+    const std::string rest =
+        "element vertex 3 \nproperty float x\t\nproperty float y\nproperty float z\nproperty half "
+        "q\n"
+        "element face 1\nproperty list uchar long vertex_indices\nend_header  \n";
+    const std::string body = "0 0 0 1 \n1 0 0 nan\n0 1 0 -inf\n3 0 1 2  \n";
+    for (const std::string start :
+         {"ply\ncomment first\nobj_info second\nformat ascii 1.0\n", "ply \nformat ascii 1.0 \n",
+          "\xEF\xBB\xBFply\n\ncomment\nformat ascii 1.0\ncomment C:\\models\\\n"})
+        expect_unit_triangle(read("m.ply", start + rest + body));
+    std::string old_mac = "ply\nformat ascii 1.0\n" + rest + body;
+    std::replace(old_mac.begin(), old_mac.end(), '\n', '\r');
+    expect_unit_triangle(read("m.ply", old_mac));
+
+    std::string binary = binary_ply("float", "uchar", "int", false);
+    binary.replace(binary.find("end_header"), 10, "comment x\nend_header \t");
+    expect_unit_triangle(read("m.ply", binary));
+    expect_unit_triangle(read("m.ply", binary + "\n"));
+}
+
+TEST(PlyFile, ReadsHalvesAsTheirDefinitionSays)
+{
+    // Sign, exponent, mantissa: IEEE 754-2008, binary16.
+    const std::vector<std::pair<int, double>> known = {
+        {0x3c00, 1.0},        {0xc000, -2.0},    {0x7bff, 65504.0},
+        {0x0400, 0x1p-14},    {0x0001, 0x1p-24}, {0x03ff, 1023 * 0x1p-24},
+        {0x3555, 0x1.554p-2}, {0x8000, -0.0},    {0x3c01, 1 + 0x1p-10}};
+    for (const auto& [bits, value] : known) {
+        std::string bytes =
+            "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty half x\nproperty "
+            "half y\nproperty half z\nelement face 1\nproperty list uchar int vertex_indices\n"
+            "end_header\n";
+        append_scalar<std::uint16_t>(bytes, bits, false);
+        bytes += std::string(16, '\0') + '\3';
+        for (const int v : {0, 1, 2})
+            append_scalar<std::int32_t>(bytes, v, false);
+        const Points points = read("m.ply", bytes).points;
+        EXPECT_EQ(points(0, 0), value);
+        EXPECT_EQ(std::signbit(points(0, 0)), std::signbit(value));
+        bytes.replace(bytes.size() - 31, 2, std::string("\x00\x7c", 2)); // infinite
+        EXPECT_THROW((void)read("m.ply", bytes), InvalidInput);
     }
 }
 
@@ -363,10 +441,6 @@ std::vector<BadFile> bad_files()
         {"a.obj", obj + "f 1 2 -9223372036854775808\n", "line 4", "vertex index is -92"},
         {"a.obj", obj + "f 1 2 3.0\n", "line 4", "must be an integer"},
         {"a.obj", obj + "f 1 2 x\n", "line 4", "'x'"},
-        {"a.obj", obj + "f 1/1 2/1 3/1\n", "line 4", "texture index is 1"},
-        {"a.obj", obj + "f 1//1 2//1 3//1\n", "line 4", "normal index is 1"},
-        {"a.obj", obj + "f 1/ 2/ 3/\n", "line 4", "texture index is ''"},
-        {"a.obj", obj + "f 1// 2// 3//\n", "line 4", "normal index is ''"},
         {"a.obj", obj + "f /1 /2 /3\n", "line 4", "vertex index is ''"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6", "names vertex 3"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "line 6", "names vertex -1"},
@@ -383,9 +457,11 @@ std::vector<BadFile> bad_files()
         {"a.obj", "v 0,5 1,5 2,5\n", "line 1", "'0,5'"},
         {"a.obj", "v 0 0 0x1p3\n", "line 1", "'0x1p3'"},
         {"a.obj", "v 0 0 0 2\n", "line 1", "weight 2"},
-        {"a.obj", "v 0 0 0 1 1\n", "line 1", "5 coordinates"},
-        {"a.obj", "v 0 0 0 1 1 1 1 1\n", "line 1", "unexpected '1'"},
-        {"a.obj", "v 0 0 0\nvn 0 1\n", "line 2", "has 2 coordinates"},
+        {"a.obj", obj + "f 1/x 2 3\n", "line 4", "corner is '1/x'"},
+        {"a.obj", obj + "f 1/1/1/1 2 3\n", "line 4", "corner is '1/1/1/1'"},
+        {"a.obj", "v 0 0 0 red\n", "line 1", "'red'"},
+        {"a.obj", obj + "f 1 2 \\\nf 1 2 3\n", "line 5", "vertex index is 'f'"},
+        {"a.obj", "v 0 0 \\\n", "line 1", "has 2 coordinates"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n", "line 4", "'inf'"},
         {"a.off", "OFF\n3 1 0\n0.00 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 4",
          "coordinate z is missing"},
@@ -396,24 +472,14 @@ std::vector<BadFile> bad_files()
         {"a.ply", binary_nan + binary_face(3, {0, 1, 2}).substr(binary_nan.size()), "byte",
          "vertex 2 has a coordinate that is not finite"},
         // Encodings of the text.
-        {"a.obj", "\xEF\xBB\xBF" + obj + "f 1 2 3\n", "line 1", "byte order mark"},
-        {"a.off",
-         "\xEF\xBB\xBF"
-         "OFF\n",
-         "line 1", "byte order mark"},
-        {"a.ply",
-         "\xEF\xBB\xBF"
-         "ply\n",
-         "line 1", "byte order mark"},
         {"a.obj", std::string("\xFF\xFEv\0 \0", 6), "line 1", "byte order mark"},
-        {"a.obj", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r", "line 1", "CR"},
-        {"a.off", "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r", "line 1", "CR"},
-        {"a.ply", "ply\rformat ascii 1.0\r", "line 1", "CR"},
+        {"a.obj", "v 0 0 0\nv 1 0 0\rv 0 1 0\nf 1 2 3\n", "line 2", "CR"},
+        {"a.off", "OFF\r3 1 0\r0 0 0\n1 0 0\r0 1 0\r3 0 1 2\r", "line 3", "CR"},
+        {"a.ply", "ply\nformat ascii\r 1.0\n", "line 2", "CR"},
         {"a.obj", obj + std::string("v 0 0 \0\n", 8), "line 4", "NUL"},
         {"a.obj", std::string(1000, '\0'), "line 1", "NUL"},
         {"a.obj", obj + long_line + "f 1 2 3\n", "line 4", "longer than"},
         {"a.ply", std::string(std::size_t{3} << 20, 'x'), "line 1", "longer than"},
-        {"a.obj", "v 0 0 \\\n0\n", "line 1", "backslash"},
         // Counts.
         {"a.off", off_counts("4000000000 1 0"), "line 2", "do not fit in"},
         {"a.off", off_counts("100000000 1 0"), "line 2", "do not fit in"},
@@ -442,6 +508,7 @@ std::vector<BadFile> bad_files()
         {"a.ply", ply_counts("2", "1"), "line 12", "0 corners"},
         {"a.ply", ply_counts("3", "0"), "line 13", "more lines"},
         {"a.ply", binary_face(3, {0, 1, 2}) + "x", "byte", "1 byte more"},
+        {"a.ply", binary_face(3, {0, 1, 2}) + "\n\n", "byte", "2 bytes more"},
         {"a.ply", binary_face(3, {0, 1}), "byte", "within an element"},
         {"a.ply", binary_points, "byte", "do not fit in the remaining 0 bytes"},
         // Polygons.
@@ -460,22 +527,34 @@ std::vector<BadFile> bad_files()
         // Not this format.
         {"a.obj", "ply\nformat ascii 1.0\n", "line 1", "unknown statement 'ply'"},
         {"a.obj", "OFF\n3 1 0\n", "line 1", "unknown statement 'OFF'"},
-        {"a.obj", obj + "curv 0 1 1 2\n", "line 4", "unknown statement 'curv'"},
+        {"a.obj", obj + "curv 0 1 1 2\n", "line 4", "curved surface"},
         {"a.ply", obj, "line 1", "must be 'ply'"},
         {"a.off", obj, "line 1", "starts with 'v'"},
-        {"a.off", "COFF\n3 1 0\n", "line 1", "'COFF'"},
-        {"a.off", "NOFF\n3 1 0\n", "line 1", "'NOFF'"},
-        {"a.off", "OFF BINARY\n", "line 1", "'BINARY'"},
+        {"a.off", "4OFF\n3 1 0\n", "line 1", "'4OFF'"},
+        {"a.off", "CnOFF\n3 1 0\n", "line 1", "'CnOFF'"},
+        {"a.off", "OFFSET 3 1 0\n", "line 1", "'SET'"},
+        {"a.off", "OFF-3 1 0\n", "line 1", "'-3'"},
+        {"a.off", "COFF\n4 1 0\n0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2\n", "line 6",
+         "1 number after the coordinates, must have 3 to 4"},
+        {"a.off", "NOFF\n1 0 0\n0 0 0 a b c\n", "line 3", "'a'"},
+        {"a.off", "OFF BINARY\n", "line 1", "BINARY"},
         // Headers of PLY.
         {"a.ply", "ply\n", "line 1", "format"},
+        {"a.ply", "ply\nelement vertex 3\n", "line 2", "format"},
+        {"a.ply", "ply\ncomment only\n", "line 2", "format"},
+        {"a.ply", "ply\nformat ascii 1.0\nformat ascii 1.0\n", "line 3", "'format'"},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+         "float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n",
+         "line 9", "triangle strips"},
         {"a.ply", "ply\nformat ascii 2.0\n", "line 2", "'2.0'"},
         {"a.ply", "ply\nformat utf8 1.0\n", "line 2", "'utf8'"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n", "line 3", "no end_header"},
         {"a.ply", "ply\nformat ascii 1.0\nend_header\n", "line 3", "no element 'vertex'"},
         {"a.ply", "ply\nformat ascii 1.0\nproperty float x\n", "line 3",
          "before the first element"},
-        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float16 x\n", "line 4",
-         "unknown type 'float16'"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float128 x\n", "line 4",
+         "unknown type 'float128'"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n", "line 4",
          "name of the property is missing"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float x\n",

@@ -329,7 +329,7 @@ TEST(ModelFile, TellsH5pyWhatWasAskedFor)
     if (test::python_with_h5py().empty())
         GTEST_SKIP() << "no Python with h5py";
     const test::TemporaryDirectory directory;
-    const ModelOptions options{.modes = 2, .variance = 0.95, .space = {.scale = Scale::None}};
+    const ModelOptions options{.modes = 2, .space = {.scale = Scale::None}};
     write_model(directory / "m.h5", fit_model(paired_collection(), options), options);
     EXPECT_EQ(
         test::run_h5py(directory / "m.h5", "r",
@@ -337,7 +337,7 @@ TEST(ModelFile, TellsH5pyWhatWasAskedFor)
                        "print(a['scale'].decode(), a['asked_modes'], a['asked_variance'])\n"
                        "print(f['total_variance'][()] >= f['variances'][...].sum())\n"
                        "print(sorted(f), sorted(f['modes']))\n"),
-        "none 2 0.95\nTrue\n['labels', 'mean', 'modes', 'names', 'reference_points', 'scores', "
+        "none 2 1.0\nTrue\n['labels', 'mean', 'modes', 'names', 'reference_points', 'scores', "
         "'sizes', 'topology', 'total_variance', 'variances'] ['dihedral_angles', "
         "'edge_lengths']\n");
     write_difference(directory / "d.h5", mean_difference(paired_collection(), bumpy_minus_calm),

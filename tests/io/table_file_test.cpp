@@ -79,6 +79,8 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
              {"a,b\n1,\"2\"x\n", "line 2", "text follows a closing quote"},
              {"a,b\n1,x\"2\"\n", "line 2", "a quote stands within"},
              {"a,b\r1,2\r", "line 1", "CR ends no line"},
+             {"mesh;sex\na;f\n", "line 1", "separator of the cells is ';'"},
+             {"mesh\tsex\na\tf\n", "line 1", "separator of the cells is a tab"},
              {"a,b\n1,\0\n"sv, "t", "UTF-8"},
              {"a,b\n1,\xE9\n", "t", "UTF-8"},
              {"\xFF\xFE"
@@ -152,32 +154,6 @@ TEST(Numbers, MustBeSpelledByTheWholeCell)
             test::message_of<InvalidInput>([&] { (void)parse_number(cell, "row 3, length"); });
         EXPECT_EQ(message.find("row 3, length: "), 0u) << message;
     }
-}
-
-TEST(LabelFile, GivesLabelsInTheOrderOfTheMeshes)
-{
-    const test::TemporaryDirectory directory;
-    test::write_bytes(directory / "l.csv", "mesh,sex,age\nb,f,3\na,m,4\n");
-    const Labels labels = read_labels(directory / "l.csv", {"a", "b"});
-    ASSERT_EQ(labels.size(), 2u);
-    EXPECT_EQ(labels[0].name, "sex");
-    EXPECT_EQ(labels[0].values, (std::vector<std::string>{"m", "f"}));
-    EXPECT_EQ(labels[1].values, (std::vector<std::string>{"4", "3"}));
-}
-
-TEST(LabelFile, NamesMeshesThatAreMissingUnknownOrRepeated)
-{
-    const test::TemporaryDirectory directory;
-    const auto message = [&](std::string_view text) {
-        test::write_bytes(directory / "l.csv", text);
-        return test::message_of<InvalidInput>([&] {
-            (void)read_labels(directory / "l.csv", {"a", "b"});
-        });
-    };
-    EXPECT_NE(message("name,x\na,1\nb,2\n").find("must be 'mesh'"), std::string::npos);
-    EXPECT_NE(message("mesh,x\na,1\n").find("'b' is missing"), std::string::npos);
-    EXPECT_NE(message("mesh,x\na,1\nb,2\nc,3\n").find("'c' is not in"), std::string::npos);
-    EXPECT_NE(message("mesh,x\na,1\nb,2\na,3\n").find("'a' occurs twice"), std::string::npos);
 }
 
 } // namespace

@@ -99,7 +99,7 @@ TEST(MeanDifference, SaysWhatIsMissing)
     EXPECT_EQ(message_for(options), "no label column 'posture'; the collection has person, pose");
     options = rest_to_bent();
     options.from_value = "sleep";
-    EXPECT_EQ(message_for(options), "difference: no mesh has pose = 'sleep'");
+    EXPECT_EQ(message_for(options), "difference: no mesh has pose = 'sleep' and a value of person");
 
     Collection collection = people();
     collection.labels[0].values = {"anna", "bert", "cleo", "dora", "emil"};

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/synthetic/synthetic.h"
@@ -112,6 +115,22 @@ TEST(RenderMesh, ShowsBacksDarker)
     EXPECT_GT(back.green, 20);
 }
 
+TEST(RenderMesh, RefusesMeshesThatCannotBeSeen)
+{
+    const Points points = rows({{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}});
+    const Faces face{{0, 1, 2}};
+    Points broken = points;
+    broken(1, 2) = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<std::pair<Faces, Points>> meshes{
+        {Faces(0, 3), Points(0, 3)}, {Faces(0, 3), points},
+        {face, Points(0, 3)},        {face, broken},
+        {Faces{{0, 1, 3}}, points},  {Faces{{0, -1, 2}}, points}};
+    for (const auto& [faces, places] : meshes) {
+        EXPECT_THROW((void)render_mesh(faces, places, small_picture()), InvalidInput);
+        EXPECT_THROW((void)automatic_view(faces, places), InvalidInput);
+    }
+}
+
 TEST(RenderMesh, CastsShadows)
 {
     // A plate between the key light (from the upper left) and the middle of a wall.
@@ -133,6 +152,40 @@ TEST(RenderMesh, IsLitFromTheUpperLeft)
     const Image image = render_mesh(ball.topology.faces(), ball.points, small_picture());
     EXPECT_GT(image.at(15, 15).green, image.at(25, 25).green + 30);
     EXPECT_GT(image.at(20, 20).red, image.at(20, 20).blue); // of the warm colour of the surface
+}
+
+TEST(RenderMesh, ShowsWhatIsAroundItsCentre)
+{
+    const Faces faces{{0, 1, 2}};
+    const Points points = rows({{-1, -1, 0}, {1, -1, 0}, {0, 1.5, 0}});
+    RenderOptions options = small_picture();
+    const Image image = render_mesh(faces, points, options);
+    options.centre = {0.5, -1.0}; // 5 pixels to the right, 10 down
+    const Image shifted = render_mesh(faces, points, options);
+    for (int y = 10; y < 40; ++y)
+        for (int x = 5; x < 40; ++x)
+            EXPECT_EQ(shifted.at(x - 5, y - 10) == white, image.at(x, y) == white) << x << " " << y;
+    EXPECT_EQ(shifted.at(15, 10), image.at(20, 20));
+}
+
+TEST(RenderMesh, DrawsEdgesSharpThatBendMoreThanTheCreaseAngle)
+{
+    // A roof whose ridge, at x = 0, bends by 90 degrees; its left side, near the ridge and half way down.
+    const Points roof = rows({{0, -2, 0},
+                              {0, 2, 0},
+                              {-1.5, 2, -1.5},
+                              {-1.5, -2, -1.5},
+                              {1.5, -2, -1.5},
+                              {1.5, 2, -1.5}});
+    const Faces faces{{0, 1, 2}, {0, 2, 3}, {1, 0, 4}, {1, 4, 5}};
+    const auto contrast = [&](double crease_angle) {
+        RenderOptions options = small_picture();
+        options.crease_angle = crease_angle;
+        const Image image = render_mesh(faces, roof, options);
+        return std::abs(image.at(18, 20).green - image.at(12, 20).green);
+    };
+    EXPECT_LE(contrast(89.0), 3);
+    EXPECT_GT(contrast(91.0), 10);
 }
 
 TEST(RenderMesh, RefusesOptionsOutOfRange)

@@ -46,6 +46,7 @@ TEST(PairedEffects, HaveTheirClosedFormForThreePairs)
     EXPECT_NEAR(effects.probabilities[0], 1.0 - 2.0 * std::sqrt(3.0) / std::sqrt(14.0), 1e-13);
 }
 
+// Expected values: tests/oracles/column_effects.py.
 TEST(PairedEffects, AgreeWithScipy)
 {
     const ColumnEffects effects = paired_effects(first, second.topRows(4));

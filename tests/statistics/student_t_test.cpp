@@ -37,7 +37,7 @@ TEST(StudentT, AgreesWithTheIncompleteBetaFunctionInFortyDigits)
 {
     struct
     {
-        double t, degrees_of_freedom, probability; // by mpmath
+        double t, degrees_of_freedom, probability; // by tests/oracles/student_t.py
     } const published[] = {
         {0.001, 0.5, 0.99946064766848763807},     {0.3, 2.7, 0.78576653269444812203},
         {1.0, 7.5, 0.34847602563075139196},       {2.5, 12.25, 0.027561650181420264543},

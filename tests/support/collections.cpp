@@ -7,7 +7,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/io/mesh_file.h"
-#include "libshape/io/table_file.h"
+#include "libshape/io/label_file.h"
 #include "tests/support/data.h"
 #include "tests/support/meshes.h"
 
@@ -53,7 +53,7 @@ Collection ict_faces()
     for (const auto& path : paths)
         meshes.push_back(read_mesh(path));
     Collection collection = collect(std::move(meshes));
-    collection.labels = read_labels(ict_folder() / "labels.csv", collection.names);
+    collection.labels = read_label_file(ict_folder() / "labels.csv", collection.names).labels;
     return collection;
 }
 

@@ -104,6 +104,37 @@ void replace_points(const std::string& file)
     H5Fclose(id);
 }
 
+/// Takes the last face out of the topology of a file; also the attribute that tells, if asked.
+std::function<Arguments(const Folder&)> with_a_face_less(const std::string& name,
+                                                         bool without_checksum,
+                                                         const Arguments& arguments)
+{
+    return [=](const Folder& folder) {
+        folder.write("x.h5", folder.read(name));
+        const hid_t id = H5Fopen((folder / "x.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+        const hid_t old = H5Dopen2(id, "/topology/faces", H5P_DEFAULT);
+        hsize_t extents[2];
+        const hid_t old_space = H5Dget_space(old);
+        H5Sget_simple_extent_dims(old_space, extents, nullptr);
+        std::vector<int> faces(extents[0] * 3);
+        H5Dread(old, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, faces.data());
+        H5Sclose(old_space);
+        H5Dclose(old);
+        H5Ldelete(id, "/topology/faces", H5P_DEFAULT);
+        extents[0] -= 1;
+        const hid_t space = H5Screate_simple(2, extents, nullptr);
+        const hid_t data = H5Dcreate2(id, "/topology/faces", H5T_STD_I32LE, space, H5P_DEFAULT,
+                                      H5P_DEFAULT, H5P_DEFAULT);
+        H5Dwrite(data, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, faces.data());
+        H5Dclose(data);
+        H5Sclose(space);
+        if (without_checksum)
+            H5Adelete(id, "faces_checksum");
+        H5Fclose(id);
+        return arguments;
+    };
+}
+
 const std::string tetrahedron_vertices = "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\n";
 const std::string tetrahedron_obj = tetrahedron_vertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 const std::string huge_ply =
@@ -204,10 +235,14 @@ std::vector<BadInput> bad_tables()
     const Arguments generate{"generate", "model.h5", "--scores-file", "s.csv", "-o", "new"};
     return {
         {"LabelsWithoutAMesh", 3, {"l.csv", "b"}, running_with("l.csv", "mesh,k\na,1\n", collect)},
-        {"LabelsOfAnUnknownMesh",
+        {"LabelsOfAMisspeltMesh",
          3,
-         {"l.csv", "zz"},
-         running_with("l.csv", "mesh,k\na,1\nb,2\nzz,3\n", collect)},
+         {"l.csv", "'b' is missing", "'B'"},
+         running_with("l.csv", "mesh,k\na,1\nB,2\n", collect)},
+        {"LabelsBetweenSemicolons",
+         3,
+         {"l.csv", "separator", "';'"},
+         running_with("l.csv", "mesh;k\na;1\nb;2\n", collect)},
         {"LabelsOfAMeshTwice",
          3,
          {"l.csv", "a"},
@@ -240,10 +275,6 @@ std::vector<BadInput> bad_tables()
          3,
          {"one", "twice"},
          running_with("s.csv", "mesh,pc1\none,0\none,1\n", generate)},
-        {"ScoresOfANameThatLeavesTheDirectory",
-         3,
-         {"../one"},
-         running_with("s.csv", "mesh,pc1\n../one,0\n", generate)},
         {"ScoresOfANegativeSize",
          3,
          {"s.csv", "one", "> 0"},
@@ -318,6 +349,22 @@ std::vector<BadInput> bad_hdf5()
              replace_points((folder / "x.h5").string());
              return {"stats", "x.h5", "-o", "out.h5"};
          }},
+        {"CollectionWithAFaceLess",
+         3,
+         {"x.h5", "/topology/faces", "checksum"},
+         with_a_face_less("good.h5", false, {"stats", "x.h5", "-o", "out.h5"})},
+        {"CollectionWithAFaceLessAndNoChecksum",
+         3,
+         {"x.h5", "/dihedral_angles"},
+         with_a_face_less("good.h5", true, {"stats", "x.h5", "-o", "out.h5"})},
+        {"ModelWithAFaceLess",
+         3,
+         {"x.h5", "/topology/faces", "checksum"},
+         with_a_face_less("model.h5", false, {"generate", "x.h5", "--mean", "-o", "x.ply"})},
+        {"ModelWithAFaceLessAndNoChecksum",
+         3,
+         {"x.h5", "/mean/dihedral_angles", "boundary"},
+         with_a_face_less("model.h5", true, {"generate", "x.h5", "--mean", "-o", "x.ply"})},
         {"ModelAsCollection", 3, {"model.h5"}, running({"stats", "model.h5", "-o", "out.h5"})},
         {"CollectionAsModel",
          3,
@@ -693,7 +740,6 @@ TEST_P(BadInputTest, IsRefusedInOneLineAndLeavesEverythingAsItWas)
     EXPECT_TRUE(outcome.err.starts_with("shape: error: ")) << outcome.err;
     for (const std::string& word : bad.said)
         EXPECT_NE(outcome.err.find(word), std::string::npos) << word << " in " << outcome.err;
-    EXPECT_LT(outcome.cpu_seconds, 2.0);
     EXPECT_TRUE(folder.content() == before) << "a file was made or changed";
 }
 

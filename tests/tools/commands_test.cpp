@@ -49,8 +49,48 @@ TEST_F(Commands, ADirectoryIsReadInNaturalNameOrder)
     for (const char* name : {"s10", "s2", "s1", "t"})
         folder_.write(join("set/", name, ".ply"), folder_.read("a.ply"));
     folder_.write("set/notes.txt", "not a mesh");
+    folder_.write("set/labels.csv", "neither");
     (void)run({"collect", "set", "-o", "f.h5"});
     EXPECT_EQ(run({"info", "f.h5"})["names"], Json({"s1", "s2", "s10", "t"}));
+}
+
+TEST_F(Commands, MeshFilesOfOtherFormatsAreNotPassedOverInSilence)
+{
+    folder_.write("set/x.ply", folder_.read("a.ply"));
+    folder_.write("set/y.stl", "solid y");
+    folder_.write("set/z.VTK", "# vtk");
+    for (const Arguments& arguments :
+         {Arguments{"collect", "set", "-o", "f.h5"}, Arguments{"check", "set"}}) {
+        const Outcome outcome = run_shape(folder_.path(), arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_NE(outcome.err.find("set: 2 mesh files of other formats passed over, first y.stl"),
+                  std::string::npos)
+            << outcome.err;
+    }
+}
+
+TEST_F(Commands, NaturalOrderReadsSignedDecimals)
+{
+    const auto order = [&](const Arguments& names) {
+        std::filesystem::remove_all(folder_ / "set");
+        for (const std::string& name : names)
+            folder_.write("set/" + name + ".ply", folder_.read("a.ply"));
+        (void)run({"collect", "set", "-o", "f.h5", "--force"});
+        return run({"info", "f.h5"})["names"];
+    };
+    for (const Arguments& sorted : std::vector<Arguments>{
+             {"mode01_-10.00", "mode01_-2.00", "mode01_-1.50", "mode01_-1.00", "mode01_-0.50",
+              "mode01_0.00", "mode01_0.50", "mode01_2.00", "mode01_10.00", "mode02_-3.00"},
+             {"-1", "-0.5", "0", "+0.25", "0.3", "1"},
+             {"2020-01-05", "2020-01-10", "2020-02-01"}, // no signs after digits
+             {"s-1", "s-2", "s-10"},
+             {"age_2.5", "age_12.25", "age_12.5"},
+             {"v1.2.9", "v1.2.10"},
+             {"a", "a1", "a2", "a_1", "ab"},
+             {"t=-1", "t=0", "t=1"}}) {
+        Arguments shuffled(sorted.rbegin(), sorted.rend());
+        EXPECT_EQ(order(shuffled), Json(sorted));
+    }
 }
 
 TEST_F(Commands, FilesDirectoriesAndCollectionsMix)
@@ -114,7 +154,7 @@ TEST_F(Commands, CheckListsEveryDefectOfEveryMesh)
 TEST_F(Commands, CheckPrintsTheSameForPeople)
 {
     folder_.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n");
-    const Outcome outcome = run_shape(folder_.path(), {"check", "a.ply", "bad.obj"});
+    const Outcome outcome = run_shape(folder_.path(), {"check", "a.ply", "bad.obj", "--verbose"});
     EXPECT_EQ(outcome.exit_code, 3);
     EXPECT_NE(outcome.out.find("a.ply: ok\n"), std::string::npos) << outcome.out;
     EXPECT_NE(outcome.out.find("duplicate_face: face 1"), std::string::npos) << outcome.out;
@@ -278,6 +318,45 @@ TEST_F(Commands, InfeasibleTargetsAreWrittenWithAWarning)
     EXPECT_TRUE(read_mesh(folder_ / "far.ply").points.allFinite());
 }
 
+TEST_F(Commands, ManyInfeasibleTargetsAreOneLineAndFeasibleSamplesNone)
+{
+    fit();
+    const double beyond = 2.0 * feasible_range(read_model(folder_ / "model.h5"), 0, 100.0).high;
+    const Arguments far{"generate", "model.h5", "--mode", "1", "--sigma", join("0:", beyond, ":7"),
+                        "-o"};
+    const Outcome brief = run_shape(folder_.path(), far + Arguments{"far"});
+    EXPECT_EQ(brief.exit_code, 0) << brief.err;
+    std::size_t warnings = 0;
+    for (std::size_t at = brief.err.find("warning:"); at != std::string::npos;
+         at = brief.err.find("warning:", at + 1))
+        ++warnings;
+    EXPECT_EQ(warnings, 1U) << brief.err;
+    EXPECT_NE(brief.err.find(" of 7 targets are infeasible"), std::string::npos) << brief.err;
+    const Outcome verbose = run_shape(folder_.path(), far + Arguments{"verbose", "--verbose"});
+    EXPECT_NE(verbose.err.find("worst face"), std::string::npos) << verbose.err;
+    const Json figures = run(far + Arguments{"json"});
+    EXPECT_FALSE(figures["embeddings"][6]["reason"].get<std::string>().empty());
+    EXPECT_FALSE(figures["embeddings"][0].contains("reason"));
+
+    const Json samples =
+        run({"generate", "model.h5", "--sample", "30", "--feasible", "-o", "samples"});
+    for (const Json& sample : samples["embeddings"])
+        EXPECT_NE(sample["status"], "infeasible") << sample.dump();
+}
+
+TEST_F(Commands, ProjectSaysHowTheTriangulationDiffers)
+{
+    fit();
+    NamedMesh mesh = read_mesh(folder_ / "a.ply");
+    mesh.faces.col(1).swap(mesh.faces.col(2));
+    write_mesh(folder_ / "turned.ply", mesh.points, mesh.faces, MeshFormat::Ply);
+    const Outcome outcome =
+        run_shape(folder_.path(), {"project", "model.h5", "turned.ply", "-o", "s.csv"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    for (const char* said : {"turned", "face 0", "flipped", "inside out"})
+        EXPECT_NE(outcome.err.find(said), std::string::npos) << outcome.err;
+}
+
 TEST_F(Commands, EmbeddingsHaveTheFieldsOfTheContract)
 {
     fit();
@@ -394,31 +473,41 @@ TEST_F(Commands, DifferenceAppliedToItsOnlyPairGivesTheOtherMesh)
     EXPECT_LT(difference(lengths("calm.ply"), lengths("a.ply")), 1e-6);
 }
 
-TEST_F(Commands, ReportPutsAModelOnOnePage)
+/// Whether the program was built with the page.
+bool has_page()
 {
-    fit();
-    const Arguments report{"report",  "model.h5", "--color-by", "mood", "--modes", "5",
-                           "--steps", "3",        "--sigma",    "0.5",  "-o"};
-    const Json figures = run(report + Arguments{"page.html"});
-    EXPECT_EQ(figures["outputs"], Json({"page.html"}));
-    EXPECT_EQ(figures["modes"], 2); // the model has no more
-    ASSERT_EQ(figures["embeddings"].size(), 6U);
-    EXPECT_EQ(figures["embeddings"][0]["name"], "mode 1 at -0.5");
-    const std::string page = folder_.read("page.html");
-    for (const char* part : {"<title>Shape model of 3 meshes</title>", ">calm</text>",
-                             ">glad</text>", "<option value=\"1\">mode 2</option>", "<canvas>"})
-        EXPECT_NE(page.find(part), std::string::npos) << part;
-    (void)run(report + Arguments{"again.html", "--threads", "1"});
-    EXPECT_TRUE(folder_.read("again.html") == page);
+    return SHAPE_HAS_PAGE;
 }
 
-TEST_F(Commands, ReportTakesModelsOfPositionsAndOfOneMode)
+TEST_F(Commands, ExplorePutsAModelOnOnePage)
 {
+    if (!has_page())
+        GTEST_SKIP() << "built without the page";
+    fit();
+    const Arguments explore{"explore", "model.h5", "--color-by", "mood", "--modes", "5",
+                            "--title", "Three <meshes>", "--about", "of nobody", "-o"};
+    const Json figures = run(explore + Arguments{"page.html"});
+    EXPECT_EQ(figures["outputs"], Json({"page.html"}));
+    EXPECT_EQ(figures["modes"], 2); // the model has no more
+    const std::string page = folder_.read("page.html");
+    EXPECT_EQ(figures["bytes"], page.size());
+    EXPECT_LT(page.size(), 2U << 20U);
+    for (const char* part : {"<title>Three &lt;meshes&gt;</title>", ">calm</text>", ">glad</text>",
+                             "<dd>of nobody</dd>", "id=\"block\"", "id=\"wasm\""})
+        EXPECT_NE(page.find(part), std::string::npos) << part;
+    (void)run(explore + Arguments{"again.html", "--threads", "1"});
+    EXPECT_TRUE(folder_.read("again.html") == page);
+    (void)run({"report", "model.h5", "-o", "report.html"});
+    EXPECT_NE(folder_.read("report.html").find("id=\"block\""), std::string::npos);
+}
+
+TEST_F(Commands, ExploreTakesModelsOfPositionsAndOfOneMode)
+{
+    if (!has_page())
+        GTEST_SKIP() << "built without the page";
     (void)run({"stats", "a.ply", "b.ply", "--space", "procrustes", "-o", "model.h5"});
-    const Json figures = run({"report", "model.h5", "-o", "page.html"});
-    EXPECT_EQ(figures["modes"], 1);
-    for (const Json& embedding : figures["embeddings"])
-        EXPECT_EQ(embedding["method"], "procrustes");
+    EXPECT_EQ(run({"explore", "model.h5", "-o", "page.html"})["modes"], 1);
+    EXPECT_NE(folder_.read("page.html").find("\"space\":\"procrustes\""), std::string::npos);
 }
 
 TEST_F(Commands, SynthMakesADirectoryThatCanBeCollected)

@@ -366,7 +366,6 @@ TEST_F(Groups, WrongUsageIsNamed)
     expect_failure(2, groups, {"--output"});
     expect_failure(2, {"groups", "people.h5", "-o", "x.csv"}, {"--by"});
     expect_failure(2, groups + Arguments{"-o", "x.h5"}, {".csv"});
-    expect_failure(2, groups + Arguments{"-o", "x.csv", "--only", "mood"}, {"--only"});
     expect_failure(2, groups + Arguments{"-o", "x.csv", "--permutations", "-1"}, {"--permut"});
     expect_failure(2, groups + Arguments{"-o", "x.csv", "--bootstrap", "0"}, {"--bootstrap"});
     expect_failure(2, groups + Arguments{"-o", "x.csv", "--space", "procrustes", "--area-weighted"},

@@ -356,5 +356,28 @@ TEST_F(Interpolate, ADirectoryThatExistsKeepsAnInterruptedRunInside)
     EXPECT_EQ(files_in(folder_ / "new").size(), 301U);
 }
 
+TEST_F(Interpolate, AMeshMayOccurTwice)
+{
+    EXPECT_EQ(
+        json_of(run_shape(folder_.path(), {"interpolate", "a.ply", "b.ply", "a.ply", "--frames",
+                                           "5", "-o", "there_and_back", "--path", "polygon",
+                                           "--quality", "preview", "--json"}))["outputs"]
+            .size(),
+        5U);
+    folder_.write("x/m.ply", folder_.read("a.ply"));
+    folder_.write("y/m.ply", folder_.read("b.ply"));
+    EXPECT_EQ(run_shape(folder_.path(), {"draw", "x", "y", "-o", "both.svg"}).exit_code, 0);
+    EXPECT_NE(folder_.read("both.svg").find("m (2)"), std::string::npos);
+}
+
+TEST_F(Interpolate, OutputsMayHaveNamesAsLongAsTheFileSystemTakes)
+{
+    const std::string name(249, 'n');
+    const Outcome outcome = run_shape(folder_.path(), {"interpolate", "a.ply", "b.ply", "--frames",
+                                                       "3", "-o", name, "--quality", "preview"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(files_in(folder_ / name).size(), 3U);
+}
+
 } // namespace
 } // namespace shape::test

@@ -97,7 +97,7 @@ TEST_F(Outputs, AnInterruptLeavesNothingBehind)
     ASSERT_EQ(run({"stats", "a.ply", "b.ply", "-o", "model.h5"}).exit_code, 0);
     const std::map<std::string, std::string> before = folder_.content();
     const Outcome outcome = run({"generate", "model.h5", "--sample", "1000000", "-o", "new"},
-                                {.interrupt_after_ms = 300});
+                                {.interrupt_at_change = true});
     EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
     EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
     EXPECT_TRUE(folder_.content() == before);

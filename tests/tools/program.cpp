@@ -63,8 +63,17 @@ void redirect_to_closed_pipe(int descriptor)
         const rlimit limit{launch.largest_file, launch.largest_file};
         setrlimit(RLIMIT_FSIZE, &limit);
     }
+    if (launch.address_space > 0) {
+        const rlimit limit{launch.address_space, launch.address_space};
+        setrlimit(RLIMIT_AS, &limit);
+    }
     if (chdir(folder.c_str()) != 0)
         _exit(127);
+    if (!launch.input_file.empty()) {
+        const int file = open(launch.input_file.c_str(), O_RDONLY);
+        dup2(file, STDIN_FILENO);
+        close(file);
+    }
     std::string program = SHAPE_PROGRAM;
     std::vector<char*> argv{program.data()};
     for (std::string& argument : arguments)
@@ -74,6 +83,11 @@ void redirect_to_closed_pipe(int descriptor)
     _exit(127);
 }
 
+std::ptrdiff_t entry_count(const fs::path& folder)
+{
+    return std::distance(fs::directory_iterator(folder), {});
+}
+
 } // namespace
 
 Outcome run_shape(const fs::path& folder, const std::vector<std::string>& arguments,
@@ -81,33 +95,27 @@ Outcome run_shape(const fs::path& folder, const std::vector<std::string>& argume
 {
     using namespace std::chrono;
     const Folder streams;
+    const std::ptrdiff_t entries = entry_count(folder);
     const pid_t child = fork();
     if (child == 0)
         become_the_program(folder, streams, arguments, launch);
     int status = 0;
-    rusage usage = {};
     bool interrupted = false;
     const auto start = steady_clock::now();
-    while (wait4(child, &status, WNOHANG, &usage) == 0) {
-        const auto elapsed = steady_clock::now() - start;
-        const bool is_time =
-            launch.interrupt_after_ms > 0 && elapsed > milliseconds(launch.interrupt_after_ms);
+    while (waitpid(child, &status, WNOHANG) == 0) {
         const bool is_there =
             !launch.interrupt_at_file.empty() && fs::exists(folder / launch.interrupt_at_file);
-        if (!interrupted && (is_time || is_there)) {
+        const bool has_changed = launch.interrupt_at_change && entry_count(folder) != entries;
+        if (!interrupted && (is_there || has_changed)) {
             kill(child, SIGINT);
             interrupted = true;
         }
-        if (elapsed > minutes(1))
+        if (steady_clock::now() - start > minutes(1))
             kill(child, SIGKILL);
         std::this_thread::sleep_for(milliseconds(1));
     }
-    const auto seconds_of = [](const timeval& time) {
-        return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-    };
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-            read_file(streams / "out"), read_file(streams / "err"),
-            seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime)};
+            read_file(streams / "out"), read_file(streams / "err")};
 }
 
 void Folder::write(const std::string& name, std::string_view content) const

@@ -29,17 +29,18 @@ struct Outcome
     int exit_code = -1; ///< 128 + signal if a signal ended it.
     std::string out;    ///< stdout.
     std::string err;    ///< stderr.
-    double cpu_seconds = 0.0;
 };
 
 /// How the program is run.
 struct Launch
 {
-    int interrupt_after_ms = 0;                ///< > 0: SIGINT is sent then,
-    std::string interrupt_at_file = {};        ///< or when this file of the folder exists.
-    bool close_stdout = false;                 ///< stdout is a pipe that nobody reads.
+    std::string interrupt_at_file = {}; ///< SIGINT is sent when this file of the folder exists,
+    bool interrupt_at_change = false;   ///< or when the folder has an entry that it had not.
+    bool close_stdout = false;          ///< stdout is a pipe that nobody reads.
     std::vector<std::string> environment = {}; ///< NAME=VALUE, added to that of the test.
     std::size_t largest_file = 0;              ///< > 0: writing beyond this many bytes fails.
+    std::size_t address_space = 0;             ///< > 0: no more bytes can be mapped.
+    std::string input_file = {};               ///< Of the folder: stdin reads it.
 };
 
 /// Runs the program in a folder; ends it after a minute.

@@ -84,12 +84,14 @@ TEST_F(Sequences, ResidualsLieBesideEveryMeshAndHaveTheFiguresOfTheReport)
 {
     const Json figures =
         run({"interpolate", "a.ply", "b.ply", "--frames", "3", "-o", "frames", "--residuals"});
-    EXPECT_EQ(
-        files_in(folder_ / "frames"),
-        (Arguments{"frame_0000.ply", "frame_0000_residuals.ply", "frame_0001.ply",
-                   "frame_0001_residuals.ply", "frame_0002.ply", "frame_0002_residuals.ply"}));
+    EXPECT_EQ(files_in(folder_ / "frames"),
+              (Arguments{"frame_0000.ply", "frame_0001.ply", "frame_0002.ply", "residuals"}));
+    EXPECT_EQ(files_in(folder_ / "frames/residuals"),
+              (Arguments{"frame_0000_residuals.ply", "frame_0001_residuals.ply",
+                         "frame_0002_residuals.ply"}));
+    EXPECT_EQ(run({"collect", "frames", "-o", "frames.h5"})["meshes"], 3);
     EXPECT_EQ(figures["outputs"].size(), 6U);
-    EXPECT_EQ(figures["outputs"][3], "frames/frame_0000_residuals.ply");
+    EXPECT_EQ(figures["outputs"][3], "frames/residuals/frame_0000_residuals.ply");
     for (std::size_t i = 0; i < 3; ++i) {
         const std::string file = figures["outputs"][3 + i];
         const Json& report = figures["embeddings"][i];
@@ -109,32 +111,32 @@ TEST_F(Sequences, ResidualsLieBesideASingleFileAsWell)
                                   place + "half.obj", "--residuals"});
         EXPECT_EQ(figures["outputs"].size(), 2U);
         EXPECT_TRUE(folder_.has(place + "half.obj"));
-        EXPECT_NEAR(largest(place + "half_residuals.ply", "edge_error"),
+        EXPECT_NEAR(largest(place + "residuals/half_residuals.ply", "edge_error"),
                     figures["embeddings"][0]["edge_max"], 1e-13);
     }
-    EXPECT_EQ(files_in(folder_ / "new"), (Arguments{"half.obj", "half_residuals.ply", "mine.txt"}));
+    EXPECT_EQ(files_in(folder_ / "new"), (Arguments{"half.obj", "mine.txt", "residuals"}));
 }
 
 TEST_F(Sequences, ResidualsOfTheOtherCommands)
 {
     (void)run({"reconstruct", "--reference", "a.ply", "b.ply", "-o", "r.ply", "--residuals"});
-    EXPECT_GT(largest("r_residuals.ply", "edge_error"), 0.0);
+    EXPECT_GT(largest("residuals/r_residuals.ply", "edge_error"), 0.0);
     (void)run({"conformal", "a.ply", "--steps", "2", "-o", "morph", "--residuals"});
-    EXPECT_TRUE(folder_.has("morph/frame_0001_residuals.ply"));
+    EXPECT_TRUE(folder_.has("morph/residuals/frame_0001_residuals.ply"));
     (void)run({"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "f.h5"});
     (void)run({"difference", "f.h5", "--pair-by", "subject", "--from", "mood=calm", "--to",
                "mood=glad", "-o", "d.h5", "--apply", "--mesh", "glad.ply", "--residuals"});
-    EXPECT_TRUE(folder_.has("glad_residuals.ply"));
+    EXPECT_TRUE(folder_.has("residuals/glad_residuals.ply"));
     (void)run({"stats", "f.h5", "-o", "model.h5"});
     (void)run({"generate", "model.h5", "--mean", "-o", "mean.ply", "--residuals"});
-    EXPECT_TRUE(folder_.has("mean_residuals.ply"));
+    EXPECT_TRUE(folder_.has("residuals/mean_residuals.ply"));
 }
 
 TEST_F(Sequences, ResidualsAreNotOverwritten)
 {
     const Arguments blend{"interpolate", "a.ply", "b.ply",  "--weights",
                           "0,1",         "-o",    "b2.ply", "--residuals"};
-    folder_.write("b2_residuals.ply", "old");
+    folder_.write("residuals/b2_residuals.ply", "old");
     const Outcome refused = run_shape(folder_.path(), blend);
     EXPECT_EQ(refused.exit_code, 5);
     EXPECT_NE(refused.err.find("b2_residuals.ply"), std::string::npos) << refused.err;
@@ -142,7 +144,7 @@ TEST_F(Sequences, ResidualsAreNotOverwritten)
     Arguments forced = blend;
     forced.emplace_back("--force");
     EXPECT_EQ(run_shape(folder_.path(), forced).exit_code, 0);
-    EXPECT_EQ(largest("b2_residuals.ply", "edge_error") < 1e-6, true);
+    EXPECT_EQ(largest("residuals/b2_residuals.ply", "edge_error") < 1e-6, true);
 }
 
 TEST_F(Sequences, ASmoothSequenceHasNoJumps)

@@ -10,7 +10,7 @@ namespace {
 const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
                          "generate",  "distance", "quality",    "groups",      "classify",
                          "regress",   "remove",   "difference", "interpolate", "reconstruct",
-                         "conformal", "draw",     "report",     "synth"};
+                         "conformal", "draw",     "explore",    "report",      "synth"};
 
 /// A wrong command line and what its error must name.
 struct WrongUsage
@@ -164,6 +164,19 @@ std::vector<WrongUsage> wrong_usages()
          "--format",
          {"generate", "model.h5", "--mean", "-o", "x.ply", "--format", "obj"}},
         {"UnknownMethod", "--method", mean + Arguments{"--method", "magic"}},
+        {"QualityOfAnotherMethod",
+         "--quality is an option of --method dihedral, not of --method closure",
+         mean + Arguments{"--method", "closure", "--quality", "preview"}},
+        {"SmoothnessOfAnotherMethod",
+         "--smoothness is an option of --method dihedral, not of --method multiscale",
+         mean + Arguments{"--method", "multiscale", "--smoothness", "0.1"}},
+        {"InitOfAnotherMethod",
+         "--init is an option of --method multiscale, not of --method dihedral",
+         mean + Arguments{"--init", "identity"}},
+        {"QualityOfNoMethodOfASequence",
+         "--quality is an option of --method dihedral, not of --method closure",
+         blend + Arguments{"--frames", "9", "--keyframes", "2", "--between", "multiscale",
+                           "--method", "closure", "--quality", "fine"}},
         {"NoSmoothness", "--smoothness", mean + Arguments{"--smoothness", "0"}},
         {"NanSmoothness", "--smoothness", mean + Arguments{"--smoothness", "nan"}},
         {"NegativeSize", "--size", mean + Arguments{"--size", "-3"}},
@@ -180,8 +193,9 @@ std::vector<WrongUsage> wrong_usages()
         {"ApplyWithoutMesh", "--mesh",
          difference + Arguments{"--from", "k=1", "--to", "k=2", "--apply"}},
         {"ReportOfAnotherEnding", ".html", {"report", "model.h5", "-o", "page.pdf"}},
-        {"ReportOfOneStep", "--steps", {"report", "model.h5", "-o", "page.html", "--steps", "1"}},
-        {"ReportOfNoWidth", "--sigma", {"report", "model.h5", "-o", "page.html", "--sigma", "0"}},
+        {"PageOfNoMode", "--modes", {"explore", "model.h5", "-o", "page.html", "--modes", "0"}},
+        {"PageOfNoSmoothness", "--smoothness",
+         {"explore", "model.h5", "-o", "page.html", "--smoothness", "0"}},
         {"SynthWithoutName", "NAME", {"synth", "-o", "new"}},
     };
 }
@@ -267,6 +281,36 @@ TEST(Usage, ADirectoryMayHaveTheNameOfACommand)
         std::filesystem::rename(folder / name, folder / "stats" / name);
     const Outcome outcome = run_shape(folder.path(), {"stats", "stats", "-o", "model.h5"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+TEST(Words, NearMissesAreAnsweredByWhatWasMeant)
+{
+    const Folder folder;
+    const auto err = [&](const Arguments& arguments) {
+        const Outcome outcome = run_shape(folder.path(), arguments);
+        EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+        return outcome.err;
+    };
+    EXPECT_NE(err({"--verson"}).find("did you mean '--version'?"), std::string::npos);
+    EXPECT_NE(err({"colect"}).find("did you mean 'collect'?"), std::string::npos);
+    EXPECT_NE(err({"help", "genrate"}).find("did you mean 'generate'?"), std::string::npos);
+    EXPECT_NE(
+        err({"stats", "x.h5", "--scael", "unit", "-o", "y.h5"}).find("did you mean '--scale'?"),
+        std::string::npos);
+    EXPECT_EQ(err({"quite-another-word"}).find("did you mean"), std::string::npos);
+}
+
+TEST(Words, VersionAndHelpComeInEverySpelling)
+{
+    const Folder folder;
+    const auto out = [&](const Arguments& arguments) {
+        const Outcome outcome = run_shape(folder.path(), arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    EXPECT_EQ(out({"-V"}), out({"--version"}));
+    EXPECT_EQ(out({"help"}), out({"--help"}));
+    EXPECT_EQ(out({"help", "stats"}), out({"stats", "--help"}));
 }
 
 } // namespace

@@ -9,8 +9,10 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/io/label_file.h"
 #include "libshape/io/table_file.h"
 #include "tools/program/arguments.h"
+#include "tools/program/session.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -26,7 +28,7 @@ const LabelColumn& complete_label(const Collection& collection, const std::strin
         const auto count = std::count(missing, column.values.end(), "");
         throw InvalidInput(join("mesh ", collection.names[mesh], " has no value of label '", label,
                                 "', in all ", count, " of ", collection.size(),
-                                " meshes; leave them out (--only) or label them"));
+                                " meshes; leave them out (--only ", label, ") or label them"));
     }
     return column;
 }
@@ -42,10 +44,12 @@ void add_labelled_input(CLI::App& command, LabelledInput& input)
                     "labels (default: the labels of the collection files)")
         ->option_text("FILE");
     command
-        .add_option("--only", input.only,
-                    "Use only meshes whose label has this value; may be repeated: other values of\n"
-                    "the same label are let in too, other labels must hold as well")
-        ->option_text("LABEL=VALUE")
+        .add_option(
+            "--only", input.only,
+            "Use only meshes whose label has this value, or any value (LABEL alone); may be\n"
+            "repeated: other values of the same label are let in too, other labels must hold\n"
+            "as well")
+        ->option_text("LABEL[=VALUE]")
         ->allow_extra_args(false);
 }
 
@@ -57,18 +61,28 @@ CLI::Option* add_label(CLI::App& command, const std::string& option, std::string
 
 Collection read_labelled(const Session& session, const LabelledInput& input)
 {
-    std::map<std::string, std::set<std::string>> wanted;
+    std::map<std::string, std::set<std::string>> wanted; // no value: any
+    std::set<std::string> labelled;
     for (const std::string& text : input.only) {
+        if (text.find('=') == std::string::npos) {
+            labelled.insert(label_value(text));
+            continue;
+        }
         const auto [label, value] = label_and_value("--only", text);
         wanted[label].insert(value);
     }
     Collection collection = read_meshes(session, input.meshes);
-    if (wanted.empty())
+    if (input.only.empty())
         return collection;
     std::vector<std::size_t> kept;
     for (std::size_t i = 0; i < collection.size(); ++i)
-        if (std::all_of(wanted.begin(), wanted.end(), [&](const auto& rule) {
-                return rule.second.contains(find_label(collection.labels, rule.first).values[i]);
+        if (std::all_of(wanted.begin(), wanted.end(),
+                        [&](const auto& rule) {
+                            return rule.second.contains(
+                                find_label(collection.labels, rule.first).values[i]);
+                        }) &&
+            std::all_of(labelled.begin(), labelled.end(), [&](const std::string& label) {
+                return !find_label(collection.labels, label).values[i].empty();
             }))
             kept.push_back(i);
     if (kept.empty())
@@ -82,7 +96,14 @@ std::pair<std::string, std::string> label_and_value(const std::string& option,
     const std::size_t sign = text.find('=');
     if (sign == std::string::npos || sign == 0)
         throw UsageError(join(option, ": '", text, "' must be LABEL=VALUE"));
-    return {text.substr(0, sign), text.substr(sign + 1)};
+    const std::string label = label_value(text.substr(0, sign));
+    const std::string value = label_value(text.substr(sign + 1));
+    if (value.empty())
+        throw UsageError(join(option, ": '", text,
+                              "' names no value (empty, NA, NaN, NULL and so on "
+                              "mean that a mesh has none); `--only ",
+                              label, "` takes the meshes that have one"));
+    return {label, value};
 }
 
 Grouping group_by_label(const Collection& collection, const std::string& label)
@@ -117,6 +138,46 @@ Eigen::MatrixXd covariates_of(const Collection& collection, const Eigen::VectorX
                 label.values[i], join("label '", columns[c], "' of mesh ", collection.names[i]));
     }
     return result;
+}
+
+Eigen::MatrixXd codes(const Grouping& groups)
+{
+    Eigen::MatrixXd column(groups.size(), 1);
+    for (Eigen::Index i = 0; i < groups.size(); ++i)
+        column(i, 0) = groups.group_of[static_cast<std::size_t>(i)];
+    return column;
+}
+
+void warn_of_repeated_rows(const Session& session, const Collection& collection,
+                           const Eigen::MatrixXd& covariates,
+                           const std::vector<std::string>& columns, const std::string& remedy)
+{
+    constexpr std::size_t least_blocks = 5;
+    constexpr std::size_t largest_blocks = 20;
+    for (const LabelColumn& column : collection.labels) {
+        if (std::find(columns.begin(), columns.end(), column.name) != columns.end() ||
+            std::find(column.values.begin(), column.values.end(), "") != column.values.end())
+            continue;
+        const Grouping blocks = group_by(column.values);
+        const auto count = static_cast<std::size_t>(blocks.group_count());
+        if (count < least_blocks || 2 * count > collection.size() ||
+            count * largest_blocks < collection.size())
+            continue;
+        const std::vector<std::vector<int>> lists = members(blocks);
+        const bool is_nested = std::all_of(lists.begin(), lists.end(), [&](const auto& block) {
+            return std::all_of(block.begin(), block.end(), [&](int i) {
+                return covariates.row(i) == covariates.row(block.front());
+            });
+        });
+        if (!is_nested)
+            continue;
+        session.warn(join("the ", collection.size(), " meshes are not independent if those of one ",
+                          column.name, " (", count,
+                          " of them) are repeated measurements: then chance "
+                          "looks significant. Give ",
+                          remedy, " ", column.name));
+        return;
+    }
 }
 
 } // namespace shape::tools

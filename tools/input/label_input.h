@@ -21,7 +21,7 @@ namespace shape::tools {
 struct LabelledInput
 {
     MeshInput meshes;
-    std::vector<std::string> only; ///< LABEL=VALUE.
+    std::vector<std::string> only; ///< LABEL=VALUE, or LABEL: any value.
 };
 
 /// Adds MESHES, --triangulate, --labels and --only.
@@ -31,13 +31,15 @@ void add_labelled_input(CLI::App& command, LabelledInput& input);
 CLI::Option* add_label(CLI::App& command, const std::string& option, std::string& label,
                        const std::string& description);
 
-/// Reads the meshes and keeps those that have, for each label named by --only, one of its values.
+/// Reads the meshes and keeps those that have, for each label named by --only, one of its values, or
+/// any at all.
 /// @throws as read_meshes(); InvalidInput if a label does not exist or no mesh is left; UsageError
-///     if a text is not LABEL=VALUE.
+///     if a text is not LABEL[=VALUE].
 [[nodiscard]] Collection read_labelled(const Session& session, const LabelledInput& input);
 
 /// The two sides of LABEL=VALUE.
-/// @throws UsageError, which names the option, if the text has no such form.
+/// @throws UsageError, which names the option, if the text has no such form or the value is missing
+///     (label_value()).
 [[nodiscard]] std::pair<std::string, std::string> label_and_value(const std::string& option,
                                                                   const std::string& text);
 
@@ -59,5 +61,16 @@ CLI::Option* add_label(CLI::App& command, const std::string& option, std::string
 [[nodiscard]] Eigen::MatrixXd covariates_of(const Collection& collection,
                                             const Eigen::VectorXd& sizes,
                                             const std::vector<std::string>& columns);
+
+/// The number of the group of each observation, as a covariate.
+[[nodiscard]] Eigen::MatrixXd codes(const Grouping& groups);
+
+/// Warns if the meshes look like repeated measurements: a label has blocks of 2 to 20 meshes on
+/// average, at least 5 of them, within which all the covariates are the same.
+/// @param columns  Labels that the covariates come from.
+/// @param remedy  The option that takes the label.
+void warn_of_repeated_rows(const Session& session, const Collection& collection,
+                           const Eigen::MatrixXd& covariates,
+                           const std::vector<std::string>& columns, const std::string& remedy);
 
 } // namespace shape::tools

@@ -52,11 +52,14 @@ Collection choose_meshes(const MeshChoice& choice, const Collection& run)
     for (const NamedMesh& mesh : meshes)
         if (mesh.faces.rows() != run.topology.face_count() ||
             mesh.points.rows() != run.topology.vertex_count() || mesh.faces != run.topology.faces())
-            throw InvalidInput(join(choice.option, ": ", mesh.path, " (", mesh.points.rows(),
-                                    " vertices, ", counted(mesh.faces.rows(), "face"),
-                                    ") has another triangulation than the meshes of the run (",
-                                    run.topology.vertex_count(), " vertices, ",
-                                    counted(run.topology.face_count(), "face"), ")"));
+            throw InvalidInput(
+                join(choice.option, ": another triangulation than the meshes of the run; ",
+                     describe_correspondence_break(
+                         {"the run", "the run",
+                          run.points.empty() ? Points::Zero(run.topology.vertex_count(), 3)
+                                             : run.points.front(),
+                          run.topology.faces()},
+                         mesh)));
     return collect(std::move(meshes));
 }
 

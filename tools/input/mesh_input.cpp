@@ -4,14 +4,19 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <set>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
+#include "libshape/io/label_file.h"
 #include "libshape/io/mesh_file.h"
-#include "libshape/io/table_file.h"
 #include "libshape/mesh/defects.h"
+#include "libshape/mesh/oddities.h"
+#include "tools/input/natural_order.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -34,48 +39,6 @@ bool is_mesh_file(const fs::path& path)
     return extension == ".obj" || extension == ".ply" || extension == ".off";
 }
 
-bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
-/// The piece of the text at `position`: a run of digits, or one other character.
-std::string_view piece_at(std::string_view text, std::size_t position)
-{
-    std::size_t end = position + 1;
-    if (is_digit(text[position]))
-        while (end < text.size() && is_digit(text[end]))
-            ++end;
-    return text.substr(position, end - position);
-}
-
-std::string_view without_leading_zeros(std::string_view digits)
-{
-    return digits.substr(std::min(digits.find_first_not_of('0'), digits.size() - 1));
-}
-
-/// Runs of digits compare as numbers, everything else by character; equal ones by character alone.
-bool natural_less(const std::string& a, const std::string& b)
-{
-    std::size_t i = 0;
-    std::size_t j = 0;
-    while (i < a.size() && j < b.size()) {
-        const std::string_view p = piece_at(a, i);
-        const std::string_view q = piece_at(b, j);
-        i += p.size();
-        j += q.size();
-        if (is_digit(p[0]) && is_digit(q[0])) {
-            const std::string_view m = without_leading_zeros(p);
-            const std::string_view n = without_leading_zeros(q);
-            if (m != n)
-                return std::pair(m.size(), m) < std::pair(n.size(), n);
-        } else if (p != q) {
-            return p < q;
-        }
-    }
-    return std::pair(a.size() - i, a) < std::pair(b.size() - j, b);
-}
-
 std::vector<fs::path> mesh_files_of_directory(const fs::path& directory)
 {
     std::vector<fs::path> files;
@@ -84,12 +47,26 @@ std::vector<fs::path> mesh_files_of_directory(const fs::path& directory)
             files.push_back(entry.path());
     if (files.empty())
         throw InvalidInput(join(directory.string(),
-                                ": the directory holds no mesh file "
-                                "(.obj .ply .off)"));
+                                ": the directory holds no mesh file (.obj .ply .off); other "
+                                "formats must be exported as one of them, subfolders named"));
     std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
         return natural_less(a.filename().string(), b.filename().string());
     });
     return files;
+}
+
+/// Files of a directory that hold meshes as well, in formats that are not read.
+std::vector<std::string> passed_over(const fs::path& directory)
+{
+    constexpr std::array<std::string_view, 16> others = {
+        ".stl", ".vtk", ".vtp", ".vtu", ".glb",  ".gltf", ".fbx", ".dae",
+        ".3ds", ".x3d", ".wrl", ".msh", ".mesh", ".3mf",  ".usd", ".usdz"};
+    std::vector<std::string> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(directory))
+        if (std::find(others.begin(), others.end(), lower_extension(entry.path())) != others.end())
+            names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end(), natural_less);
+    return names;
 }
 
 /// A collection file alone: its meshes share their faces, which then need not be held once a mesh.
@@ -105,6 +82,28 @@ Collection read_single_collection(const fs::path& path)
                 join(path.string(), ": mesh ", collection.names[i], ": ", defects.front().message));
     }
     return collection;
+}
+
+/// a, b, a becomes a, b, a (2).
+void number_repeated_names(std::vector<NamedMesh>& meshes)
+{
+    std::set<std::string> taken;
+    for (NamedMesh& mesh : meshes) {
+        const std::string name = mesh.name;
+        for (int number = 2; !taken.insert(mesh.name).second; ++number)
+            mesh.name = join(name, " (", number, ")");
+    }
+}
+
+Labels read_labels(const Session& session, const std::string& path,
+                   const std::vector<std::string>& names)
+{
+    LabelFile file = read_label_file(path, names);
+    if (!file.unused.empty())
+        session.message(join(path, ": ", counted(file.unused.size(), "row"),
+                             " of meshes that are not among these left out, first '",
+                             file.unused.front(), "'"));
+    return std::move(file.labels);
 }
 
 /// Appends the labels of `count` meshes to those of the `before` meshes that stand already.
@@ -160,6 +159,16 @@ std::vector<fs::path> mesh_files(const MeshInput& input)
     return files;
 }
 
+void note_passed_over(const Session& session, const MeshInput& input)
+{
+    for (const fs::path path : input.paths)
+        if (fs::is_directory(path))
+            if (const std::vector<std::string> names = passed_over(path); !names.empty())
+                session.warn(join(path.string(), ": ", counted(names.size(), "mesh file"),
+                                  " of other formats passed over, first ", names.front(),
+                                  "; export as .ply, .obj or .off"));
+}
+
 std::vector<fs::path> input_files(const MeshInput& input)
 {
     std::vector<fs::path> files = mesh_files(input);
@@ -188,10 +197,11 @@ Collection read_meshes(const Session& session, const MeshInput& input)
 {
     const Progress progress = session.progress();
     const std::vector<fs::path> files = mesh_files(input);
+    note_passed_over(session, input);
     if (files.size() == 1 && is_collection_file(files.front())) {
         Collection collection = read_single_collection(files.front());
         if (!input.labels.empty())
-            collection.labels = read_labels(input.labels, collection.names);
+            collection.labels = read_labels(session, input.labels, collection.names);
         return collection;
     }
     std::vector<NamedMesh> meshes;
@@ -202,8 +212,13 @@ Collection read_meshes(const Session& session, const MeshInput& input)
         std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
         progress("reading", i + 1, files.size());
     }
+    if (input.may_repeat)
+        number_repeated_names(meshes);
     Collection collection = collect(std::move(meshes));
-    collection.labels = input.labels.empty() ? labels : read_labels(input.labels, collection.names);
+    collection.labels =
+        input.labels.empty() ? labels : read_labels(session, input.labels, collection.names);
+    for (const Oddity& oddity : find_oddities(collection))
+        session.warn(oddity.message);
     return collection;
 }
 

@@ -21,6 +21,7 @@ struct MeshInput
 {
     std::vector<std::string> paths; ///< Files, directories and collection files, in any mix.
     bool triangulate = false;       ///< Split polygons as fans.
+    bool may_repeat = false;        ///< Meshes of one name are told apart by a number.
     std::string labels;             ///< CSV file with labels; empty: those of the collections.
 };
 
@@ -35,6 +36,9 @@ void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name
 /// @throws FileError if a path does not exist; InvalidInput if a directory holds no mesh file.
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const MeshInput& input);
 
+/// Warns of files in the directories that hold meshes in formats that are not read.
+void note_passed_over(const Session& session, const MeshInput& input);
+
 /// All files that reading the input opens: mesh_files() and the file of labels.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const MeshInput& input);
 
@@ -47,7 +51,8 @@ struct FileContent
 [[nodiscard]] FileContent read_mesh_file(const std::filesystem::path& path, bool triangulate);
 
 /// Reads everything and checks that it is in correspondence. Without a file of labels a mesh keeps
-/// those of its collection file; where others have a label that it lacks, its value is empty.
+/// those of its collection file; where others have a label that it lacks, its value is empty. Warns of
+/// what is odd about meshes that are not read from a single collection file (find_oddities()).
 [[nodiscard]] Collection read_meshes(const Session& session, const MeshInput& input);
 
 } // namespace shape::tools

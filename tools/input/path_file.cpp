@@ -9,6 +9,7 @@
 #include "libshape/base/format.h"
 #include "libshape/io/file/input_file.h"
 #include "tools/program/arguments.h"
+#include "tools/program/json_depth.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -100,6 +101,9 @@ public:
     void read()
     {
         const std::string text = read_file(file_, largest_file);
+        if (!is_shallow_json(text))
+            throw InvalidInput(
+                join(file_, ": lists are nested deeper than ", deepest_json, " levels"));
         std::vector<std::string> seen;
         const auto refuse_repeats = [&](int depth, Json::parse_event_t event, Json& parsed) {
             if (event == Json::parse_event_t::key && depth == 1) {

@@ -31,7 +31,7 @@ enum class SplineKind
 [[nodiscard]] const std::vector<std::pair<std::string, SplineKind>>& spline_kinds();
 
 constexpr std::int64_t most_frames = 1'000'000;
-constexpr std::int64_t most_rows = 1000; ///< Of a grid.
+constexpr std::int64_t most_rows = 1000; ///< A grid has at most this many.
 
 /// Which blends are wanted, as options or a path file say; what neither says is empty.
 struct PathDescription
@@ -39,7 +39,7 @@ struct PathDescription
     std::optional<PathKind> kind;
     std::optional<SplineKind> spline;
     std::optional<std::int64_t> frames;   ///< In [2, most_frames].
-    std::optional<Eigen::Vector2d> range; ///< Of the parameter, along lines and splines.
+    std::optional<Eigen::Vector2d> range; ///< The parameter runs over this along lines and splines.
     std::optional<Eigen::Vector2d> grid;  ///< Columns and rows of a patch, in [2, most_rows].
     std::vector<std::vector<double>> weights;
     Eigen::MatrixX2d at;      ///< Places of single blends, in a patch or polygon.

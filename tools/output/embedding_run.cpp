@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/edge_space/admissibility.h"
@@ -92,6 +93,69 @@ void refuse_infeasible(const Topology& topology, const std::vector<EmbeddingTarg
     }
 }
 
+/// The targets of a run that no mesh can have; said in one line, however many they are.
+class InfeasibleTargets
+{
+public:
+    explicit InfeasibleTargets(const Topology& topology) : topology_(topology) {}
+
+    void add(const std::string& name, const DecodedShape& target, FinishedMesh& mesh)
+    {
+        if (mesh.reason.empty())
+            return;
+        mesh.figures["reason"] = mesh.reason;
+        reasons_.push_back(join(name, ": infeasible target, ", mesh.reason));
+        if (const ShapePoint* point = std::get_if<ShapePoint>(&target))
+            most_faces_ = std::max(
+                most_faces_, check_admissibility(topology_, point->edge_lengths).triangles.size());
+        const double error = mesh.figures.at("edge_rms").get<double>();
+        if (worst_.empty() || error > worst_rms_) {
+            worst_ = name;
+            worst_rms_ = error;
+        }
+        worst_edge_ = std::max(worst_edge_, mesh.figures.at("edge_max").get<double>());
+    }
+
+    void warn(const Session& session, std::size_t meshes, bool verbose) const
+    {
+        if (reasons_.empty())
+            return;
+        if (reasons_.size() == 1 || verbose)
+            for (const std::string& reason : reasons_)
+                session.warn(reason + "; the nearest mesh is written" +
+                             (reasons_.size() == 1 ? "; " + severity() : ""));
+        if (reasons_.size() > 1)
+            session.warn(
+                join(reasons_.size(), " of ", meshes,
+                     " targets are infeasible (no mesh has their lengths; usual in samples "
+                     "and beyond about one standard deviation); the nearest meshes are "
+                     "written. At most ",
+                     most_faces_, " of ", counted(topology_.face_count(), "face"),
+                     " break a triangle inequality; ", severity(), " (worst: ", worst_, "). ",
+                     verbose ? "" : "--verbose lists them, ", "--strict refuses them"));
+    }
+
+private:
+    [[nodiscard]] std::string severity() const
+    {
+        const char* const shows = worst_rms_ < 1e-3   ? "which does not show"
+                                  : worst_rms_ < 1e-2 ? "which hardly shows"
+                                  : worst_rms_ < 5e-2 ? "which shows in places"
+                                                      : "another shape than was asked for: the "
+                                                        "target lies far outside the data";
+        return print_row("edge errors %.2g %% RMS, %.2g %% at worst, ", 100.0 * worst_rms_,
+                         100.0 * worst_edge_) +
+               shows;
+    }
+
+    const Topology& topology_;
+    std::vector<std::string> reasons_;
+    std::size_t most_faces_ = 0;
+    std::string worst_;
+    double worst_rms_ = 0.0;
+    double worst_edge_ = 0.0;
+};
+
 void write_residuals(const std::filesystem::path& path, const Topology& topology,
                      const Points& points, const DecodedShape& target)
 {
@@ -134,7 +198,7 @@ Json animation_figures(const Session& session, const GlbAnimation& animation, st
 
 } // namespace
 
-void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
+void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double smoothness)
 {
     add_choice(command, "--method", options.method,
                "dihedral: lengths and dihedral angles together (default); closure: as in Rojas\n"
@@ -151,7 +215,7 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
     add_number(command, "--smoothness", options.smoothness,
                join("Weight of the dihedral angles [rad] against the relative lengths, > 0\n"
                     "(default: ",
-                    options.smoothness, "); of the method dihedral"),
+                    smoothness, "); of the method dihedral"),
                Sign::Positive)
         ->group("Embedding");
     add_choice(
@@ -163,20 +227,26 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options)
         ->group("Embedding");
 }
 
-void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments)
+void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments, double smoothness)
 {
-    add_embedder_options(command, arguments.options);
+    add_embedder_options(command, arguments.options, smoothness);
     command
         .add_flag("--strict", arguments.strict,
                   "An infeasible target ends the run with exit code 4 before anything is\n"
                   "written (default: the nearest mesh is written, with a warning)")
         ->group("Embedding");
     command
-        .add_flag("--residuals", arguments.residuals,
-                  "Write NAME_residuals.ply beside each mesh: that mesh with the properties\n"
-                  "edge_error (largest relative error of the edges at a vertex) and\n"
-                  "dihedral_drift (largest of their angles [deg]); `shape draw --color-by` shows\n"
-                  "them")
+        .add_flag("--verbose", arguments.verbose,
+                  "Say of every infeasible target what is wrong with it (default: one line on all\n"
+                  "of them; --json has the reasons)")
+        ->group("Embedding");
+    command
+        .add_flag(
+            "--residuals", arguments.residuals,
+            "Write residuals/NAME_residuals.ply beside each mesh: that mesh with the properties\n"
+            "edge_error (largest relative error of the edges at a vertex) and\n"
+            "dihedral_drift (largest of their angles [deg]); `shape draw --color-by` shows\n"
+            "them")
         ->group("Embedding");
 }
 
@@ -185,8 +255,8 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
                      const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
                      TargetOrder order)
 {
+    const EmbeddingOptions options = embedding_options(session, arguments.options);
     prepare_output(arguments, topology, targets, output);
-    const EmbeddingOptions options = embedding_options(session, arguments);
     const Embedder embedder(topology, std::move(references), options);
     const auto make = [&](std::size_t i, const DecodedShape& shape) {
         return finished_mesh(embedder, options, targets[i].name, shape);
@@ -198,7 +268,7 @@ void prepare_output(const EmbeddingArguments& arguments, const Topology& topolog
                     const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
 {
     if (arguments.residuals)
-        output.add_companions("_residuals.ply");
+        output.add_companions("residuals", "_residuals.ply");
     if (arguments.strict)
         refuse_infeasible(topology, targets);
 }
@@ -211,6 +281,7 @@ Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
     Json embeddings = Json::array();
     std::vector<std::string> rows{table_head()};
     std::vector<SequenceStep> steps;
+    InfeasibleTargets infeasible(topology);
     Points previous;
     for (std::size_t i = 0; i < targets.size(); ++i) {
         progress("embedding", i, targets.size());
@@ -218,7 +289,7 @@ Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
         FinishedMesh mesh = make(i, shape);
         if (targets[i].place)
             mesh.points = best_rigid_motion(mesh.points, *targets[i].place)(mesh.points);
-        warn_if_infeasible(session, targets[i].name, mesh);
+        infeasible.add(targets[i].name, shape, mesh);
         output.write(i, mesh.points, topology.faces());
         if (arguments.residuals)
             write_residuals(output.staged_companion(i), topology, mesh.points, shape);
@@ -230,6 +301,7 @@ Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
     }
     progress("embedding", targets.size(), targets.size());
     output.commit();
+    infeasible.warn(session, targets.size(), arguments.verbose);
     for (const std::string& row : rows)
         session.message(row);
     Json result{{"outputs", output.paths()}, {"embeddings", embeddings}};
@@ -283,11 +355,37 @@ const char* name(EmbeddingMethod method)
     return "";
 }
 
-EmbeddingOptions embedding_options(const Session& session, const EmbeddingArguments& arguments)
+void check_methods(const EmbeddingOptions& given, const std::vector<EmbeddingMethod>& used)
 {
-    EmbeddingOptions options = arguments.options;
-    options.seed = static_cast<std::uint64_t>(session.seed);
+    const auto belongs_to = [&](EmbeddingMethod method, const char* option, bool is_given) {
+        if (is_given && std::find(used.begin(), used.end(), method) == used.end())
+            throw UsageError(join(option, " is an option of --method ", name(method),
+                                  ", not of --method ", name(given.method)));
+    };
+    belongs_to(EmbeddingMethod::Dihedral, "--quality", given.quality.has_value());
+    belongs_to(EmbeddingMethod::Dihedral, "--smoothness", given.smoothness.has_value());
+    belongs_to(EmbeddingMethod::Multiscale, "--init", given.registration_start.has_value());
+}
+
+EmbeddingOptions options_of(const Session& session, EmbeddingMethod method,
+                            const EmbeddingOptions& given)
+{
+    EmbeddingOptions options{.method = method};
+    if (method == EmbeddingMethod::Dihedral) {
+        options.quality = given.quality;
+        options.smoothness = given.smoothness;
+    }
+    if (method == EmbeddingMethod::Multiscale) {
+        options.registration_start = given.registration_start;
+        options.seed = static_cast<std::uint64_t>(session.seed);
+    }
     return options;
+}
+
+EmbeddingOptions embedding_options(const Session& session, const EmbeddingOptions& given)
+{
+    check_methods(given, {given.method});
+    return options_of(session, given.method, given);
 }
 
 std::string numbered_name(const std::string& stem, std::size_t number)

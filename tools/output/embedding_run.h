@@ -22,16 +22,27 @@ namespace shape::tools {
 /// The arguments that every command shares that makes meshes from points of the space.
 struct EmbeddingArguments
 {
-    EmbeddingOptions options;
-    bool strict = false;    ///< An infeasible target ends the run before anything is written.
-    bool residuals = false; ///< Beside every mesh goes NAME_residuals.ply.
+    EmbeddingOptions options; ///< As given: check_methods() says whether they go together.
+    bool strict = false;      ///< An infeasible target ends the run before anything is written.
+    bool residuals = false;   ///< Beside every mesh goes residuals/NAME_residuals.ply.
+    bool verbose = false;     ///< Every infeasible target is described, not all in one line.
 };
 
 /// Adds --method, --quality, --smoothness and --init.
-void add_embedder_options(CLI::App& command, EmbeddingOptions& options);
+/// @param smoothness  What the help says where none is given.
+void add_embedder_options(CLI::App& command, EmbeddingOptions& options,
+                          double smoothness = default_smoothness);
 
-/// Adds those, --strict and --residuals.
-void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments);
+/// Adds those, --strict, --verbose and --residuals.
+void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments,
+                           double smoothness = default_smoothness);
+
+/// @throws UsageError if an option is given that belongs to none of the methods used.
+void check_methods(const EmbeddingOptions& given, const std::vector<EmbeddingMethod>& used);
+
+/// Those of the given options that belong to a method; the seed is that of the session.
+[[nodiscard]] EmbeddingOptions options_of(const Session& session, EmbeddingMethod method,
+                                          const EmbeddingOptions& given);
 
 /// A mesh to be made. The shape is made when it is needed: all of them may not fit into memory.
 struct EmbeddingTarget
@@ -97,9 +108,10 @@ void warn_if_infeasible(const Session& session, const std::string& target,
 /// "dihedral", "closure" or "multiscale".
 [[nodiscard]] const char* name(EmbeddingMethod method);
 
-/// The options as the library takes them; the seed is that of the session.
+/// The options as the library takes them: options_of() the method.
+/// @throws UsageError if an option belongs to another method.
 [[nodiscard]] EmbeddingOptions embedding_options(const Session& session,
-                                                 const EmbeddingArguments& arguments);
+                                                 const EmbeddingOptions& given);
 
 /// "frame_0007": a name with a number of at least four digits.
 [[nodiscard]] std::string numbered_name(const std::string& stem, std::size_t number);

@@ -2,16 +2,23 @@
 
 #include "tools/output/frame_store.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <iterator>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/io/file/input_file.h"
+#include "tools/program/json_depth.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -21,6 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* manifest_name = "manifest.json";
 constexpr const char* mesh_ending = ".mesh";
+constexpr const char* unfinished_ending = ".tmp";
 
 fs::path directory_beside(const std::string& output)
 {
@@ -28,21 +36,43 @@ fs::path directory_beside(const std::string& output)
     if (fs::is_directory(path))
         return path / "unfinished";
     const fs::path target = path.has_filename() ? path : path.parent_path();
-    return target.parent_path() / (target.filename().string() + ".unfinished");
+    const std::string name = target.filename().string();
+    const std::string ending = ".unfinished";
+    constexpr std::size_t longest = 255; // of a name, on the usual file systems
+    if (name.size() + ending.size() <= longest)
+        return target.parent_path() / (name + ending);
+    const std::string hash = hash_text(name.data(), name.size());
+    return target.parent_path() /
+           (name.substr(0, longest - ending.size() - hash.size() - 1) + "-" + hash + ending);
 }
 
 std::optional<std::string> content_of(const fs::path& path)
 {
-    std::ifstream in(path, std::ios::binary);
-    if (!in)
+    constexpr std::uint64_t largest_file = std::uint64_t{2} << 30;
+    if (!fs::exists(path))
         return std::nullopt;
-    return std::string(std::istreambuf_iterator<char>(in), {});
+    return read_file(path, largest_file);
+}
+
+/// An object, or none if the text is not one that this program has written.
+std::optional<Json> parse_object(const std::string& text)
+{
+    if (!is_shallow_json(text))
+        return std::nullopt;
+    Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+    return json.is_object() ? std::optional(std::move(json)) : std::nullopt;
+}
+
+/// The text of a field; empty if it is missing or something else.
+std::string text_of(const Json& object, const std::string& key)
+{
+    return object.contains(key) && object[key].is_string() ? object[key].get<std::string>() : "";
 }
 
 /// Writes beside the place and renames, so that a process that is killed leaves no half of a file.
 void put(const fs::path& path, const std::string& content)
 {
-    const fs::path temporary = path.string() + ".tmp";
+    const fs::path temporary = path.string() + unfinished_ending;
     errno = 0;
     std::ofstream out(temporary, std::ios::binary);
     out << content;
@@ -56,9 +86,12 @@ void put(const fs::path& path, const std::string& content)
     fs::rename(temporary, path);
 }
 
-std::string hash_of(const Points& points)
+/// Of all that is kept of a mesh.
+std::string hash_of(const FinishedMesh& mesh)
 {
-    return hash_text(points.data(), static_cast<std::size_t>(points.size()) * sizeof(double));
+    return hash_text(
+        mesh.points.data(), static_cast<std::size_t>(mesh.points.size()) * sizeof(double),
+        mesh.figures.dump(-1, ' ', false, Json::error_handler_t::replace) + mesh.reason);
 }
 
 std::size_t count_meshes(const fs::path& directory)
@@ -71,17 +104,17 @@ std::size_t count_meshes(const fs::path& directory)
 
 void check_manifest(const fs::path& directory, const Json& identity)
 {
-    const Json found = Json::parse(content_of(directory / manifest_name).value_or(""), nullptr,
-                                   /*allow_exceptions=*/false);
-    if (!found.is_object())
+    const std::optional<Json> found =
+        parse_object(content_of(directory / manifest_name).value_or(""));
+    if (!found)
         throw InvalidInput(
             join(directory.string(), ": no meshes of an interrupted run; remove the directory"));
     for (const auto& [key, value] : identity.items())
-        if (!found.contains(key) || found[key] != value)
-            throw InvalidInput(join(directory.string(), ": the interrupted run differs in ", key,
-                                    " (", found.value(key, "none"), " there, ",
-                                    value.get<std::string>(),
-                                    " now); without --resume, --force discards it"));
+        if (!found->contains(key) || (*found)[key] != value)
+            throw InvalidInput(
+                join(directory.string(), ": the interrupted run differs in ", key, " (",
+                     found->contains(key) ? (*found)[key].dump().substr(0, 80) : "none", " there, ",
+                     value.dump(), " now); without --resume, --force discards it"));
 }
 
 } // namespace
@@ -109,18 +142,53 @@ std::string hash_text(const void* data, std::size_t bytes, const std::string& be
     return text;
 }
 
+DirectoryLock::DirectoryLock(const fs::path& directory)
+{
+    // Whoever ends removes the directory: then the lock is that of one which is gone, and not worth
+    // anything.
+    constexpr int attempts = 100;
+    for (int i = 0; i < attempts; ++i) {
+        fs::create_directory(directory);
+        descriptor_ = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+        if (descriptor_ < 0 && errno == ENOENT)
+            continue;
+        if (descriptor_ < 0)
+            throw FileError(join(directory.string(), ": ", std::strerror(errno)));
+        const bool is_taken = ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        struct stat held = {};
+        struct stat there = {};
+        if (!is_taken && ::fstat(descriptor_, &held) == 0 &&
+            ::stat(directory.c_str(), &there) == 0 && held.st_ino == there.st_ino)
+            return; // some file systems have no locks; that is no reason to refuse
+        ::close(std::exchange(descriptor_, -1));
+        if (is_taken)
+            break;
+    }
+    throw FileError(
+        join(directory.string(),
+             ": another run is at work there; wait until it has ended, or choose another -o"));
+}
+
+DirectoryLock::~DirectoryLock()
+{
+    ::close(descriptor_);
+}
+
 FrameStore::FrameStore(const Session& session, const std::string& output, const Json& identity,
                        bool resume)
-    : directory_(directory_beside(output)), manifest_(identity)
+    : directory_(directory_beside(output)), lock_(directory_), manifest_(identity)
 {
-    if (!fs::exists(fs::symlink_status(directory_)))
+    // Of a run that was killed before it had written anything else.
+    fs::remove(directory_ / join(manifest_name, unfinished_ending));
+    if (fs::is_empty(directory_))
         return;
     if (resume) {
         check_manifest(directory_, identity);
         count_ = count_meshes(directory_);
     } else if (session.force) {
         check_manifest(directory_, Json::object()); // whatever else it is stays
-        fs::remove_all(directory_);
+        for (const fs::directory_entry& entry : fs::directory_iterator(directory_))
+            fs::remove_all(entry.path());
     } else {
         throw FileError(join(directory_.string(),
                              ": an interrupted run has left its meshes; --resume goes on with "
@@ -131,8 +199,12 @@ FrameStore::FrameStore(const Session& session, const std::string& output, const 
 FrameStore::~FrameStore()
 {
     std::error_code ignored; // The run has failed already; its error is the one to report.
-    if (!keep_ && fs::exists(directory_ / manifest_name, ignored))
+    if (keep_)
+        return;
+    if (fs::exists(directory_ / manifest_name, ignored))
         fs::remove_all(directory_, ignored);
+    else
+        fs::remove(directory_, ignored); // where it is empty
 }
 
 fs::path FrameStore::file(std::size_t index) const
@@ -146,15 +218,15 @@ std::optional<FinishedMesh> FrameStore::read(std::size_t index) const
     if (!content)
         return std::nullopt;
     const std::size_t head = content->find('\n');
-    const Json record = Json::parse(content->substr(0, head), nullptr, /*allow_exceptions=*/false);
-    if (!record.is_object() || head == std::string::npos)
+    const std::optional<Json> record = parse_object(content->substr(0, head));
+    if (!record || head == std::string::npos)
         return std::nullopt;
     const std::size_t bytes = content->size() - head - 1;
     FinishedMesh mesh{Points(static_cast<Eigen::Index>(bytes / (3 * sizeof(double))), 3),
-                      record.value("figures", Json()), record.value("reason", "")};
+                      record->value("figures", Json()), text_of(*record, "reason")};
     std::memcpy(mesh.points.data(), content->data() + head + 1,
                 static_cast<std::size_t>(mesh.points.size()) * sizeof(double));
-    if (record.value("hash", "") != hash_of(mesh.points))
+    if (text_of(*record, "hash") != hash_of(mesh))
         return std::nullopt;
     return mesh;
 }
@@ -162,11 +234,9 @@ std::optional<FinishedMesh> FrameStore::read(std::size_t index) const
 void FrameStore::write(std::size_t index, const FinishedMesh& mesh)
 {
     if (count_ == 0) {
-        fs::create_directory(directory_);
         put(directory_ / manifest_name, manifest_.dump(2) + "\n");
     }
-    const Json record{
-        {"hash", hash_of(mesh.points)}, {"figures", mesh.figures}, {"reason", mesh.reason}};
+    const Json record{{"hash", hash_of(mesh)}, {"figures", mesh.figures}, {"reason", mesh.reason}};
     std::string content = record.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     content.append(reinterpret_cast<const char*>(mesh.points.data()),
                    static_cast<std::size_t>(mesh.points.size()) * sizeof(double));

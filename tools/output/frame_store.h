@@ -11,6 +11,20 @@
 
 namespace shape::tools {
 
+/// Makes a directory if it is missing, and has it for itself. The lock ends with the process, however that ends.
+class DirectoryLock
+{
+public:
+    /// @throws FileError if another process has it, or it is no directory.
+    explicit DirectoryLock(const std::filesystem::path& directory);
+    ~DirectoryLock();
+    DirectoryLock(const DirectoryLock&) = delete;
+    DirectoryLock& operator=(const DirectoryLock&) = delete;
+
+private:
+    int descriptor_ = -1;
+};
+
 /// The finished meshes of a run, kept in a directory until the run ends, so that an interrupted one
 /// can be resumed: OUTPUT.unfinished beside the output, or `unfinished` in it if it is a directory
 /// that exists. Its manifest says what run it belongs to.
@@ -20,7 +34,7 @@ public:
     /// @param identity  What the meshes depend on: an object of texts.
     /// @param resume  Goes on with what an interrupted run has left, if there is anything.
     /// @throws FileError  if an interrupted run has left something and neither resume nor --force is
-    ///     given; --force alone discards it.
+    ///     given (--force alone discards it), or if another run is at work there.
     /// @throws InvalidInput  if it was another run; names what differs.
     FrameStore(const Session& session, const std::string& output, const Json& identity,
                bool resume);
@@ -46,6 +60,7 @@ private:
     [[nodiscard]] std::filesystem::path file(std::size_t index) const;
 
     std::filesystem::path directory_;
+    DirectoryLock lock_;
     Json manifest_;
     std::size_t count_ = 0;
     bool keep_ = false;

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "tools/output/frame_store.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
@@ -33,30 +34,48 @@ MeshFormat format_of(const fs::path& path)
     }
 }
 
-void check_names(const std::vector<std::string>& names)
+/// What a file system takes, of at most this many bytes: a long name is cut and ends in a hash of all
+/// of it.
+std::string shortened(const std::string& name, std::size_t most)
 {
-    std::set<std::string> seen;
+    if (name.size() <= most)
+        return name;
+    const std::string hash = hash_text(name.data(), name.size());
+    return name.substr(0, most - 1 - hash.size()) + "-" + hash;
+}
+
+/// Names of files, one for each mesh: what a file name may not hold becomes '_', and names that are
+/// the same then get a number.
+std::vector<std::string> file_names(const std::vector<std::string>& names)
+{
+    constexpr std::size_t longest = 200;
+    std::set<std::string> given;
+    std::set<std::string> taken;
+    std::vector<std::string> result;
     for (const std::string& name : names) {
-        const bool usable = !name.empty() && name.front() != '.' && name.size() <= 200 &&
-                            std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                                return c >= 0x20 && c != 0x7f && c != '/' && c != '\\';
-                            });
-        if (!usable)
-            throw InvalidInput(join("'", name,
-                                    "' cannot be the name of a mesh file: empty, longer "
-                                    "than 200, starting with a dot, or with a slash or "
-                                    "control character"));
-        if (!seen.insert(name).second)
+        if (!given.insert(name).second)
             throw InvalidInput(join("the mesh name '", name,
                                     "' occurs twice; every output needs "
                                     "a name of its own"));
+        std::string file = name;
+        std::replace_if(
+            file.begin(), file.end(),
+            [](unsigned char c) { return c < 0x20 || c == 0x7f || c == '/' || c == '\\'; }, '_');
+        if (file.empty() || file.front() == '.')
+            file.insert(file.begin(), '_');
+        file = shortened(file, longest);
+        const std::string stem = file;
+        for (int number = 2; !taken.insert(file).second; ++number)
+            file = join(stem, "_", number);
+        result.push_back(file);
     }
+    return result;
 }
 
 /// A hidden name that no other process uses.
 std::string staging_name(const std::string& name)
 {
-    return join(".", name, ".", getpid(), ".tmp");
+    return join(".", shortened(name, 200), ".", getpid(), ".tmp");
 }
 
 } // namespace
@@ -120,8 +139,7 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
     prepare_animation(arguments, names.size());
     format_ = arguments.format.empty() ? MeshFormat::Ply : mesh_format("x." + arguments.format);
     directory_ = path.has_filename() ? path : path.parent_path();
-    check_names(names);
-    for (const std::string& name : names)
+    for (const std::string& name : file_names(names))
         paths_.push_back(directory_ / (name + file_ending(format_)));
     for (const std::string& file : further_files)
         paths_.push_back(directory_ / file);
@@ -161,7 +179,7 @@ void MeshOutput::prepare_animation(const MeshOutputArguments& arguments, std::si
         .frames_per_second = arguments.frames_per_second.value_or(standard.frames_per_second)};
 }
 
-void MeshOutput::add_companions(const std::string& suffix)
+void MeshOutput::add_companions(const std::string& folder, const std::string& suffix)
 {
     if (is_animation_)
         throw UsageError(join("no file *", suffix,
@@ -173,9 +191,11 @@ void MeshOutput::add_companions(const std::string& suffix)
     }
     first_companion_ = paths_.size();
     for (std::size_t i = 0; i < mesh_count_; ++i)
-        paths_.push_back(directory_ / (paths_[i].stem().string() + suffix));
-    if (fs::is_directory(directory_))
+        paths_.push_back(directory_ / folder / (paths_[i].stem().string() + suffix));
+    if (fs::is_directory(directory_ / folder))
         check_paths(first_companion_);
+    else if (fs::exists(fs::symlink_status(directory_ / folder)))
+        throw FileError(join((directory_ / folder).string(), ": exists and is not a directory"));
 }
 
 void MeshOutput::write(std::size_t index, const Points& points, const Faces& faces)
@@ -198,7 +218,10 @@ fs::path MeshOutput::staged(const std::string& further_file) const
 
 fs::path MeshOutput::staged_companion(std::size_t index) const
 {
-    return staging_ / paths_.at(first_companion_ + index).filename();
+    const fs::path& path = paths_.at(first_companion_ + index);
+    const fs::path folder = staging_ / path.parent_path().filename();
+    fs::create_directories(folder);
+    return folder / path.filename();
 }
 
 void MeshOutput::commit()
@@ -208,8 +231,15 @@ void MeshOutput::commit()
     if (staging_.empty())
         return;
     if (fs::is_directory(directory_))
-        for (const fs::path& path : paths_)
-            fs::rename(staging_ / path.filename(), path);
+        for (std::size_t i = 0; i < paths_.size(); ++i) {
+            const fs::path& path = paths_[i];
+            const bool is_companion = first_companion_ > 0 && i >= first_companion_;
+            if (is_companion)
+                fs::create_directories(path.parent_path());
+            fs::rename(is_companion ? staging_ / path.parent_path().filename() / path.filename()
+                                    : staging_ / path.filename(),
+                       path);
+        }
     else
         fs::rename(staging_, directory_);
 }

@@ -24,8 +24,9 @@ struct MeshOutputArguments
 {
     std::string path;   ///< A file, or a directory.
     std::string format; ///< Ending without the dot, for directories; empty: ply.
-    std::optional<double> frames_per_second; ///< Of an animation.
-    std::optional<double> glb_tolerance;     ///< Of an animation, relative to the diagonal.
+    std::optional<double> frames_per_second; ///< An animation shows this many.
+    std::optional<double>
+        glb_tolerance; ///< Frames of an animation may err by this, relative to the diagonal.
 };
 
 /// Adds --format alone, for commands that have options of their own for where meshes go.
@@ -46,11 +47,12 @@ public:
     ///
     /// The path is a file if it has an ending, names no existing directory and does not end in a
     /// slash. Only a single mesh can go into a file, or several as the animation of a .glb file.
-    /// @param names  Stem of each file in a directory; the format gives the ending.
+    /// @param names  Stem of each file in a directory, with '_' for what a file name may not hold; the
+    ///     format gives the ending.
     /// @param further_files  Names of other files that go into the directory with the meshes.
     /// @throws UsageError  for several meshes and one file, an ending that is not a mesh format, or
     ///     options of an animation without one.
-    /// @throws InvalidInput  for two equal names, or one that cannot be a file name.
+    /// @throws InvalidInput  for two equal names.
     MeshOutput(const Session& session, const MeshOutputArguments& arguments,
                const std::vector<std::string>& names,
                const std::vector<std::filesystem::path>& inputs,
@@ -59,10 +61,11 @@ public:
     MeshOutput(const MeshOutput&) = delete;
     MeshOutput& operator=(const MeshOutput&) = delete;
 
-    /// From now on a companion goes with every mesh: the file beside it whose name is its stem and
-    /// this suffix. Checks the companions' paths as the constructor does those of the meshes.
+    /// From now on a companion goes with every mesh: the file in this folder beside it whose name is
+    /// its stem and this suffix; a folder of its own, so that the meshes alone are a collection.
+    /// Checks the companions' paths as the constructor does those of the meshes.
     /// @throws UsageError  if the output is an animation.
-    void add_companions(const std::string& suffix);
+    void add_companions(const std::string& folder, const std::string& suffix);
 
     /// Writes the mesh of names[index]; meshes of an animation come in order.
     void write(std::size_t index, const Points& points, const Faces& faces);
@@ -95,7 +98,7 @@ private:
 
     bool is_animation_ = false;
     GlbAnimationOptions animation_options_;
-    std::vector<Points> frames_; ///< Of an animation, until commit().
+    std::vector<Points> frames_; ///< An animation keeps its frames until commit().
     Faces faces_;
     std::optional<GlbAnimation> animation_;
 };

@@ -48,8 +48,8 @@ ShapePoint point_of(const EmbeddingTarget& target)
 }
 
 /// Everything that the meshes of a run depend on, to tell whether it can go on.
-Json identity(const EmbeddingOptions& options, const SequenceArguments& arguments,
-              const Sequence& sequence)
+Json identity(const Session& session, const EmbeddingOptions& options,
+              const SequenceArguments& arguments, const Sequence& sequence)
 {
     const Faces& faces = sequence.topology.faces();
     std::string inputs =
@@ -65,35 +65,55 @@ Json identity(const EmbeddingOptions& options, const SequenceArguments& argument
             {"meshes", inputs},
             {"blends", blends},
             {"--method", name(options.method)},
-            {"--quality", options.quality == EmbeddingQuality::Fine ? "fine" : "preview"},
-            {"--smoothness", print_number(options.smoothness)},
+            {"--quality", options.quality == EmbeddingQuality::Preview ? "preview" : "fine"},
+            {"--smoothness", print_number(options.smoothness.value_or(default_smoothness))},
             {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
                                                                                  : "incremental"},
-            {"--seed", join(options.seed)},
+            {"--seed", join(session.seed)},
             {"--keyframes", join(arguments.keyframes)},
             {"--between", between_name(arguments.between)}};
 }
 
-InBetweens in_betweens(const EmbeddingOptions& options, Between between, const Sequence& sequence,
-                       std::vector<Keyframe> keyframes)
+/// The method that fills in, if one does.
+std::optional<EmbeddingMethod> filling_method(Between between)
 {
-    EmbeddingOptions filler = options;
-    filler.quality = EmbeddingQuality::Preview; // it starts from what is nearly a mesh
     switch (between) {
-        case Between::Linear:
-            return {sequence.topology, std::move(keyframes), KeyframeMotion::Linear};
-        case Between::Spline:
-            return {sequence.topology, std::move(keyframes), KeyframeMotion::Spline};
         case Between::Multiscale:
-            filler.method = EmbeddingMethod::Multiscale;
-            break;
+            return EmbeddingMethod::Multiscale;
         case Between::Dihedral:
-            filler.method = EmbeddingMethod::Dihedral;
-            break;
+            return EmbeddingMethod::Dihedral;
         case Between::Closure:
-            filler.method = EmbeddingMethod::Closure;
+            return EmbeddingMethod::Closure;
+        case Between::Linear:
+        case Between::Spline:
             break;
     }
+    return std::nullopt;
+}
+
+/// The options of the keyframes.
+/// @throws UsageError if one is given that neither they nor what fills in take.
+EmbeddingOptions keyframe_options(const Session& session, const EmbeddingArguments& embedding,
+                                  const SequenceArguments& arguments)
+{
+    std::vector<EmbeddingMethod> used{embedding.options.method};
+    if (arguments.keyframes > 0)
+        if (const auto filling = filling_method(arguments.between))
+            used.push_back(*filling);
+    check_methods(embedding.options, used);
+    return options_of(session, embedding.options.method, embedding.options);
+}
+
+InBetweens in_betweens(const Session& session, const EmbeddingOptions& given, Between between,
+                       const Sequence& sequence, std::vector<Keyframe> keyframes)
+{
+    const std::optional<EmbeddingMethod> method = filling_method(between);
+    if (!method)
+        return {sequence.topology, std::move(keyframes),
+                between == Between::Linear ? KeyframeMotion::Linear : KeyframeMotion::Spline};
+    EmbeddingOptions filler = options_of(session, *method, given);
+    if (method == EmbeddingMethod::Dihedral)
+        filler.quality = EmbeddingQuality::Preview; // it starts from what is nearly a mesh
     return {sequence.topology, std::move(keyframes), sequence.references, filler};
 }
 
@@ -152,7 +172,8 @@ private:
     template <class Make>
     FinishedMesh taken_or_made(std::size_t i, const Make& make) const
     {
-        if (std::optional<FinishedMesh> finished = store_.read(i))
+        std::optional<FinishedMesh> finished = store_.read(i);
+        if (finished && finished->points.rows() == sequence_.topology.vertex_count())
             return *std::move(finished);
         FinishedMesh mesh = make();
         if (sequence_.targets.size() > 1)
@@ -171,7 +192,7 @@ Json run(const Session& session, const EmbeddingArguments& embedding,
          const SequenceArguments& arguments, const Sequence& sequence, FrameStore& store,
          MeshOutput& output)
 {
-    const EmbeddingOptions options = embedding_options(session, embedding);
+    const EmbeddingOptions options = keyframe_options(session, embedding, arguments);
     const TargetOrder order = sequence.is_path ? TargetOrder::Sequence : TargetOrder::Any;
     Maker maker(options, sequence, store);
     if (arguments.keyframes == 0)
@@ -182,7 +203,7 @@ Json run(const Session& session, const EmbeddingArguments& embedding,
             },
             output, order);
     const auto every = static_cast<std::size_t>(arguments.keyframes);
-    const InBetweens between = in_betweens(options, arguments.between, sequence,
+    const InBetweens between = in_betweens(session, embedding.options, arguments.between, sequence,
                                            maker.keyframes(session.progress(), every));
     return make_and_write(
         session, embedding, sequence.topology, sequence.targets,
@@ -229,9 +250,9 @@ Json embed_sequence(const Session& session, const EmbeddingArguments& embedding,
 {
     if (arguments.keyframes > 0 && !sequence.is_path)
         throw UsageError("--keyframes needs --frames: only a path has meshes in between");
+    (void)keyframe_options(session, embedding, arguments); // refuses before anything is made
     prepare_output(embedding, sequence.topology, sequence.targets, output);
-    FrameStore store(session, path,
-                     identity(embedding_options(session, embedding), arguments, sequence),
+    FrameStore store(session, path, identity(session, embedding.options, arguments, sequence),
                      arguments.resume);
     const std::size_t total = sequence.targets.size();
     if (arguments.resume)

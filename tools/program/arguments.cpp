@@ -25,6 +25,17 @@ CLI::Option* add_number_option(CLI::App& command, const std::string& name, Value
     return command.add_option_function<std::string>(name, read, description)->option_text("NUMBER");
 }
 
+template <class Value>
+CLI::Option* add_integer_option(CLI::App& command, const std::string& name, Value& value,
+                                const std::string& description, std::int64_t low, std::int64_t high)
+{
+    const auto read = [&value, name, low, high](const std::string& text) {
+        value = read_integer(text, name, low, high);
+    };
+    return command.add_option_function<std::string>(name, read, description)
+        ->option_text("INTEGER");
+}
+
 } // namespace
 
 CLI::Option* add_number(CLI::App& command, const std::string& name, double& value,
@@ -42,11 +53,14 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, std::optiona
 CLI::Option* add_integer(CLI::App& command, const std::string& name, std::int64_t& value,
                          const std::string& description, std::int64_t low, std::int64_t high)
 {
-    const auto read = [&value, name, low, high](const std::string& text) {
-        value = read_integer(text, name, low, high);
-    };
-    return command.add_option_function<std::string>(name, read, description)
-        ->option_text("INTEGER");
+    return add_integer_option(command, name, value, description, low, high);
+}
+
+CLI::Option* add_integer(CLI::App& command, const std::string& name,
+                         std::optional<std::int64_t>& value, const std::string& description,
+                         std::int64_t low, std::int64_t high)
+{
+    return add_integer_option(command, name, value, description, low, high);
 }
 
 double read_number(const std::string& text, const std::string& place)

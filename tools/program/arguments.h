@@ -37,12 +37,29 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, std::optiona
 CLI::Option* add_integer(CLI::App& command, const std::string& name, std::int64_t& value,
                          const std::string& description, std::int64_t low,
                          std::int64_t high = std::numeric_limits<std::int64_t>::max());
+CLI::Option* add_integer(CLI::App& command, const std::string& name,
+                         std::optional<std::int64_t>& value, const std::string& description,
+                         std::int64_t low,
+                         std::int64_t high = std::numeric_limits<std::int64_t>::max());
+
+/// What an option of one of several values is about: T of std::optional<T> too.
+template <class T>
+struct ChosenType
+{
+    using type = T;
+};
+template <class T>
+struct ChosenType<std::optional<T>>
+{
+    using type = T;
+};
 
 /// Adds an option that takes one of the named values.
-template <class Value, class T>
-CLI::Option* add_choice_option(CLI::App& command, const std::string& name, Value& value,
-                               const std::string& description,
-                               const std::vector<std::pair<std::string, T>>& choices)
+/// @param value  T, or std::optional<T> if it matters whether the option is given.
+template <class Value>
+CLI::Option* add_choice(
+    CLI::App& command, const std::string& name, Value& value, const std::string& description,
+    const std::vector<std::pair<std::string, typename ChosenType<Value>::type>>& choices)
 {
     std::vector<std::string> names;
     for (const auto& choice : choices)
@@ -55,20 +72,6 @@ CLI::Option* add_choice_option(CLI::App& command, const std::string& name, Value
     return command.add_option_function<std::string>(name, choose, description)
         ->check(CLI::IsMember(names))
         ->option_text(CLI::detail::join(names, "|"));
-}
-template <class T>
-CLI::Option* add_choice(CLI::App& command, const std::string& name, T& value,
-                        const std::string& description,
-                        const std::vector<std::pair<std::string, T>>& choices)
-{
-    return add_choice_option(command, name, value, description, choices);
-}
-template <class T>
-CLI::Option* add_choice(CLI::App& command, const std::string& name, std::optional<T>& value,
-                        const std::string& description,
-                        const std::vector<std::pair<std::string, T>>& choices)
-{
-    return add_choice_option(command, name, value, description, choices);
 }
 
 /// The finite number that the text spells; `place` starts the message.

@@ -9,12 +9,29 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/vector_math.h"
+#include "libshape/embedding/start/face_layout.h"
 
 namespace shape::internal {
 namespace {
 
-constexpr std::size_t edge_grain = 4096;
-constexpr std::size_t block_grain = 128;
+// For every interior vertex the product of its walk and the derivatives by its bending angles,
+//
+//     R_v = Z_0 X_0 ... Z_k X_k,     E_v = |R_v - I|^2,     dE_v / dd_i = -4 a_i . s,
+//
+// where a turn about z mixes the columns x and y of the product so far, one about x the columns y and z.
+// In memory the walks of a block of two vertices of equal degree lie side by side, a row for each step:
+//
+//     corner_cosine_   | v w |  step 0      step_edge_   | e f |     slot_derivative_   | e f |
+//                      | v w |  step 1                   | e f |                        | e f |
+//
+// so that both products are one sequence of operations on SSE2 registers of two doubles, nine of them for
+// the columns: with four vertices those spill. The plain loop, a matrix a vertex, computes
+// products of 3 by 3 of which a third of the entries are 0 or 1, and the derivative by formula (8) needs all
+// partial products from both ends. Derivatives go to slots of their own and are added edge by edge after that,
+// for two vertices share an edge and threads must not.
+
+constexpr std::size_t edge_grain = 4096; // so much that handing it over costs little
+constexpr std::size_t block_grain = 128; // the same
 
 /// Interior vertices by falling degree; those of equal degree keep their order, which keeps
 /// neighbours in memory close.
@@ -147,6 +164,13 @@ double ClosureEnergy::walk(const Block& block, Rows& scratch)
     const Row energy =
         x0 * x0 + x1 * x1 + x2 * x2 + y0 * y0 + y1 * y1 + y2 * y2 + z0 * z0 + z1 * z1 + z2 * z2;
     return energy.sum();
+}
+
+double closure_energy(const Topology& topology, const Eigen::VectorXd& lengths,
+                      const Eigen::VectorXd& dihedral_angles)
+{
+    const FaceLayout layout = lay_out_faces(topology, lengths, dihedral_angles);
+    return (4.0 * (1.0 - closure_angles(topology, layout.transitions).array().cos())).sum();
 }
 
 } // namespace shape::internal

@@ -25,7 +25,8 @@ namespace shape::internal {
 ///
 /// which is eq. 8, since a turn X_i by dd_i turns all of R_v about a_i.
 ///
-/// Vertices are walked in blocks of equal degree, side by side, which the compiler vectorises.
+/// Vertices are walked in blocks of equal degree, side by side, which the compiler vectorises; the layout
+/// stands in closure.cpp.
 /// Same bits for any number of threads.
 class ClosureEnergy
 {
@@ -64,5 +65,14 @@ private:
 
     [[nodiscard]] double walk(const Block& block, Rows& scratch);
 };
+
+/// E alone, without a gradient: of lengths and dihedral angles as they are, laid out face by face
+/// (face_layout.h). By E_v = 4 (1 - cos a), where R_v turns by a: the same as ClosureEnergy but for
+/// rounding, and cheaper once, for no corner angle is computed.
+/// @param lengths  #E [length], > 0; faces that they do not close are laid out flat.
+/// @param dihedral_angles  #E [rad].
+/// @throws InvalidInput if a size is wrong.
+[[nodiscard]] double closure_energy(const Topology& topology, const Eigen::VectorXd& lengths,
+                                    const Eigen::VectorXd& dihedral_angles);
 
 } // namespace shape::internal

@@ -17,7 +17,7 @@ struct DihedralSolution
     double energy = 0.0;             ///< E (Rojas 2014, eq. 3) [1].
     double gradient_maximum = 0.0;   ///< max_e |dE/dd_e| [1/rad].
     int iterations = 0;
-    int evaluations = 0;    ///< Of E and its gradient.
+    int evaluations = 0;    ///< E and its gradient were evaluated this often.
     bool converged = false; ///< A tolerance of the options is met.
 };
 

@@ -7,6 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/pool.h"
+#include "libshape/base/require.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/energy/descent.h"
 #include "libshape/embedding/energy/length_dihedral_energy.h"
@@ -32,6 +33,15 @@ VectorXd mean_lengths(const Topology& topology, const std::vector<Points>& meshe
     return sum / static_cast<double>(meshes.size());
 }
 
+void check(const Topology& topology, const std::vector<Points>& references)
+{
+    if (references.empty())
+        throw InvalidInput("the embedding needs at least one reference mesh");
+    for (const Points& reference : references)
+        if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
+            throw InvalidInput("a reference mesh has an edge of length 0");
+}
+
 } // namespace
 
 struct DihedralEmbedder::State
@@ -39,17 +49,18 @@ struct DihedralEmbedder::State
     Renumbering renumbering; // all else is in its order
     std::vector<Points> references;
     EdgeLaplacian laplacian; // of the references' mean lengths
-    SinglePrecisionSolve preconditioner;
     Pool<LinearStart> starts;
 
-    State(const Topology& topology, const std::vector<Points>& meshes)
+    /// @param factor  Of the Laplacian, if it is known: one or none.
+    template <class... Factor>
+    State(const Topology& topology, const std::vector<Points>& meshes, Factor&&... factor)
         : renumbering(renumber_for_locality(topology)),
           references(in_order(renumbering, meshes)),
-          laplacian(renumbering.topology, mean_lengths(renumbering.topology, references)),
-          preconditioner(laplacian.single_precision()),
+          laplacian(renumbering.topology, mean_lengths(renumbering.topology, references),
+                    std::forward<Factor>(factor)...),
           starts([this, patches = std::make_shared<FacePatches>(renumbering.topology, 64)] {
               return std::make_unique<LinearStart>(renumbering.topology, patches, laplacian,
-                                                   preconditioner);
+                                                   laplacian.single_precision());
           })
     {
     }
@@ -63,6 +74,21 @@ struct DihedralEmbedder::State
         return ordered;
     }
 };
+
+void check(const DihedralEmbeddingOptions& options)
+{
+    require_positive(options.smoothness, "DihedralEmbeddingOptions.smoothness");
+    require_at_least(0, options.local_global_steps, "DihedralEmbeddingOptions.local_global_steps");
+    require_at_least(0, options.max_iterations, "DihedralEmbeddingOptions.max_iterations");
+    require_at_least(2, options.first_linear_steps, "DihedralEmbeddingOptions.first_linear_steps");
+    int before = 0;
+    for (std::size_t i = 0; i < options.repairs.size(); before = options.repairs[i++])
+        require(options.repairs[i] >= before, join("DihedralEmbeddingOptions.repairs[", i, "]"),
+                options.repairs[i], join(">= ", before, ": ascending and not negative"));
+    check(options.folds);
+    check(options.repair);
+    require_not_negative(options.decrease_tolerance, "DihedralEmbeddingOptions.decrease_tolerance");
+}
 
 DihedralEmbeddingOptions dihedral_preview()
 {
@@ -79,12 +105,20 @@ DihedralEmbeddingOptions dihedral_preview()
 
 DihedralEmbedder::DihedralEmbedder(const Topology& topology, const std::vector<Points>& references)
 {
-    if (references.empty())
-        throw InvalidInput("the embedding needs at least one reference mesh");
-    for (const Points& reference : references)
-        if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
-            throw InvalidInput("a reference mesh has an edge of length 0");
+    check(topology, references);
     state_ = std::make_unique<State>(topology, references);
+}
+
+DihedralEmbedder::DihedralEmbedder(const Topology& topology, const std::vector<Points>& references,
+                                   SinglePrecisionSolve factor)
+{
+    check(topology, references);
+    state_ = std::make_unique<State>(topology, references, std::move(factor));
+}
+
+const SinglePrecisionSolve& DihedralEmbedder::factor() const
+{
+    return state_->laplacian.single_precision();
 }
 
 DihedralEmbedder::~DihedralEmbedder() = default;
@@ -94,6 +128,7 @@ DihedralEmbedder& DihedralEmbedder::operator=(DihedralEmbedder&&) noexcept = def
 DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
+    check(options);
     State& s = *state_;
     const Topology& topology = s.renumbering.topology;
     if (point.edge_lengths.size() != topology.edge_count() ||
@@ -112,7 +147,7 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     // Rounding: strains of 1e-12 an edge are none.
     const double nothing = 1e-24 * topology.edge_count();
     VectorXd points = linear.reshaped<Eigen::RowMajor>();
-    Descender descender(energy, s.preconditioner);
+    Descender descender(energy, s.laplacian.single_precision());
     const auto descend_to = [&](int iterations) {
         Descent descent = descender.descend(std::move(points),
                                             {.max_linear_steps = iterations - result.iterations,

@@ -9,6 +9,7 @@
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/embedding/repair/fold_regions.h"
 #include "libshape/embedding/repair/region_repair.h"
+#include "libshape/linalg/single_precision_solve.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -16,16 +17,30 @@ namespace shape::internal {
 
 struct DihedralEmbeddingOptions
 {
-    double smoothness = 5e-3;            ///< mu of length_dihedral_energy.h; > 0.
-    int local_global_steps = 3;          ///< Face steps after the linear start; >= 0.
-    bool relax_start = false;            ///< Whether hot spots are solved before the descent.
-    int max_iterations = 120;            ///< Linear steps of descent.h; 0 leaves out what follows.
-    int first_linear_steps = 12;         ///< Of descent.h.
-    std::vector<int> repairs = {24, 60}; ///< Linear steps before folds are repaired; ascending.
+    /// Angles weigh this much against lengths: mu of length_dihedral_energy.h; > 0.
+    double smoothness = 5e-3;
+    /// The linear start is followed by this many face steps; >= 0.
+    int local_global_steps = 3;
+    /// Hot spots are solved before the descent.
+    bool relax_start = false;
+    /// The descent takes at most this many linear steps (descent.h); 0 leaves out what follows the start.
+    int max_iterations = 120;
+    /// The first Newton step of a descent takes this many of them; >= 2.
+    int first_linear_steps = 12;
+    /// Folds are repaired after this many linear steps; ascending, >= 0. Those beyond max_iterations
+    /// are left out.
+    std::vector<int> repairs = {24, 60};
+    /// What is folded.
     FoldRegionOptions folds = {};
+    /// How hot spots and folds are solved anew.
     RegionRepairOptions repair = {};
-    double decrease_tolerance = 1e-4; ///< Of descent.h.
+    /// The descent has converged once a Newton step of k linear steps lowers E by
+    /// <= k * decrease_tolerance * E; >= 0.
+    double decrease_tolerance = 1e-4;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const DihedralEmbeddingOptions& options);
 
 /// What --quality preview does: 12 back-substitutions, and no fold stays.
 [[nodiscard]] DihedralEmbeddingOptions dihedral_preview();
@@ -60,6 +75,11 @@ public:
     ///     of them serve the repair of folds.
     /// @throws InvalidInput if there is none, or one has another size or edges of length 0.
     DihedralEmbedder(const Topology& topology, const std::vector<Points>& references);
+
+    /// With the factor of another one of the same arguments, for where nothing can be factorised.
+    /// @throws InvalidInput as well if it is of another size.
+    DihedralEmbedder(const Topology& topology, const std::vector<Points>& references,
+                     SinglePrecisionSolve factor);
     ~DihedralEmbedder();
     DihedralEmbedder(DihedralEmbedder&&) noexcept;
     DihedralEmbedder& operator=(DihedralEmbedder&&) noexcept;
@@ -70,6 +90,9 @@ public:
     ///     break a rule.
     [[nodiscard]] DihedralEmbedding embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options = {}) const;
+
+    /// What takes the most time to find.
+    [[nodiscard]] const SinglePrecisionSolve& factor() const;
 
 private:
     struct State;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "libshape/base/error.h"
-#include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/embedding/energy/gauss_newton_operator.h"
 
@@ -39,8 +39,27 @@ void zero_at(const std::vector<int>& vertices, LaneVectors& vectors)
         vectors.col(v).setZero();
 }
 
-/// A Newton step is halved this many times before edges that rise are held instead.
+/// A Newton step is halved this many times before edges that rise are held instead: an eighth of a step
+/// that still rises is not too long, there is a jump of E on the way.
 constexpr int halvings = 3;
+
+/// A Newton step is given up after so many trials, halved up to 16 times by then:
+/// what it could still win is below the float digits of its linear system.
+constexpr int most_trials = 20;
+
+/// The quadratic model of a Newton step is trusted where E falls by more than this share of what it
+/// promised: then the next one takes half as many linear steps again ...
+constexpr double good_agreement = 0.7;
+/// ... and where it falls by less than this share, half as many: more exact solutions of a system that
+/// does not describe E are wasted. Between the two the number stays, so that it does not swing.
+constexpr double poor_agreement = 0.6;
+/// A Newton step that did less than this share of what it promised (held by a face about to turn over)
+/// says nothing about how far the minimum is: it does not count as converged.
+constexpr double telling_agreement = 0.25;
+
+/// Linear steps stop early once they promise less than this share of what decides on convergence: three
+/// such cannot keep a Newton step from counting as converged.
+constexpr double idle_share = 0.25;
 
 /// Conjugate gradients for H s = b, their vectors kept from one call to the next.
 class ConjugateGradients
@@ -73,7 +92,9 @@ public:
             zero_at(held, preconditioned_);
             if (++solution.steps == 1)
                 first_square = square;
-            constexpr double rounding = 1e-10; // the residual is 1e-5 of what it was
+            // The residual is 1e-5 of what it was: below that there are no digits in float, as rounding of
+            // 6e-8 grows by the condition of the preconditioned system.
+            constexpr double rounding = 1e-10;
             if (!(square > rounding * first_square))
                 break;
             const auto ratio = static_cast<float>(square / last_square);
@@ -111,6 +132,8 @@ private:
 bool hold_risen(const Topology& topology, const VectorXd& before, const VectorXd& now,
                 double missed, LaneVectors& step, std::vector<int>& held)
 {
+    // With 1/8, at most some eight edges can be to blame: if many more rise a little each, the step is too
+    // long everywhere, and halving it is right.
     constexpr double large = 0.125;
     const std::size_t count = held.size();
     for (int e = 0; e < topology.edge_count(); ++e) {
@@ -176,12 +199,17 @@ Descender::Descender(LengthDihedralEnergy& energy, const SinglePrecisionSolve& p
 
 Descender::~Descender() = default;
 
+void check(const DescentOptions& options)
+{
+    require_at_least(0, options.max_linear_steps, "DescentOptions.max_linear_steps");
+    require_at_least(2, options.first_linear_steps, "DescentOptions.first_linear_steps");
+    require_not_negative(options.decrease_tolerance, "DescentOptions.decrease_tolerance");
+    require_not_negative(options.value_tolerance, "DescentOptions.value_tolerance");
+}
+
 Descent Descender::descend(VectorXd start, const DescentOptions& options)
 {
-    if (options.max_linear_steps < 0 || options.first_linear_steps < 2)
-        throw InvalidInput(join("descent: max_linear_steps is ", options.max_linear_steps,
-                                ", first_linear_steps ", options.first_linear_steps,
-                                "; must be >= 0 and >= 2"));
+    check(options);
     State& s = *state_;
     Descent result;
     result.points = std::move(start);
@@ -197,11 +225,11 @@ Descent Descender::descend(VectorXd start, const DescentOptions& options)
         const std::size_t held_before = held.size();
         const auto [decrease, taken] = s.solve(
             result.points, held, std::min(steps, options.max_linear_steps - result.linear_steps),
-            0.25 * options.decrease_tolerance * result.energy);
+            idle_share * options.decrease_tolerance * result.energy);
         result.linear_steps += taken;
         double scale = 1.0;
         double value = result.energy;
-        for (int trial = 0; trial < 20; ++trial) {
+        for (int trial = 0; trial < most_trials; ++trial) {
             value = s.evaluate(result.points, scale);
             if (value < result.energy)
                 break;
@@ -225,17 +253,17 @@ Descent Descender::descend(VectorXd start, const DescentOptions& options)
         const double lowered = result.energy - value;
         const double agreement = lowered / (2.0 * decrease); // E is the sum of squares, not half
         // A step that did not do what it promised says nothing about how much is left.
-        result.converged =
-            (agreement > 0.25 && lowered <= taken * options.decrease_tolerance * value) ||
-            value <= options.value_tolerance;
+        result.converged = (agreement > telling_agreement &&
+                            lowered <= taken * options.decrease_tolerance * value) ||
+                           value <= options.value_tolerance;
         held.clear();
         result.points.swap(s.next);
         s.edge_energies = s.energy.edge_energies();
         s.gradient.swap(s.next_gradient);
         result.energy = value;
-        if (agreement > 0.7)
+        if (agreement > good_agreement)
             steps = steps + steps / 2;
-        else if (agreement < 0.6)
+        else if (agreement < poor_agreement)
             steps = std::max(steps / 2, options.first_linear_steps / 2);
     }
     return result;

@@ -12,18 +12,27 @@ namespace shape::internal {
 
 struct DescentOptions
 {
-    int max_linear_steps = 120; ///< In all; each is one back-substitution; >= 0.
-    int first_linear_steps = 8; ///< In the first Newton step; >= 2.
-    /// Converged once a Newton step of k linear steps lowers E by <= k * decrease_tolerance * E.
+    /// The descent ends after this many linear steps in all, each one product with J^T J and one
+    /// back-substitution; >= 0.
+    int max_linear_steps = 120;
+    /// The first Newton step takes this many linear steps; >= 2.
+    int first_linear_steps = 8;
+    /// It has converged once a Newton step of k linear steps lowers E by <= k * decrease_tolerance * E;
+    /// >= 0.
     double decrease_tolerance = 2e-4;
-    double value_tolerance = 0.0; ///< Converged as well once E <= value_tolerance.
+    /// It has converged as well once E <= value_tolerance; >= 0.
+    double value_tolerance = 0.0;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const DescentOptions& options);
 
 struct Descent
 {
     Eigen::VectorXd points; ///< #V by 3, row by row in one vector [length].
     double energy = 0.0;
-    int linear_steps = 0; ///< Of conjugate gradients: one product and one back-substitution each.
+    int linear_steps =
+        0; ///< Steps of conjugate gradients: one product, one back-substitution each.
     bool converged = false;
 };
 

@@ -2,10 +2,16 @@
 
 #include "libshape/embedding/energy/eight_lane_descent.h"
 
+#include "libshape/base/require.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape::internal {
 namespace {
+
+// Conjugate gradients on eight systems J^T J s = -J^T r of the same pattern in SIMD lanes: every scalar of
+// the method, square, curvature, ratio, is eight numbers, one a position (the layout: eight_lane_energy.cpp).
+// Eight runs one after the other would read indices and the factor of the preconditioner eight
+// times. A lane whose residual has come down to rounding takes steps of length 0 while others go on.
 
 SHAPE_VECTORISED void inner_product(std::size_t count, const EightLanePoint* a,
                                     const EightLanePoint* b, EightLanes* __restrict product)
@@ -83,11 +89,19 @@ private:
 
 } // namespace
 
+void check(const EightLaneDescentOptions& options)
+{
+    require_at_least(0, options.newton_steps, "EightLaneDescentOptions.newton_steps");
+    require_at_least(1, options.linear_steps, "EightLaneDescentOptions.linear_steps");
+    require_at_least(0, options.halvings, "EightLaneDescentOptions.halvings");
+}
+
 std::array<float, EightLanes::lanes> descend(EightLaneEnergy& energy,
                                              const EightLaneSolve& preconditioner,
                                              EightLanePoints& points,
                                              const EightLaneDescentOptions& options)
 {
+    check(options);
     EightLaneConjugateGradients conjugate_gradients(points);
     EightLanePoints next = points;
     auto value = energy.linearise(points);

@@ -6,17 +6,32 @@
 
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/embedding/energy/stretch_term.h"
 
 namespace shape::internal {
 namespace {
 
-constexpr float nothing = 1e-18F; // keeps 0 / 0 out: a length or area squared
+// The same sums as in gauss_newton_operator.cpp and length_dihedral_energy.cpp,
+//
+//     E_e = phi(s) + mu (theta - theta*)^2,     J^T r,     J^T J v,
+//
+// for eight positions of one small region at once. In memory each number of the region is eight floats
+// side by side, one a position, which is one register with AVX2:
+//
+//     points    x: p0 p1 .. p7   y: p0 .. p7   z: p0 .. p7   of vertex 0,   the same of vertex 1,  ...
+//     hinges    1 / h: p0 .. p7   f / (l h): p0 .. p7   of edge 0 of face 0,  of edge 1,  ...
+//
+// Eight plain loops would each read the indices anew and work on one float at a time: a region's faces
+// do not lie in rows, but eight positions of a face do, so that no lane is ever idle. Lanes may not
+// branch: what divides is kept from 0 instead.
 
-/// Unit normals (0 without area); and of moving faces, for each edge i-j with opposite corner m at
-/// height h over the foot: 1 / h, and that in proportion to where the foot lies from i to j.
+constexpr float nothing =
+    1e-18F; // keeps 0 / 0 out: a length or area squared, in units of mean lengths
+
+/// Unit normals (0 without area); and of moving faces the slopes of the angle at each edge (hinge.h).
 SHAPE_VECTORISED void face_terms(int count, int moving, const int* corners,
                                  const EightLanePoint* points, EightLanePoint* __restrict normals,
-                                 EightLanes* __restrict hinges)
+                                 HingeSlopes<EightLanes>* __restrict hinges)
 {
     for (int f = 0; f < count; ++f) {
         const EightLanePoint& a = points[corners[3 * f]];
@@ -25,20 +40,13 @@ SHAPE_VECTORISED void face_terms(int count, int moving, const int* corners,
         const EightLanePoint ab = b - a, bc = c - b, ca = a - c;
         const EightLanePoint normal = cross(ca, ab);
         const EightLanes square = dot(normal, normal);
-        const EightLanes inverse = sqrt(square) / (square + EightLanes::all(nothing));
+        const EightLanes inverse = sqrt(square) / (square + nothing);
         normals[f] = inverse * normal;
         if (f >= moving)
             continue;
-        const auto hinge = [&](int j, const EightLanePoint& side, const EightLanePoint& before) {
-            const EightLanes length2 = dot(side, side) + EightLanes::all(nothing);
-            const EightLanes inverse_height = sqrt(length2) * inverse;
-            hinges[6 * f + 2 * j] = inverse_height;
-            hinges[6 * f + 2 * j + 1] =
-                inverse_height * (EightLanes::all(0.0F) - dot(side, before)) / length2;
-        };
-        hinge(0, ab, ca);
-        hinge(1, bc, ab);
-        hinge(2, ca, bc);
+        hinges[3 * f] = hinge_slopes(ab, ca, dot(ab, ab) + nothing, inverse);
+        hinges[3 * f + 1] = hinge_slopes(bc, ab, dot(bc, bc) + nothing, inverse);
+        hinges[3 * f + 2] = hinge_slopes(ca, bc, dot(ca, ca) + nothing, inverse);
     }
 }
 
@@ -52,28 +60,21 @@ SHAPE_VECTORISED void edge_terms(int count, const int* ends, const int* sides,
                                  EightLanes* __restrict bend_cosines,
                                  EightLanes* __restrict energies)
 {
-    constexpr auto onset = static_cast<float>(stretch_onset * stretch_onset);
     for (int e = 0; e < count; ++e) {
         const EightLanePoint along = points[ends[2 * e + 1]] - points[ends[2 * e]];
         const EightLanes length2 = dot(along, along);
         const EightLanes length = sqrt(length2);
-        const EightLanes strain = inverse_lengths[e] * length - EightLanes::all(1.0F);
-        const EightLanes square = strain * strain;
-        const EightLanes scale = EightLanes::all(onset) + 0.125F * square;
-        energies[e] = square + square * square / scale;
-        const EightLanes weight =
-            EightLanes::all(1.0F) +
-            square * (EightLanes::all(2.0F * onset) + 0.125F * square) / (scale * scale);
-        const EightLanes root = sqrt(weight);
+        const EightLanes strain = inverse_lengths[e] * length - 1.0F;
+        const StretchTerm<EightLanes> stretch = stretch_term(strain);
+        energies[e] = stretch.value;
+        const EightLanes root = sqrt(stretch.weight);
         strains[e] = root * strain;
-        directions[e] =
-            (inverse_lengths[e] * root * length / (length2 + EightLanes::all(nothing))) * along;
-        const EightLanePoint& left = normals[sides[2 * e] / 3];
-        const EightLanePoint& right = normals[sides[2 * e + 1] / 3];
-        const EightLanes s = dot(along, cross(left, right));
-        const EightLanes c = length * dot(left, right);
-        bend_sines[e] = cosines[e] * s - sines[e] * c;
-        bend_cosines[e] = cosines[e] * c + sines[e] * s;
+        directions[e] = (inverse_lengths[e] * root * length / (length2 + nothing)) * along;
+        const AngleVector<EightLanes> bend = turned_back(
+            hinge_angle(along, length, normals[sides[2 * e] / 3], normals[sides[2 * e + 1] / 3]),
+            sines[e], cosines[e]);
+        bend_sines[e] = bend.sine;
+        bend_cosines[e] = bend.cosine;
     }
 }
 
@@ -93,17 +94,17 @@ SHAPE_VECTORISED void bend_terms(int count, const float* weights, EightLanes* __
 
 /// How moving faces bend at their three edges.
 SHAPE_VECTORISED void bend_faces(int moving, const int* corners, const EightLanePoint* v,
-                                 const EightLanePoint* normals, const EightLanes* hinges,
+                                 const EightLanePoint* normals,
+                                 const HingeSlopes<EightLanes>* hinges,
                                  EightLanes* __restrict bends)
 {
     for (int f = 0; f < moving; ++f) {
         const EightLanes a = dot(normals[f], v[corners[3 * f]]);
         const EightLanes b = dot(normals[f], v[corners[3 * f + 1]]);
         const EightLanes c = dot(normals[f], v[corners[3 * f + 2]]);
-        const EightLanes* const hinge = hinges + 6 * f;
-        bends[3 * f] = hinge[0] * (a - c) + hinge[1] * (b - a);
-        bends[3 * f + 1] = hinge[2] * (b - a) + hinge[3] * (c - b);
-        bends[3 * f + 2] = hinge[4] * (c - b) + hinge[5] * (a - c);
+        bends[3 * f] = bend_by_slopes(hinges[3 * f], a, b, c);
+        bends[3 * f + 1] = bend_by_slopes(hinges[3 * f + 1], b, c, a);
+        bends[3 * f + 2] = bend_by_slopes(hinges[3 * f + 2], c, a, b);
     }
 }
 
@@ -119,16 +120,18 @@ SHAPE_VECTORISED void couple_edges(int count, const int* ends, const int* sides,
 }
 
 /// The transposes of bend_faces() and couple_edges().
-SHAPE_VECTORISED void lift_corners(int moving, const int* face_edges, const EightLanes* hinges,
-                                   const EightLanes* moments, EightLanes* __restrict lifts)
+SHAPE_VECTORISED void lift_corners(int moving, const int* face_edges,
+                                   const HingeSlopes<EightLanes>* hinges, const EightLanes* moments,
+                                   EightLanes* __restrict lifts)
 {
     for (int f = 0; f < moving; ++f) {
-        const EightLanes* const hinge = hinges + 6 * f;
+        const HingeSlopes<EightLanes>* const hinge = hinges + 3 * f;
         const EightLanes& u = moments[face_edges[3 * f]];
         const EightLanes& v = moments[face_edges[3 * f + 1]];
         const EightLanes& w = moments[face_edges[3 * f + 2]];
-        const EightLanes ab = hinge[0] * u, bc = hinge[2] * v, ca = hinge[4] * w;
-        const EightLanes b = hinge[1] * u, c = hinge[3] * v, a = hinge[5] * w;
+        const EightLanes ab = hinge[0].height * u, bc = hinge[1].height * v,
+                         ca = hinge[2].height * w;
+        const EightLanes b = hinge[0].foot * u, c = hinge[1].foot * v, a = hinge[2].foot * w;
         lifts[3 * f] = ab - b + a - bc;
         lifts[3 * f + 1] = bc - c + b - ca;
         lifts[3 * f + 2] = ca - a + c - ab;
@@ -160,7 +163,7 @@ EightLaneEnergy::EightLaneEnergy(const LengthDihedralEnergy& energy, const Regio
     : region_(region),
       unit_(energy.target().edge_lengths(region.edges).mean()),
       normals_(static_cast<std::size_t>(region.face_count())),
-      hinges_(6 * static_cast<std::size_t>(region.moving_faces)),
+      hinges_(3 * static_cast<std::size_t>(region.moving_faces)),
       directions_(region.edges.size()),
       strains_(region.edges.size()),
       bends_(region.edges.size()),

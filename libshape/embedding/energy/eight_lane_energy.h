@@ -8,6 +8,7 @@
 #include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/embedding/energy/region_mesh.h"
 #include "libshape/linalg/eight_lanes.h"
+#include "libshape/mesh/hinge.h"
 
 namespace shape::internal {
 
@@ -47,8 +48,8 @@ private:
     std::vector<float> sines_, cosines_; // of its dihedral angles
     std::vector<float> bend_weights_;    // mu of edges
 
-    EightLanePoints normals_;          // of faces, unit length
-    std::vector<EightLanes> hinges_;   // six a moving face, see face_terms()
+    EightLanePoints normals_;                     // of faces, unit length
+    std::vector<HingeSlopes<EightLanes>> hinges_; // three a moving face, see face_terms()
     EightLanePoints directions_;       // strain of an edge is directions . (v_b - v_a), weighted
     std::vector<EightLanes> strains_;  // residuals of edges, times the roots of their weights
     std::vector<EightLanes> bends_;    // theta - theta*, times mu

@@ -9,7 +9,10 @@
 #include <utility>
 
 #include "libshape/base/error.h"
+#include "libshape/base/require.h"
+#include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/hinge.h"
 
 namespace shape::internal {
 
@@ -19,14 +22,36 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Vertices of an edge's hinge: its ends, then those opposite on the left and on the right (-1).
-std::array<int, 4> hinge_of(const Topology& topology, int edge)
+// The step s = (J^T J + D)^-1 J^T r solves a sparse system of size 3 #unknowns. Each residual of a hinge
+// moves at most four vertices, so J^T J is made of blocks of 3 by 3, one for every two unknowns that
+// share a hinge; in memory the lower triangle by columns, as CHOLMOD reads it, where the three columns of
+// a block column have the same rows:
+//
+//     block column j:   | b0 b1 b2 ..|     values   column 3 j      b0: xx xy xz   b1: xx xy xz   ...
+//     (its blocks are   |            |              column 3 j + 1  b0: yx yy yz   ...
+//     block_begin_[j]..)|            |              column 3 j + 2  b0: zx zy zz   ...
+//
+// Filled from a list of triplets, a matrix of 9 entries for each of up to 10 pairs a hinge would be sorted
+// at every iteration; the pattern is the same in all of them and found once.
+
+Vector3d eigen(const Vector3<double>& v)
 {
-    const int left = topology.edge_halfedges()(edge, 0);
-    const int right = topology.edge_halfedges()(edge, 1);
-    return {topology.source(left), topology.target(left), topology.source(Topology::previous(left)),
-            right < 0 ? -1 : topology.source(Topology::previous(right))};
+    return {v.x, v.y, v.z};
 }
+
+/// The damping of the first step, relative to the diagonal, and the least of any. Where lengths range over
+/// ten orders of magnitude, more would hold fine regions fast: their unknowns are relative to coarse
+/// ones (graded_unknowns.h). Less than 1e-13 is lost in rounding: the factorisation would break down
+/// on the rigid motions that nothing else holds.
+constexpr double first_damping = 1e-10;
+constexpr double least_damping = 1e-13;
+/// Beyond this a step is a millionth of one down the gradient: E is at a minimum up to rounding.
+constexpr double most_damping = 1e6;
+/// Times that a step is halved if E does not fall, before it is damped: an evaluation costs
+/// far less than the factorisation that more damping asks for.
+constexpr int halvings = 3;
+/// Unknowns from which nested dissection, slower to find, saves more in the factorisations.
+constexpr std::size_t many_unknowns = 4000;
 
 } // namespace
 
@@ -36,16 +61,6 @@ struct GaussNewton::Linearisation
     SparseMatrix matrix;
     VectorXd gradient;
 };
-
-GaussNewton::GaussNewton(const Topology& topology, std::vector<int> vertices)
-    : topology_(topology), vertices_(std::move(vertices))
-{
-    std::sort(vertices_.begin(), vertices_.end());
-    std::vector<std::vector<int>> rows(static_cast<std::size_t>(topology.vertex_count()));
-    for (std::size_t i = 0; i < vertices_.size(); ++i)
-        rows[static_cast<std::size_t>(vertices_[i])] = {static_cast<int>(i)};
-    find_pattern(rows);
-}
 
 GaussNewton::GaussNewton(const Topology& topology, const GradedUnknowns& unknowns)
     : topology_(topology), vertices_(unknowns.vertices)
@@ -80,7 +95,7 @@ void GaussNewton::find_pattern(const std::vector<std::vector<int>>& rows)
     std::vector<std::pair<int, int>> blocks; // column, row
     for (const int e : edges_) {
         part_begin_.push_back(static_cast<int>(parts_.size()));
-        const std::array<int, 4> hinge = hinge_of(topology_, e);
+        const std::array<int, 4> hinge = hinge_corners(topology_, e);
         std::map<int, unsigned> moved;
         for (std::size_t a = 0; a < 4; ++a)
             if (hinge[a] >= 0)
@@ -126,7 +141,7 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
                              double stiffness, Linearisation* linearisation) const
 {
     const ShapePoint& target = energy.target();
-    const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
+    const auto point = [&](int v) { return vector3(points.data() + 3 * v); };
     // Adds J^T J of one residual of a hinge whose derivatives by the hinge's vertices are g.
     std::vector<Vector3d> by_part;
     const auto add = [&](std::size_t i, const std::array<Vector3d, 4>& g, double weight,
@@ -161,53 +176,62 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
     double sum = 0.0;
     for (std::size_t i = 0; i < edges_.size(); ++i) {
         const int e = edges_[i];
-        const std::array<int, 4> hinge = hinge_of(topology_, e);
-        const Vector3d a = point(hinge[0]);
-        const Vector3d axis = point(hinge[1]) - a;
-        const double length = axis.norm();
+        const std::array<int, 4> hinge = hinge_corners(topology_, e);
+        const Vector3<double> a = point(hinge[0]);
+        const Vector3<double> edge = point(hinge[1]) - a;
+        const double length = std::sqrt(dot(edge, edge));
         const double strain = length / target.edge_lengths[e] - 1.0;
         const auto [value, weight] = stretch_term(stiffness * strain);
         sum += value / (stiffness * stiffness);
-        const Vector3d along = length > 0.0 ? Vector3d(axis / length) : Vector3d(Vector3d::Zero());
+        const Vector3d along =
+            length > 0.0 ? Vector3d(eigen(edge) / length) : Vector3d(Vector3d::Zero());
         if (linearisation != nullptr) {
             const Vector3d pull = along / target.edge_lengths[e];
             add(i, {-pull, pull, Vector3d::Zero(), Vector3d::Zero()}, weight, strain);
         }
         if (hinge[3] < 0)
             continue;
-        const Vector3d c = point(hinge[2]) - a;
-        const Vector3d d = point(hinge[3]) - a;
-        Vector3d left = axis.cross(c);
-        Vector3d right = d.cross(axis);
-        const double angle = std::atan2(axis.dot(left.cross(right)), length * left.dot(right));
+        const Vector3<double> c = point(hinge[2]) - a;
+        const Vector3<double> d = point(hinge[3]) - a;
+        const HingeNormals<double> normals = hinge_normals(edge, c, d);
+        const double angle = angle_of(hinge_angle(edge, length, normals.left, normals.right));
         const double bend = wrapped_angle(angle - target.dihedral_angles[e]);
         const double bend_weight = energy.bend_weights()[e];
         sum += bend_weight * bend * bend;
+        Vector3d left = eigen(normals.left);
+        Vector3d right = eigen(normals.right);
         if (linearisation == nullptr || left.squaredNorm() == 0.0 || right.squaredNorm() == 0.0)
             continue;
         left /= left.squaredNorm();
         right /= right.squaredNorm();
-        const double left_foot = c.dot(along);
-        const double right_foot = d.dot(along);
+        const HingeShares<double> of_left = hinge_shares(length, eigen(c).dot(along));
+        const HingeShares<double> of_right = hinge_shares(length, eigen(d).dot(along));
         add(i,
-            {(length - left_foot) * left + (length - right_foot) * right,
-             left_foot * left + right_foot * right, -length * left, -length * right},
+            {of_left.a * left + of_right.a * right, of_left.b * left + of_right.b * right,
+             of_left.c * left, of_right.c * right},
             bend_weight, bend);
     }
     return sum;
+}
+
+void check(const GaussNewtonOptions& options)
+{
+    require_at_least(0, options.max_iterations, "GaussNewtonOptions.max_iterations");
+    require_not_negative(options.decrease_tolerance, "GaussNewtonOptions.decrease_tolerance");
+    require_positive(options.stiffness, "GaussNewtonOptions.stiffness");
 }
 
 GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, VectorXd points,
                                         const GaussNewtonOptions& options,
                                         std::optional<SparseCholesky>* kept) const
 {
+    check(options);
     GaussNewtonResult result{std::move(points), 0.0, 0, false};
     Linearisation linear;
     result.value = evaluate(energy, result.points, options.stiffness, &linear);
     if (!std::isfinite(result.value))
         throw NumericalError("Gauss-Newton: the energy is not finite at the start");
-    constexpr double most_damping = 1e6;
-    double damping = options.damping;
+    double damping = first_damping;
     std::optional<SparseCholesky> own;
     std::optional<SparseCholesky>& factor = kept != nullptr ? *kept : own;
     while (!result.converged && result.iterations < options.max_iterations) {
@@ -219,8 +243,8 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
             if (factor)
                 factor->refactor(damped);
             else
-                factor.emplace(damped, vertices_.size() > 4000 ? Ordering::NestedDissection
-                                                               : Ordering::MinimumDegree);
+                factor.emplace(damped, vertices_.size() > many_unknowns ? Ordering::NestedDissection
+                                                                        : Ordering::MinimumDegree);
         } catch (const NumericalError&) { // too little damping for the digits there are
             damping *= 100.0;
             if (damping > most_damping)
@@ -231,7 +255,7 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
         VectorXd next;
         double value = 0.0;
         double scale = 1.0;
-        for (int halving = 0; halving <= options.halvings; ++halving, scale *= 0.5) {
+        for (int halving = 0; halving <= halvings; ++halving, scale *= 0.5) {
             next = result.points;
             for (std::size_t i = 0; i < vertices_.size(); ++i)
                 for (int k = carried_begin_[i]; k < carried_begin_[i + 1]; ++k)
@@ -247,7 +271,7 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
             result.value = value;
             if (!result.converged)
                 result.value = evaluate(energy, result.points, options.stiffness, &linear);
-            damping = std::max(0.2 * damping, options.least_damping);
+            damping = std::max(0.2 * damping, least_damping);
         } else {
             damping *= 10.0;
             if (damping > most_damping) { // no step is short enough: a minimum up to rounding

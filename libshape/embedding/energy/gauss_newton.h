@@ -15,16 +15,16 @@ namespace shape::internal {
 
 struct GaussNewtonOptions
 {
-    int max_iterations = 20; ///< Factorisations at most; >= 0.
-    /// Converged once a step lowers E by <= decrease_tolerance * E.
+    /// It ends after this many factorisations; >= 0.
+    int max_iterations = 20;
+    /// It has converged once a step lowers E by <= decrease_tolerance * E; >= 0.
     double decrease_tolerance = 1e-6;
-    double damping = 1e-4;       ///< Of the first step, relative to the diagonal.
-    double least_damping = 1e-9; ///< Of any step.
-    int halvings =
-        0; ///< Times that a step is halved if E does not fall, before it is damped; >= 0.
-    /// phi(c s) / c^2 takes the place of phi(s) in E: edges grow stiffer from stretch_onset / c on; > 0.
+    /// phi(c s) / c^2 takes the place of phi(s) in E: edges grow stiffer from stretch_onset / c on; c > 0.
     double stiffness = 1.0;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const GaussNewtonOptions& options);
 
 struct GaussNewtonResult
 {
@@ -39,28 +39,20 @@ struct GaussNewtonResult
 class GaussNewton
 {
 public:
-    /// @param vertices  To be moved; distinct, not empty. All of them may be named: then the rigid
-    ///     motion is held by the damping, which never vanishes.
-    GaussNewton(const Topology& topology, std::vector<int> vertices);
-
-    /// Moves all vertices but the one that is held, by unknowns for lengths that range over many
-    /// orders of magnitude.
+    /// Moves the vertices that the unknowns move. Those may leave a rigid motion free: the damping, which
+    /// never vanishes, holds it.
     GaussNewton(const Topology& topology, const GradedUnknowns& unknowns);
 
     /// @param points  Row by row [length].
     /// @param kept  A factor of an earlier call, or none: its analysis is used and it is left for
     ///     the next call. Null for a factor of this call alone.
+    /// @throws InvalidInput if an option breaks its rule.
     /// @throws NumericalError if E is not finite at the start.
     /// Cost: a sparse Cholesky factorisation of size 3 #vertices an iteration.
     [[nodiscard]] GaussNewtonResult minimize(const LengthDihedralEnergy& energy,
                                              Eigen::VectorXd points,
                                              const GaussNewtonOptions& options = {},
                                              std::optional<SparseCholesky>* kept = nullptr) const;
-
-    [[nodiscard]] const std::vector<int>& vertices() const { return vertices_; }
-
-    /// Edges of the terms that the vertices take part in, ascending.
-    [[nodiscard]] const std::vector<int>& edges() const { return edges_; }
 
 private:
     /// An unknown translation that moves some of the vertices of a hinge, not all of them.

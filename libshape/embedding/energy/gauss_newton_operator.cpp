@@ -11,12 +11,33 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/embedding/energy/stretch_term.h"
+#include "libshape/mesh/hinge.h"
 
 namespace shape::internal {
 namespace {
 
 using Eigen::VectorXd;
 
+// The product J^T J v, three loops over the mesh. With q = n . v at the corners of a face:
+//
+//     faces     bend about each edge, times its length, from q and cotangents            bend_faces()
+//     faces     moment = mu / l^2 (own bend + the neighbour's);  how it lifts corners    lift_faces()
+//     vertices  sum over edges d (d . (v - v'))  +  sum over faces lift n                gather_forces()
+//
+// where d is the direction of an edge weighted by phi' (stretch_term.h). In memory every vector, and every
+// three numbers of a face (one a corner or edge), fill a register of four floats:
+//
+//     motion        x y z 0  of vertex 0,   x y z 0  of vertex 1,  ...
+//     cotangents    c0 c1 c2 0  of face 0,  c0 c1 c2 0  of face 1, ...    next() is c1 c2 c0, last() c2 c0 c1
+//
+// It is not the plain loop over edges, which would read the same four vertices again for every hinge and
+// add to them, twelve numbers an edge, where the three numbers a face carry all bending, and loops that
+// gather, each into what is its own, may be shared among threads with the same bits. Nor are
+// eight numbers kept side by side as in eight_lane_energy.cpp: a mesh's faces do not lie in rows, and a
+// gather of eight costs more than a register of which a quarter is idle.
+
+/// Faces of a chunk of work: so much that handing it to a thread costs little beside it.
 constexpr std::size_t grain = 1024;
 
 /// The sum of a, in all lanes.
@@ -86,8 +107,7 @@ SHAPE_VECTORISED void face_shapes(int count, const double* inverse_squares, cons
     return __builtin_shufflevector(a, a, 2, 0, 1, 3);
 }
 
-/// How faces turn about their three edges, times the lengths of these, as vertices move. With q = n . v,
-/// edge i-j and opposite corner m: cot_j (q_i - q_m) + cot_i (q_j - q_m).
+/// How faces turn about their three edges, times the lengths of these, as vertices move; q = n . v.
 SHAPE_VECTORISED void bend_faces(std::size_t begin, std::size_t end, const int* faces,
                                  const Lanes* normals, const Lanes* cotangents, const Lanes* motion,
                                  Lanes* bends)
@@ -97,7 +117,7 @@ SHAPE_VECTORISED void bend_faces(std::size_t begin, std::size_t end, const int* 
         const Lanes& n = normals[f];
         const Lanes& cot = cotangents[f];
         const Lanes q = sums(n * motion[corner[0]], n * motion[corner[1]], n * motion[corner[2]]);
-        bends[f] = next(cot) * (q - last(q)) + cot * (next(q) - last(q));
+        bends[f] = bend_by_cotangents(cot, next(cot), q, next(q), last(q));
     }
 }
 

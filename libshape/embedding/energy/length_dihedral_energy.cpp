@@ -13,6 +13,8 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/embedding/energy/stretch_term.h"
+#include "libshape/mesh/hinge.h"
 #include "libshape/mesh/triangle_area.h"
 
 namespace shape::internal {
@@ -22,65 +24,52 @@ using Eigen::VectorXd;
 
 namespace {
 
-struct alignas(64) Vectors
-{
-    Row x, y, z;
-
-    void set(int i, double to_x, double to_y, double to_z)
-    {
-        x[i] = to_x;
-        y[i] = to_y;
-        z[i] = to_z;
-    }
-    void set(int i, const double* from) { set(i, from[0], from[1], from[2]); }
-    void get(int i, double* to) const
-    {
-        to[0] = x[i];
-        to[1] = y[i];
-        to[2] = z[i];
-    }
-};
+// One evaluation of E and its gradient runs over the mesh four times, each loop in blocks of 128 that the
+// first cache holds (base/blocks.h):
+//
+//     faces     n = (b - a) x (c - a),   1 / |n|^2                                    face_normals()
+//     edges     l,  theta - theta*,  the term E_e,  dE/dl / l,  dE/dtheta             bends(), edge_terms()
+//     faces     what the angles of its edges lift every corner along n                corner_lifts()
+//     vertices  dE/dx = sum over edges (dE/dl / l) (x - y) + sum over faces lift n    gather_gradient()
+//
+// The plain loop over edges would add to four vertices an edge: threads would have to take turns, and the
+// sums would depend on them; it would also compute every normal three times. Here each loop writes
+// what is its own. In memory a block is first copied from the rows of three, as the mesh has them,
+//
+//     points   x0 y0 z0 x1 y1 z1 ...     to     x: x0 x1 .. x127   y: y0 y1 .. y127   z: z0 z1 .. z127
+//
+// so that the arithmetic is on whole registers, two or four vectors at once, without a branch.
 
 /// Normals as long as twice the area, and their inverse squares, bounded for heights below 1e-3 of
 /// the sides: angles change abruptly where such a face turns over, and no other edge must starve.
-SHAPE_VECTORISED void normals_of(int count, const Vectors& a, const Vectors& b, const Vectors& c,
-                                 Vectors& __restrict normal, double* __restrict inverse_squares)
+SHAPE_VECTORISED void face_normals(int count, const VectorRows& a, const VectorRows& b,
+                                   const VectorRows& c, VectorRows& __restrict normals,
+                                   double* __restrict inverse_squares)
 {
     for (int i = 0; i < count; ++i) {
-        const double px = b.x[i] - a.x[i], py = b.y[i] - a.y[i], pz = b.z[i] - a.z[i];
-        const double qx = c.x[i] - a.x[i], qy = c.y[i] - a.y[i], qz = c.z[i] - a.z[i];
-        const double x = py * qz - pz * qy;
-        const double y = pz * qx - px * qz;
-        const double z = px * qy - py * qx;
-        const double square = x * x + y * y + z * z;
-        normal.x[i] = x;
-        normal.y[i] = y;
-        normal.z[i] = z;
-        const double p2 = px * px + py * py + pz * pz;
-        const double q2 = qx * qx + qy * qy + qz * qz;
-        const double bounded = std::max(square, 1e-6 * p2 * q2);
+        const Vector3<double> p = b[i] - a[i];
+        const Vector3<double> q = c[i] - a[i];
+        const Vector3<double> normal = cross(p, q);
+        normals.set(i, normal);
+        const double bounded = std::max(dot(normal, normal), 1e-6 * dot(p, p) * dot(q, q));
         inverse_squares[i] = bounded > 0.0 ? 1.0 / bounded : 0.0;
     }
 }
 
-/// Lengths of edges p - q, and a vector in the direction theta - theta*: the bending of the normals
-/// on the left and the right, turned back by theta*.
-SHAPE_VECTORISED void bends(int count, const Vectors& p, const Vectors& q, const Vectors& left,
-                            const Vectors& right, const double* sines, const double* cosines,
-                            double* __restrict lengths, double* __restrict bend_sines,
-                            double* __restrict bend_cosines)
+/// Lengths of edges p - q, and a vector in the direction theta - theta* (mesh/hinge.h).
+SHAPE_VECTORISED void bends(int count, const VectorRows& p, const VectorRows& q,
+                            const VectorRows& left, const VectorRows& right, const double* sines,
+                            const double* cosines, double* __restrict lengths,
+                            double* __restrict bend_sines, double* __restrict bend_cosines)
 {
     for (int i = 0; i < count; ++i) {
-        const double x = q.x[i] - p.x[i], y = q.y[i] - p.y[i], z = q.z[i] - p.z[i];
-        const double length = std::sqrt(x * x + y * y + z * z);
-        const double s = x * (left.y[i] * right.z[i] - left.z[i] * right.y[i]) +
-                         y * (left.z[i] * right.x[i] - left.x[i] * right.z[i]) +
-                         z * (left.x[i] * right.y[i] - left.y[i] * right.x[i]);
-        const double c =
-            length * (left.x[i] * right.x[i] + left.y[i] * right.y[i] + left.z[i] * right.z[i]);
+        const Vector3<double> edge = q[i] - p[i];
+        const double length = std::sqrt(dot(edge, edge));
+        const auto bend =
+            turned_back(hinge_angle(edge, length, left[i], right[i]), sines[i], cosines[i]);
         lengths[i] = length;
-        bend_sines[i] = s * cosines[i] - c * sines[i];
-        bend_cosines[i] = c * cosines[i] + s * sines[i];
+        bend_sines[i] = bend.sine;
+        bend_cosines[i] = bend.cosine;
     }
 }
 
@@ -100,23 +89,20 @@ SHAPE_VECTORISED void edge_terms(int count, const double* bend_weights, const do
 
 /// What the angles of every face add to the gradient at its corners, as multiples of its normal; of
 /// edge quantities x, y, z belong to the edges 0-1, 1-2, 2-0.
-///
-/// Over edge i-j with opposite corner m, d theta / d x_m = -l n / |n|^2, and i and j share the
-/// opposite of it in proportion to where the foot of m lies.
-SHAPE_VECTORISED void corner_lifts(int count, const double* inverse_squares, const Vectors& lengths,
-                                   const Vectors& moments, Vectors& __restrict lifts)
+SHAPE_VECTORISED void corner_lifts(int count, const double* inverse_squares,
+                                   const VectorRows& lengths, const VectorRows& moments,
+                                   VectorRows& __restrict lifts)
 {
     for (int i = 0; i < count; ++i) {
-        const double a = lengths.x[i], b = lengths.y[i], c = lengths.z[i];
-        const double u = moments.x[i], v = moments.y[i], w = moments.z[i];
+        const auto [a, b, c] = lengths[i];
+        const auto [u, v, w] = moments[i];
         const double aa = a * a, bb = b * b, cc = c * c;
-        // From the first corner of each edge to the foot.
-        const double foot_a = a > 0.0 ? 0.5 * (aa + cc - bb) / a : 0.0;
-        const double foot_b = b > 0.0 ? 0.5 * (bb + aa - cc) / b : 0.0;
-        const double foot_c = c > 0.0 ? 0.5 * (cc + bb - aa) / c : 0.0;
-        lifts.x[i] = inverse_squares[i] * (u * (a - foot_a) - v * b + w * foot_c);
-        lifts.y[i] = inverse_squares[i] * (v * (b - foot_b) - w * c + u * foot_a);
-        lifts.z[i] = inverse_squares[i] * (w * (c - foot_c) - u * a + v * foot_b);
+        const HingeShares<double> over_a = hinge_shares(a, foot_of(a, aa, cc, bb));
+        const HingeShares<double> over_b = hinge_shares(b, foot_of(b, bb, aa, cc));
+        const HingeShares<double> over_c = hinge_shares(c, foot_of(c, cc, bb, aa));
+        lifts.set(i, {inverse_squares[i] * (u * over_a.a + v * over_b.c + w * over_c.b),
+                      inverse_squares[i] * (v * over_b.a + w * over_c.c + u * over_a.b),
+                      inverse_squares[i] * (w * over_c.a + u * over_a.c + v * over_b.b)});
     }
 }
 
@@ -258,30 +244,30 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
     normals_.resize(t.face_count(), 3);
     inverse_squares_.resize(t.face_count());
     for_blocks(t.face_count(), [&](int first, int count) {
-        Vectors p{}, q{}, r{}, normal{};
+        VectorRows p{}, q{}, r{}, normal{};
         for (int i = 0; i < count; ++i) {
             const int* const face = faces + 3 * (first + i);
-            p.set(i, points.data() + 3 * face[0]);
-            q.set(i, points.data() + 3 * face[1]);
-            r.set(i, points.data() + 3 * face[2]);
+            p.set(i, vector3(points.data() + 3 * face[0]));
+            q.set(i, vector3(points.data() + 3 * face[1]));
+            r.set(i, vector3(points.data() + 3 * face[2]));
         }
-        normals_of(count, p, q, r, normal, inverse_squares_.data() + first);
+        face_normals(count, p, q, r, normal, inverse_squares_.data() + first);
         for (int i = 0; i < count; ++i)
-            normal.get(i, normals_.data() + 3 * (first + i));
+            store(normal[i], normals_.data() + 3 * (first + i));
     });
 
     for (VectorXd* const of_edges : {&lengths_, &energies_, &pulls_, &moments_})
         of_edges->resize(t.edge_count());
     for_blocks(t.edge_count(), [&](int first, int count) {
-        Vectors p{}, q{}, left{}, right{};
+        VectorRows p{}, q{}, left{}, right{};
         for (int i = 0; i < count; ++i) {
             const int* const ends = t.edges().data() + 2 * (first + i);
             const int* const halfedges = t.edge_halfedges().data() + 2 * (first + i);
             const int other = halfedges[halfedges[1] < 0 ? 0 : 1]; // the boundary is flat
-            p.set(i, points.data() + 3 * ends[0]);
-            q.set(i, points.data() + 3 * ends[1]);
-            left.set(i, normals_.data() + 3 * (halfedges[0] / 3));
-            right.set(i, normals_.data() + 3 * (other / 3));
+            p.set(i, vector3(points.data() + 3 * ends[0]));
+            q.set(i, vector3(points.data() + 3 * ends[1]));
+            left.set(i, vector3(normals_.data() + 3 * (halfedges[0] / 3)));
+            right.set(i, vector3(normals_.data() + 3 * (other / 3)));
         }
         Row sines, cosines;
         bends(count, p, q, left, right, sines_.data() + first, cosines_.data() + first,
@@ -298,15 +284,15 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
 
     lifts_.resize(t.halfedge_count());
     for_blocks(t.face_count(), [&](int first, int count) {
-        Vectors length{}, moment{}, lift{};
+        VectorRows length{}, moment{}, lift{};
         for (int i = 0; i < count; ++i) {
             const int* const e = face_edges + 3 * (first + i);
-            length.set(i, lengths_[e[0]], lengths_[e[1]], lengths_[e[2]]);
-            moment.set(i, moments_[e[0]], moments_[e[1]], moments_[e[2]]);
+            length.set(i, {lengths_[e[0]], lengths_[e[1]], lengths_[e[2]]});
+            moment.set(i, {moments_[e[0]], moments_[e[1]], moments_[e[2]]});
         }
         corner_lifts(count, inverse_squares_.data() + first, length, moment, lift);
         for (int i = 0; i < count; ++i)
-            lift.get(i, lifts_.data() + 3 * (first + i));
+            store(lift[i], lifts_.data() + 3 * (first + i));
     });
 
     gradient.resize(points.size());

@@ -12,33 +12,14 @@
 
 namespace shape::internal {
 
-/// s0 of phi.
-inline constexpr double stretch_onset = 0.06;
-
 /// q0 of bend_weights(): a triangle whose height is less than this part of its longest side is a sliver.
 inline constexpr double sliver_shape = 0.2;
-
-/// phi(s) = s^2 + s^4 / (s0^2 + s^2 / 8): the square of a relative edge error s,
-/// stiffer by up to 9 times beyond a few per cent, so that no edge pays for all others.
-struct StretchTerm
-{
-    double value;  ///< phi(s).
-    double weight; ///< phi'(s) / (2 s).
-};
-[[nodiscard]] constexpr StretchTerm stretch_term(double strain)
-{
-    constexpr double onset = stretch_onset * stretch_onset;
-    const double square = strain * strain;
-    const double scale = onset + 0.125 * square;
-    return {square + square * square / scale,
-            1.0 + square * (2.0 * onset + 0.125 * square) / (scale * scale)};
-}
 
 /// The energy whose minimum is the closed mesh nearest to wanted lengths and dihedral angles,
 ///
 ///     E(x) = sum_e phi((l_e - l*_e) / l*_e)  +  sum_e mu_e (theta_e - theta*_e)^2,
 ///
-/// differences of angles wrapped into (-pi, pi]. mu_e is mu, 0 on the boundary, and less beside a
+/// phi as in stretch_term.h, differences of angles wrapped into (-pi, pi]. mu_e is mu, 0 on the boundary, and less beside a
 /// sliver: the normal of a wanted triangle says the less the flatter it is, see bend_weights(). (Cf.
 /// Froehlich and Botsch 2011; Sassen et al. 2020, with squares in the place of phi, and mu_e = mu.)
 ///
@@ -101,7 +82,7 @@ private:
 
     // What evaluate() works in. Pages that are asked for anew at every step cost more than the work.
     Points normals_;                  // of the faces, as long as twice the area
-    Eigen::VectorXd inverse_squares_; // of the normals, bounded; see normals_of()
+    Eigen::VectorXd inverse_squares_; // of the normals, bounded; see face_normals()
     Eigen::VectorXd lengths_;
     Eigen::VectorXd energies_; // of the edges
     Eigen::VectorXd pulls_;    // dE/dl / l

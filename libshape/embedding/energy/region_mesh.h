@@ -16,10 +16,10 @@ struct RegionMesh
     int moving_vertices = 0;
     int rim_vertices = 0;
     int moving_faces = 0;      ///< These come first; they have a vertex that moves.
-    std::vector<int> vertices; ///< Of the mesh, for every local one.
+    std::vector<int> vertices; ///< The vertex of the mesh that every local one is.
     std::vector<int> corners; ///< Three local vertices a face, from the same one on as in the mesh.
 
-    std::vector<int> edges; ///< Of the mesh: all edges of moving faces.
+    std::vector<int> edges; ///< The edges of the mesh that belong to moving faces.
     std::vector<int> ends;  ///< Two local vertices an edge.
     /// Two half-edges 3 f + c an edge, the first along the edge; on the boundary the first twice.
     std::vector<int> sides;

@@ -12,6 +12,8 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/pool.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/embedding/multiscale/multiscale_hierarchy.h"
 #include "libshape/embedding/multiscale/patch_registration.h"
@@ -69,31 +71,6 @@ struct Workspace
             divergence.resize(end - first);
         }
     }
-};
-
-/// Workspaces that outlive a pose: fresh memory would cost more than what is done in it.
-class WorkspacePool
-{
-public:
-    std::unique_ptr<Workspace> take()
-    {
-        const std::lock_guard lock(mutex_);
-        if (idle_.empty())
-            return std::make_unique<Workspace>();
-        std::unique_ptr<Workspace> workspace = std::move(idle_.back());
-        idle_.pop_back();
-        return workspace;
-    }
-
-    void give_back(std::unique_ptr<Workspace> workspace)
-    {
-        const std::lock_guard lock(mutex_);
-        idle_.push_back(std::move(workspace));
-    }
-
-private:
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<Workspace>> idle_;
 };
 
 /// Of a leaf's first triangle in the reference: directions of its first edge and of the height over
@@ -391,7 +368,7 @@ struct MultiscaleEmbedder::State
     MultiscaleHierarchy hierarchy;
     std::vector<std::vector<Part>> stages; ///< One after the other; parts of a stage concurrently.
     MultiscaleSetupTimes setup_times;
-    WorkspacePool top_workspaces, part_workspaces;
+    Pool<Workspace> top_workspaces, part_workspaces; ///< They outlive a pose.
 
     [[nodiscard]] std::size_t top_vertices() const
     {
@@ -444,13 +421,18 @@ void MultiscaleEmbedder::State::plan_stages()
     std::move(levels.rbegin(), levels.rend(), std::back_inserter(stages));
 }
 
+void check(const MultiscaleOptions& options)
+{
+    require(options.children >= 4 && options.children <= max_patches, "MultiscaleOptions.children",
+            options.children, join("in [4, ", max_patches, "]"));
+    check(options.registration);
+}
+
 MultiscaleEmbedder::MultiscaleEmbedder(const Topology& topology, const Points& reference,
                                        const MultiscaleOptions& options)
     : state_(new State{topology, options, {}, {}, {}, {}, {}})
 {
-    if (options.registration.passes < 0)
-        throw InvalidInput(
-            join("registration passes is ", options.registration.passes, ", must be >= 0"));
+    check(options);
     State& state = *state_;
     Stopwatch watch;
     state.hierarchy =
@@ -484,18 +466,17 @@ MultiscaleEmbedding MultiscaleEmbedder::embed(const ShapePoint& target) const
         }
     });
 
-    std::unique_ptr<Workspace> top = state.top_workspaces.take();
+    const auto top = state.top_workspaces.borrow();
     top->cover(0, state.top_vertices());
     const Pose pose(state.hierarchy, state.options.registration, local, *top);
     for (const std::vector<Part>& stage : state.stages) {
         std::vector<MultiscalePoseTimes> times(stage.size());
         parallel_for(stage.size(), 1, [&](std::size_t begin, std::size_t end) {
-            std::unique_ptr<Workspace> own = state.part_workspaces.take();
+            const auto own = state.part_workspaces.borrow();
             for (std::size_t i = begin; i < end; ++i) {
                 own->cover(stage[i].first_vertex, stage[i].end_vertex);
                 times[i] = pose.run(stage[i], *own);
             }
-            state.part_workspaces.give_back(std::move(own));
         });
         for (const MultiscalePoseTimes& part : times) {
             result.times.interpolation += part.interpolation;
@@ -508,7 +489,6 @@ MultiscaleEmbedding MultiscaleEmbedder::embed(const ShapePoint& target) const
     for (int v = 0; v < state.topology.vertex_count(); ++v)
         result.points.row(state.hierarchy.vertices[at(v)]) =
             top->positions[at(v)].head<3>().transpose();
-    state.top_workspaces.give_back(std::move(top));
     result.points.rowwise() -= result.points.colwise().mean().eval();
     if (!result.points.allFinite())
         throw NumericalError("multi-scale embedding: a position is not finite");

@@ -14,10 +14,16 @@ namespace shape {
 
 struct MultiscaleOptions
 {
-    std::uint64_t seed = 1; ///< Of the hierarchy's seed triangles.
-    int children = 6;       ///< Patches per node, m; in [4, max_patches].
+    /// The seed triangles of the patches are drawn by this.
+    std::uint64_t seed = 1;
+    /// A patch is split into this many, m of the paper; in [4, 16].
+    int children = 6;
+    /// How neighbouring patches are registered.
     RegistrationOptions registration{};
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const MultiscaleOptions& options);
 
 /// Wall times [s] of what is done once per topology (Winkler 2010, Table 1).
 struct MultiscaleSetupTimes

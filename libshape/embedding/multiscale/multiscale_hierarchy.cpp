@@ -12,6 +12,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 
 namespace shape::internal {
@@ -96,7 +97,7 @@ private:
     std::vector<int> seeds_;
     std::vector<int> core_;         ///< Region of each face.
     std::vector<int> queue_;        ///< Faces in the order of growth.
-    std::vector<double> distances_; ///< Of each face from the middle of its region, squared.
+    std::vector<double> distances_; ///< From each face to the middle of its region, squared.
     std::vector<ChildSet> in_faces_, in_vertices_, in_edges_;
     /// Rows in the children, at row * m + child.
     std::vector<int> face_rows_, vertex_rows_, edge_rows_;
@@ -532,15 +533,19 @@ void graft(MultiscaleHierarchy& whole, int root, const MultiscaleHierarchy& part
 
 } // namespace
 
+void check(const HierarchyOptions& options)
+{
+    require(options.children >= 4 && options.children <= max_patches, "HierarchyOptions.children",
+            options.children, join("in [4, ", max_patches, "]"));
+}
+
 MultiscaleHierarchy build_hierarchy(const Topology& topology, const Points& points,
                                     const HierarchyOptions& options)
 {
     if (points.rows() != topology.vertex_count())
         throw InvalidInput(join("points has ", points.rows(), " rows, the topology ",
                                 topology.vertex_count(), " vertices"));
-    if (options.children < 4 || options.children > max_patches)
-        throw InvalidInput(join("children per patch is ", options.children, ", must be in [4, ",
-                                max_patches, "]"));
+    check(options);
     Points centroids(topology.face_count(), 3);
     for (int f = 0; f < topology.face_count(); ++f)
         centroids.row(f) =

@@ -29,8 +29,8 @@ struct PatchNode
     Slice faces{};
     Slice vertices{};
     Slice edges{};
-    Slice overlaps{}; ///< Of the children.
-    Slice gluing{};   ///< Of a leaf.
+    Slice overlaps{}; ///< What the children share.
+    Slice gluing{};   ///< How a leaf is glued.
 
     [[nodiscard]] bool is_leaf() const { return child_count == 0; }
 };
@@ -40,7 +40,7 @@ struct PatchEdge
 {
     int lower = 0;
     int upper = 0;  ///< > lower
-    int edge = 0;   ///< Of the topology.
+    int edge = 0;   ///< Its number in the topology.
     int copies = 0; ///< Number of children that have it; 0 in a leaf.
 };
 
@@ -50,7 +50,7 @@ struct PatchEdge
 struct GlueStep
 {
     std::array<int, 4> vertices{}; ///< Rows of the leaf's vertices.
-    std::array<int, 3> edges{};    ///< Of the topology: 0 1, 0 3, 1 3; at first 0 1, 0 2, 1 2.
+    std::array<int, 3> edges{}; ///< Numbers in the topology: 0 1, 0 3, 1 3; at first 0 1, 0 2, 1 2.
 };
 
 /// Nodes below one other, all in one run: what one thread works on.
@@ -79,9 +79,14 @@ struct MultiscaleHierarchy
 
 struct HierarchyOptions
 {
-    std::uint64_t seed = 1; ///< Of the choice of seed triangles.
-    int children = 6;       ///< m of Winkler 2010; in [4, max_patches].
+    /// Seed triangles are drawn by this.
+    std::uint64_t seed = 1;
+    /// A patch is split into this many, m of Winkler 2010; in [4, max_patches].
+    int children = 6;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const HierarchyOptions& options);
 
 /// Splits a mesh as Winkler 2010, section 3.3, does: from m random seed triangles, regions grow
 /// until they meet. The seeds are moved twice to the middle of what they reach (that is ours). Where two

@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/mesh/rotation_fit.h"
 
 namespace shape::internal {
@@ -126,11 +127,25 @@ Eigen::MatrixXd translation_inverse(int patch_count, std::span<const PatchOverla
     return factor.solve(Eigen::MatrixXd::Identity(rest, rest));
 }
 
+} // namespace shape::internal
+
+namespace shape {
+
+void check(const RegistrationOptions& options)
+{
+    internal::require_at_least(0, options.passes, "RegistrationOptions.passes");
+}
+
+} // namespace shape
+
+namespace shape::internal {
+
 void register_patches(std::span<const PaddedPoint* const> patches,
                       std::span<const PatchOverlap> overlaps, const CommonVertex* common,
                       const double* inverse, const RegistrationOptions& options,
                       std::span<Eigen::Matrix3d> rotations)
 {
+    check(options);
     Problem problem;
     build(problem, patches, overlaps, common, inverse);
     for (Eigen::Matrix3d& rotation : rotations)

@@ -13,8 +13,13 @@ enum class RegistrationStart
 
 struct RegistrationOptions
 {
+    /// Rotations start from this.
     RegistrationStart start = RegistrationStart::Incremental;
-    int passes = 4; ///< Over all patches; >= 0.
+    /// Every patch is turned to its best fit this many times; >= 0.
+    int passes = 4;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const RegistrationOptions& options);
 
 } // namespace shape

@@ -10,6 +10,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/embedding/energy/gauss_newton.h"
 #include "libshape/embedding/energy/graded_unknowns.h"
 #include "libshape/embedding/energy/length_dihedral_energy.h"
@@ -116,7 +117,7 @@ private:
 };
 
 /// @throws InvalidInput if there is not a positive length for every edge.
-void check(const Topology& topology, const VectorXd& lengths)
+void check_lengths(const Topology& topology, const VectorXd& lengths)
 {
     if (lengths.size() != topology.edge_count() || !(lengths.array() > 0.0).all() ||
         !lengths.allFinite())
@@ -125,6 +126,14 @@ void check(const Topology& topology, const VectorXd& lengths)
 }
 
 } // namespace
+
+void check(const ContinuationOptions& options)
+{
+    require_positive(options.smoothness, "ContinuationOptions.smoothness");
+    require_positive(options.stiffness, "ContinuationOptions.stiffness");
+    require_not_negative(options.decrease_tolerance, "ContinuationOptions.decrease_tolerance");
+    require_at_least(0, options.max_iterations, "ContinuationOptions.max_iterations");
+}
 
 struct Continuation::State
 {
@@ -157,9 +166,6 @@ struct Continuation::State
             solver.minimize(energy, start.reshaped<Eigen::RowMajor>(),
                             {.max_iterations = options.max_iterations,
                              .decrease_tolerance = options.decrease_tolerance,
-                             .damping = 1e-10,
-                             .least_damping = 1e-13,
-                             .halvings = 3,
                              .stiffness = options.stiffness},
                             &factor);
         const Points points =
@@ -168,7 +174,7 @@ struct Continuation::State
                 found.converged};
     }
 
-    void check(const Points& from) const
+    void check_mesh(const Points& from) const
     {
         if (from.rows() != topology.vertex_count())
             throw InvalidInput(join("from has ", from.rows(), " rows, the topology ",
@@ -178,12 +184,12 @@ struct Continuation::State
     Topology topology;
     GradedLaplacian laplacian;
     GaussNewton solver;
-    std::optional<SparseCholesky> factor; ///< Of the solver.
+    std::optional<SparseCholesky> factor; ///< The solver keeps it from one mesh to the next.
 };
 
 Continuation::Continuation(const Topology& topology, const VectorXd& lengths)
 {
-    check(topology, lengths);
+    check_lengths(topology, lengths);
     state_ = std::make_unique<State>(topology, graded_unknowns(topology, lengths));
 }
 
@@ -194,7 +200,8 @@ Continuation& Continuation::operator=(Continuation&&) noexcept = default;
 ContinuedMesh Continuation::move(const Points& from, const ShapePoint& target,
                                  const ContinuationOptions& options)
 {
-    state_->check(from);
+    check(options);
+    state_->check_mesh(from);
     const LengthDihedralEnergy energy(state_->topology, target, options.smoothness);
     return state_->descend(energy, state_->linear_start(from, target), from, options);
 }
@@ -202,7 +209,8 @@ ContinuedMesh Continuation::move(const Points& from, const ShapePoint& target,
 ContinuedMesh Continuation::adjust(const Points& from, const ShapePoint& target,
                                    const ContinuationOptions& options)
 {
-    state_->check(from);
+    check(options);
+    state_->check_mesh(from);
     const LengthDihedralEnergy energy(state_->topology, target, options.smoothness);
     return state_->descend(energy, from, from, options);
 }

@@ -13,11 +13,18 @@ namespace shape {
 
 struct ContinuationOptions
 {
-    double smoothness = 1e-4;         ///< mu of length_dihedral_energy.h; > 0.
-    double stiffness = 1.0;           ///< As in gauss_newton.h.
-    double decrease_tolerance = 1e-2; ///< As in gauss_newton.h.
-    int max_iterations = 12;          ///< Gauss-Newton steps; >= 0.
+    /// Angles weigh this much against lengths: mu of docs/embedding.md; > 0.
+    double smoothness = 1e-4;
+    /// Edges are stiffer by up to 9 times from strains of 6 % / stiffness on; > 0.
+    double stiffness = 1.0;
+    /// A mesh has converged once a step lowers E by <= decrease_tolerance * E; >= 0.
+    double decrease_tolerance = 1e-2;
+    /// A mesh takes at most this many Gauss-Newton steps; >= 0.
+    int max_iterations = 12;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const ContinuationOptions& options);
 
 struct ContinuedMesh
 {

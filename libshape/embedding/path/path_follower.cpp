@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
@@ -26,6 +27,17 @@ VectorXd blend_angles(const VectorXd& a, const VectorXd& b, double t)
 
 } // namespace
 
+void check(const PathFollowerOptions& options)
+{
+    require_at_least(1, options.steps, "PathFollowerOptions.steps");
+    require_positive(options.angle_gain, "PathFollowerOptions.angle_gain");
+    require_positive(options.guidance, "PathFollowerOptions.guidance");
+    require_positive(options.smoothness, "PathFollowerOptions.smoothness");
+    require_positive(options.stiffness, "PathFollowerOptions.stiffness");
+    require_at_least(0, options.rounds, "PathFollowerOptions.rounds");
+    require_not_negative(options.edge_tolerance, "PathFollowerOptions.edge_tolerance");
+}
+
 PathFollower::PathFollower(const Topology& topology, const Points& start,
                            std::function<VectorXd(double s)> lengths, VectorXd end_angles,
                            const PathFollowerOptions& options)
@@ -39,12 +51,7 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
     if (end_angles_.size() != topology.edge_count())
         throw InvalidInput(join("end_angles has ", end_angles_.size(), " values, the topology ",
                                 topology.edge_count(), " edges"));
-    if (options.steps < 1)
-        throw InvalidInput(join("steps is ", options.steps, ", must be >= 1"));
-    if (!(options.angle_gain > 0.0))
-        throw InvalidInput(join("angle_gain is ", options.angle_gain, ", must be > 0"));
-    if (options.rounds < 0)
-        throw InvalidInput(join("rounds is ", options.rounds, ", must be >= 0"));
+    check(options);
     here_ = start_;
     next_ = next_stop();
 }

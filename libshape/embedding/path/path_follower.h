@@ -14,17 +14,26 @@ namespace shape {
 
 struct PathFollowerOptions
 {
-    int steps = 16; ///< From s = 0 to 1; >= 1.
+    /// The path is walked in this many equal steps from s = 0 to 1; >= 1.
+    int steps = 16;
     /// Angles wanted at a step are moved towards those of the end by this times the step's share of
     /// what is left, at most all the way; > 0.
     double angle_gain = 6.0;
-    double guidance = 1e-2;   ///< mu of length_dihedral_energy.h with those angles; > 0.
-    double smoothness = 1e-3; ///< mu with the angles that resulted, and between steps; > 0.
-    double stiffness = 12.0;  ///< Of gauss_newton.h with that mu; > 0.
-    int rounds = 4; ///< Times at most that a mesh is adjusted to the angles it has, with 0.3 times
-                    ///< the mu each time; >= 0. Over once
-    double edge_tolerance = 4e-3; ///< |l - l*| <= edge_tolerance * l* on every edge.
+    /// Those angles weigh this much against lengths: mu of docs/embedding.md; > 0.
+    double guidance = 1e-2;
+    /// The angles that resulted weigh this much when the lengths are met, and between steps; > 0.
+    double smoothness = 1e-3;
+    /// Edges are this stiff then (continuation.h); > 0.
+    double stiffness = 12.0;
+    /// A mesh is adjusted at most this many times to the angles it has, with 0.3 times the weight each
+    /// time; >= 0. It is over once edge_tolerance is met.
+    int rounds = 4;
+    /// Lengths are met where |l - l*| <= edge_tolerance * l* on every edge; >= 0.
+    double edge_tolerance = 4e-3;
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const PathFollowerOptions& options);
 
 /// A mesh on a path, and the point it was made for: the path's lengths, the follower's angles.
 struct PathMesh

@@ -8,10 +8,12 @@
 #include <utility>
 
 #include "libshape/base/blocks.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/hinge.h"
 #include "libshape/mesh/vertex_regions.h"
 
 namespace shape::internal {
@@ -19,25 +21,27 @@ namespace {
 
 using Eigen::VectorXd;
 
-using Values = std::array<double, block_size>; // of a block of edges
-struct Vectors
-{
-    Values x, y, z;
-};
+// Every edge's dihedral angle, atan2(u . (l x r), |u| l . r) with the edge u = b - a and normals l, r of the
+// triangles beside it. In memory the corners of a block of 128 edges, copied from the rows of the mesh:
+//
+//     a   x: x0 x1 .. x127   y: y0 .. y127   z: z0 .. z127,   then b, c, d the same
+//
+// so that the arithmetic and the arc tangents run on whole registers: dihedral_angle() edge by edge spends
+// most of its time in atan2. Angles are compared before they are wrapped: few are near
+// the bound.
 
-/// Vectors in the direction of the dihedral angles of hinges: edges a-b, c on the left, d on the
-/// right.
-SHAPE_VECTORISED void bends(int count, const Vectors& a, const Vectors& b, const Vectors& c,
-                            const Vectors& d, Values& __restrict sines, Values& __restrict cosines)
+/// Vectors in the direction of the dihedral angles of hinges (mesh/hinge.h).
+SHAPE_VECTORISED void bends(int count, const VectorRows& a, const VectorRows& b,
+                            const VectorRows& c, const VectorRows& d, Row& __restrict sines,
+                            Row& __restrict cosines)
 {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-        const double ux = b.x[i] - a.x[i], uy = b.y[i] - a.y[i], uz = b.z[i] - a.z[i];
-        const double px = c.x[i] - a.x[i], py = c.y[i] - a.y[i], pz = c.z[i] - a.z[i];
-        const double qx = d.x[i] - a.x[i], qy = d.y[i] - a.y[i], qz = d.z[i] - a.z[i];
-        const double lx = uy * pz - uz * py, ly = uz * px - ux * pz, lz = ux * py - uy * px;
-        const double rx = qy * uz - qz * uy, ry = qz * ux - qx * uz, rz = qx * uy - qy * ux;
-        sines[i] = ux * (ly * rz - lz * ry) + uy * (lz * rx - lx * rz) + uz * (lx * ry - ly * rx);
-        cosines[i] = std::sqrt(ux * ux + uy * uy + uz * uz) * (lx * rx + ly * ry + lz * rz);
+    for (int i = 0; i < count; ++i) {
+        const Vector3<double> edge = b[i] - a[i];
+        const auto normals = hinge_normals(edge, c[i] - a[i], d[i] - a[i]);
+        const auto angle =
+            hinge_angle(edge, std::sqrt(dot(edge, edge)), normals.left, normals.right);
+        sines[i] = angle.sine;
+        cosines[i] = angle.cosine;
     }
 }
 
@@ -55,27 +59,19 @@ std::vector<Suspect> suspects_among(const Topology& t, const VectorXd& points,
     std::vector<Suspect> suspects;
     for (int first = begin; first < end; first += block_size) {
         const int count = std::min(block_size, end - first);
-        std::array<Vectors, 4> hinge;
+        std::array<VectorRows, 4> corners;
         for (int i = 0; i < count; ++i) {
-            const int left = t.edge_halfedges()(first + i, 0);
-            const int right = t.edge_halfedges()(first + i, 1);
-            const std::array<int, 4> corners = {
-                t.edges()(first + i, 0), t.edges()(first + i, 1),
-                t.source(Topology::previous(left)),
-                t.source(Topology::previous(right < 0 ? left : right))};
-            for (std::size_t k = 0; k < 4; ++k) {
-                const double* const point = points.data() + 3 * corners[k];
-                hinge[k].x[static_cast<std::size_t>(i)] = point[0];
-                hinge[k].y[static_cast<std::size_t>(i)] = point[1];
-                hinge[k].z[static_cast<std::size_t>(i)] = point[2];
-            }
+            std::array<int, 4> hinge = hinge_corners(t, first + i);
+            if (hinge[3] < 0) // the boundary, which is not looked at
+                hinge[3] = hinge[2];
+            for (std::size_t k = 0; k < 4; ++k)
+                corners[k].set(i, vector3(points.data() + 3 * hinge[k]));
         }
-        Values sines, cosines, angles;
-        bends(count, hinge[0], hinge[1], hinge[2], hinge[3], sines, cosines);
-        vector_angles(sines.data(), cosines.data(), static_cast<std::size_t>(count), angles.data());
+        Row sines, cosines, angles;
+        bends(count, corners[0], corners[1], corners[2], corners[3], sines, cosines);
+        vector_angles(sines, cosines, static_cast<std::size_t>(count), angles);
         for (int e = first; e < first + count; ++e) {
-            const double difference =
-                angles[static_cast<std::size_t>(e - first)] - dihedral_angles[e];
+            const double difference = angles[e - first] - dihedral_angles[e];
             if (std::abs(difference) <= suspect_angle || t.is_boundary_edge(e))
                 continue;
             const double drift = std::abs(wrapped_angle(difference));
@@ -88,11 +84,21 @@ std::vector<Suspect> suspects_among(const Topology& t, const VectorXd& points,
 
 } // namespace
 
+void check(const FoldRegionOptions& options)
+{
+    require_not_negative(options.suspect_angle, "FoldRegionOptions.suspect_angle");
+    require(options.fold_angle >= options.suspect_angle && std::isfinite(options.fold_angle),
+            "FoldRegionOptions.fold_angle", options.fold_angle,
+            join(">= suspect_angle, ", options.suspect_angle, ", and finite"));
+    require_at_least(0, options.rings, "FoldRegionOptions.rings");
+}
+
 std::vector<std::vector<int>> folded_regions(const Topology& t, const VectorXd& points,
                                              const VectorXd& dihedral_angles,
                                              const FoldRegionOptions& options)
 {
-    constexpr std::size_t grain = 64 * block_size;
+    check(options);
+    constexpr std::size_t grain = 64 * block_size; // so much that handing it over costs little
     const auto edges = static_cast<std::size_t>(t.edge_count());
     std::vector<std::vector<Suspect>> suspects((edges + grain - 1) / grain);
     parallel_for(edges, grain, [&](std::size_t begin, std::size_t end) {

@@ -7,16 +7,26 @@
 #include <numeric>
 #include <utility>
 
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/mesh/vertex_regions.h"
 
 namespace shape::internal {
 
 using Eigen::VectorXd;
 
+void check(const HotSpotOptions& options)
+{
+    require_not_negative(options.seeds, "HotSpotOptions.seeds");
+    require_not_negative(options.contrast, "HotSpotOptions.contrast");
+    require_at_least(0, options.rings, "HotSpotOptions.rings");
+}
+
 std::vector<std::vector<int>> hot_spots(const LengthDihedralEnergy& energy, const VectorXd& points,
                                         const HotSpotOptions& options)
 {
+    check(options);
     const Topology& t = energy.topology();
     const auto vertices = static_cast<std::size_t>(t.vertex_count());
     constexpr std::size_t grain = 8192;

@@ -9,10 +9,13 @@
 #include <utility>
 
 #include "libshape/base/random.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/embedding/repair/rigid_filling.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/hinge.h"
 
 namespace shape::internal {
 namespace {
@@ -111,15 +114,13 @@ double energy_of(const LengthDihedralEnergy& energy, const RegionMesh& region,
     const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
     double sum = 0.0;
     for (const int e : region.edges) {
-        const int left = t.edge_halfedges()(e, 0);
-        const int right = t.edge_halfedges()(e, 1);
-        const Vector3d a = point(t.source(left));
-        const Vector3d b = point(t.target(left));
+        const auto [from, to, left, right] = hinge_corners(t, e);
+        const Vector3d a = point(from);
+        const Vector3d b = point(to);
         sum += stretch_term((b - a).norm() / energy.target().edge_lengths[e] - 1.0).value;
         if (right < 0)
             continue;
-        const double angle = dihedral_angle(a, b, point(t.source(Topology::previous(left))),
-                                            point(t.source(Topology::previous(right))));
+        const double angle = dihedral_angle(a, b, point(left), point(right));
         const double bend = wrapped_angle(angle - energy.target().dihedral_angles[e]);
         sum += energy.bend_weights()[e] * bend * bend;
     }
@@ -192,11 +193,20 @@ Repaired repaired(const LengthDihedralEnergy& energy, const std::vector<Points>&
 
 } // namespace
 
+void check(const RegionRepairOptions& options)
+{
+    require_at_least(0, options.largest_region, "RegionRepairOptions.largest_region");
+    require_at_least(0, options.filling_sweeps, "RegionRepairOptions.filling_sweeps");
+    require_at_least(0, options.perturbed_starts, "RegionRepairOptions.perturbed_starts");
+    check(options.descent);
+}
+
 RegionRepair repair_regions(const LengthDihedralEnergy& energy,
                             const std::vector<Points>& references, VectorXd points,
                             std::vector<std::vector<int>> regions,
                             const RegionRepairOptions& options)
 {
+    check(options);
     RegionRepair repair{std::move(points), 0, 0.0};
     std::erase_if(regions, [&](const std::vector<int>& vertices) {
         return vertices.size() > static_cast<std::size_t>(options.largest_region) ||

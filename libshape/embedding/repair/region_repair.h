@@ -13,11 +13,18 @@ namespace shape::internal {
 
 struct RegionRepairOptions
 {
-    int largest_region = 2000; ///< Larger regions are left alone [vertices].
-    int filling_sweeps = 15;   ///< Of rigid_filling.h, for every reference.
-    int perturbed_starts = 4;  ///< At least; as many as fill the last eight. >= 0.
+    /// Regions of more vertices are left alone; >= 0.
+    int largest_region = 2000;
+    /// Every reference is bent into the place by this many sweeps (rigid_filling.h); >= 0.
+    int filling_sweeps = 15;
+    /// At least this many starts are random perturbations; as many more fill the last eight; >= 0.
+    int perturbed_starts = 4;
+    /// All starts descend by these.
     EightLaneDescentOptions descent = {};
 };
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const RegionRepairOptions& options);
 
 struct RegionRepair
 {
@@ -35,6 +42,7 @@ struct RegionRepair
 /// @param references  Meshes of the same topology.
 /// @param points  Row by row [length].
 /// @param regions  Disjoint, each connected; one that is the whole mesh is left alone.
+/// @throws InvalidInput if an option breaks its rule.
 /// Same bits for any number of threads.
 [[nodiscard]] RegionRepair repair_regions(const LengthDihedralEnergy& energy,
                                           const std::vector<Points>& references,

@@ -7,7 +7,17 @@
 namespace shape::internal {
 namespace {
 
-constexpr float nothing = 1e-18F; // keeps 0 / 0 out: a length or area squared
+// As-rigid-as-possible filling of eight problems at once (layout: eight_lane_energy.cpp): in turns
+//
+//     R_v = nearest rotation to  sum_w (x_w - x_v) (u_w - u_v)^T / |u_w - u_v|^2,     u: the reference,
+//     L x = sum over edges (R_a + R_b) (u_b - u_a) / 2 / (l |u_b - u_a|),              L: the Laplacian, kept.
+//
+// The nearest rotation by a singular value decomposition, the plain way, branches on its values and
+// iterates until each has converged: eight lanes would wait for the last. A few steps about the axis of the
+// torque have no branch, and start from the rotation of the sweep before, which is near.
+
+constexpr float nothing =
+    1e-18F; // keeps 0 / 0 out: a length or area squared, in units of mean lengths
 
 /// By columns: matrix * u = u.x * x + u.y * y + u.z * z.
 struct EightLaneMatrix
@@ -76,7 +86,8 @@ SHAPE_VECTORISED void turn_rim(const RegionMesh& region, const EightLanePoint* r
             covariance = plus_outer(covariance, EightLanes::all(1.0F), unit(cross(xa, xb)),
                                     unit(cross(ua, ub)));
         }
-        constexpr int steps = 10;
+        constexpr int steps =
+            10; // from the identity, though the rim may have turned by half a turn
         rotations[v] = turned_towards(rotations[v], covariance, steps);
     }
 }
@@ -99,7 +110,7 @@ SHAPE_VECTORISED void turn_moving(const RegionMesh& region, const EightLanePoint
                                     EightLanes::all(1.0F) / (dot(u, u) + EightLanes::all(nothing)),
                                     points[a] - points[v], u);
         }
-        constexpr int steps = 2;
+        constexpr int steps = 2; // from the sweep before; the sweeps go on anyway
         rotations[v] = turned_towards(rotations[v], covariance, steps);
     }
 }
@@ -108,7 +119,7 @@ SHAPE_VECTORISED void nearest_rotations(int count, const EightLanePoint* x, cons
                                         const EightLanePoint* z,
                                         EightLaneMatrix* __restrict rotations)
 {
-    constexpr int steps = 8;
+    constexpr int steps = 8; // from the identity, like the rim
     for (int v = 0; v < count; ++v)
         rotations[v] = turned_towards(rotations[v], {x[v], y[v], z[v]}, steps);
 }

@@ -4,8 +4,11 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "libshape/base/blocks.h"
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/vectorised.h"
 
@@ -134,13 +137,67 @@ void for_vertices(const Topology& topology, const Work& work)
 } // namespace
 
 EdgeLaplacian::EdgeLaplacian(const Topology& topology, const VectorXd& lengths)
-    : topology_(topology), weights_(weights_of(lengths)), factor_(laplacian(topology, weights_))
+    : topology_(topology),
+      weights_(weights_of(lengths)),
+      matrix_(laplacian(topology, weights_)),
+      exact_(std::in_place, matrix_),
+      factor_(*exact_)
 {
+}
+
+EdgeLaplacian::EdgeLaplacian(const Topology& topology, const VectorXd& lengths,
+                             SinglePrecisionSolve factor)
+    : topology_(topology),
+      weights_(weights_of(lengths)),
+      matrix_(laplacian(topology, weights_)),
+      factor_(std::move(factor))
+{
+    if (factor_.size() != topology.vertex_count())
+        throw InvalidInput(join("the factor is of a mesh of ", factor_.size(),
+                                " vertices, this one has ", topology.vertex_count()));
 }
 
 Points EdgeLaplacian::solve(const Points& rhs) const
 {
-    return factor_.solve(rhs);
+    if (exact_)
+        return exact_->solve(rhs);
+    return solve_by_conjugate_gradients(rhs);
+}
+
+Points EdgeLaplacian::solve_by_conjugate_gradients(const Points& rhs) const
+{
+    constexpr int most_steps = 60;
+    constexpr double rounding = 1e-15; // of the right-hand side, in the norm of the factor
+    Points solution = Points::Zero(rhs.rows(), 3);
+    Points residual = rhs;
+    Points direction = Points::Zero(rhs.rows(), 3);
+    Eigen::Array3d square = Eigen::Array3d::Ones();
+    Eigen::Array3d first = Eigen::Array3d::Zero();
+    LaneVectors single, preconditioned, workspace;
+    for (int step = 0; step < most_steps; ++step) {
+        const double size = residual.cwiseAbs().maxCoeff();
+        if (!(size > 0.0))
+            break;
+        const double scale = weights_.maxCoeff() / size; // solutions of about 1
+        to_lanes(residual.data(), residual.rows(), scale, single);
+        factor_.solve(single, preconditioned, workspace);
+        const Points next = (preconditioned.topRows<3>().cast<double>() / scale).transpose();
+        const Eigen::Array3d last = square;
+        square = residual.cwiseProduct(next).colwise().sum().transpose();
+        if (step == 0)
+            first = square;
+        if (!(square > rounding * rounding * first).any())
+            break;
+        const Eigen::Array3d along = (last > 0.0).select(square / last, 0.0);
+        direction = next + direction * along.matrix().asDiagonal();
+        const Points image = matrix_.selfadjointView<Eigen::Lower>() * direction;
+        const Eigen::Array3d curvature =
+            direction.cwiseProduct(image).colwise().sum().transpose();
+        const Eigen::Array3d length = (curvature > 0.0).select(square / curvature, 0.0);
+        solution += direction * length.matrix().asDiagonal();
+        residual -= image * length.matrix().asDiagonal();
+    }
+    return solution;
 }
 
 Points EdgeLaplacian::positions(const FaceLayout& layout, const Rotations& frames) const

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "libshape/embedding/start/face_layout.h"
 #include "libshape/linalg/single_precision_solve.h"
@@ -23,14 +24,18 @@ public:
     /// Cost: one sparse Cholesky factorisation of size #V.
     EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths);
 
-    /// Solves for all three columns at once. A translation is held by a little weight at vertex 0.
+    /// With a factor in single precision found before: single_precision() of an EdgeLaplacian of the same arguments.
+    /// @throws InvalidInput if it has another size.
+    EdgeLaplacian(const Topology& topology, const Eigen::VectorXd& lengths,
+                  SinglePrecisionSolve factor);
+
+    /// Solves for all three columns at once, in double precision: with a factor found before, by conjugate
+    /// gradients, which it brings to their end in a few steps. A translation is held by a little weight
+    /// at vertex 0.
     [[nodiscard]] Points solve(const Points& rhs) const;
 
-    /// The same in single precision, for preconditioning.
-    [[nodiscard]] SinglePrecisionSolve single_precision() const
-    {
-        return SinglePrecisionSolve(factor_);
-    }
+    /// The factor, for preconditioning.
+    [[nodiscard]] const SinglePrecisionSolve& single_precision() const { return factor_; }
 
     /// Positions whose edges are nearest to what the faces want: their sides as laid out, turned by
     /// their frames.
@@ -52,9 +57,13 @@ public:
     [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; } ///< #E, 1 / l^2.
 
 private:
+    [[nodiscard]] Points solve_by_conjugate_gradients(const Points& rhs) const;
+
     Topology topology_;
     Eigen::VectorXd weights_;
-    SparseCholesky factor_;
+    SparseMatrix matrix_;                 // its lower triangle
+    std::optional<SparseCholesky> exact_; // unless a factor was given
+    SinglePrecisionSolve factor_;
 };
 
 } // namespace shape::internal

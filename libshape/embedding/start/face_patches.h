@@ -33,7 +33,7 @@ struct FacePatches
 
     int edge_count;
     std::vector<int> faces;      ///< Patch by patch; the first of a patch is its root.
-    std::vector<int> begins;     ///< Of the patches in `faces`, and the end.
+    std::vector<int> begins;     ///< Where each patch begins in `faces`, and the end.
     std::vector<Way> ways;       ///< Three of every entry of `faces`.
     std::vector<Bridge> bridges; ///< Pair by pair.
     std::vector<Pair> pairs;     ///< Sorted.

@@ -2,6 +2,7 @@
 
 #include "libshape/io/file/line_reader.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -41,6 +42,14 @@ std::optional<double> spelled_number(std::string_view text)
 {
     const std::optional<double> value = spelled<double>(text);
     return value && std::isfinite(*value) ? value : std::nullopt; // from_chars reads "nan"
+}
+
+bool spells_a_number(std::string_view text)
+{
+    text = without_plus(text);
+    double value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error != std::errc::invalid_argument && end == text.data() + text.size();
 }
 
 std::optional<std::int64_t> spelled_integer(std::string_view text)
@@ -84,9 +93,14 @@ LineReader::LineReader(std::string_view content, std::string path, char comment)
     line_number_ = 1;
     if (content.empty())
         throw InvalidInput(path_ + ": the file is empty");
-    if (content.starts_with("\xEF\xBB\xBF") || content.starts_with("\xFF\xFE") ||
-        content.starts_with("\xFE\xFF"))
-        fail("starts with a byte order mark; save the file as plain text without one");
+    if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF"))
+        fail("starts with the byte order mark of UTF-16; save the file as UTF-8 or ASCII text");
+    if (content.starts_with("\xEF\xBB\xBF"))
+        offset_ = 3;
+    const std::size_t first_end = content.substr(0, longest_line + 2).find_first_of("\r\n");
+    if (first_end != std::string_view::npos && content[first_end] == '\r' &&
+        content.substr(first_end + 1, 1) != "\n")
+        line_end_ = '\r';
     line_number_ = 0;
 }
 
@@ -94,30 +108,72 @@ void LineReader::take_line()
 {
     ++line_number_;
     const std::string_view window = content_.substr(offset_, longest_line + 1);
-    const std::size_t end = window.find('\n');
-    line_ = window.substr(0, end);
-    if (line_.size() > longest_line)
+    const std::size_t end = window.find(line_end_);
+    std::string_view line = window.substr(0, end);
+    if (line.size() > longest_line)
         fail(join("is longer than ", longest_line, " bytes"));
-    offset_ += line_.size() + (end == std::string_view::npos ? 0 : 1);
-    if (line_.ends_with('\r'))
-        line_.remove_suffix(1);
-    if (line_.find('\0') != std::string_view::npos)
+    offset_ += line.size() + (end == std::string_view::npos ? 0 : 1);
+    if (line_end_ == '\n' && line.ends_with('\r'))
+        line.remove_suffix(1);
+    if (line.find('\0') != std::string_view::npos)
         fail("holds a NUL byte; a binary or UTF-16 file is not text");
-    if (line_.find('\r') != std::string_view::npos)
-        fail("holds a CR that ends no line; lines must end with LF or CRLF");
-    rest_ = comment_ == '\0' ? line_ : line_.substr(0, line_.find(comment_));
+    if (line.find(line_end_ == '\n' ? '\r' : '\n') != std::string_view::npos)
+        fail("holds a CR that ends no line; lines must all end with LF, CRLF or CR");
+    rest_ = comment_ == '\0' ? line : line.substr(0, line.find(comment_));
+}
+
+void LineReader::skip_blanks()
+{
+    while (!rest_.empty() && is_blank(rest_.front()))
+        rest_.remove_prefix(1);
+}
+
+bool LineReader::is_continued() const
+{
+    const std::size_t last = rest_.find_last_not_of(" \t\v\f");
+    return last != std::string_view::npos && rest_[last] == '\\';
+}
+
+void LineReader::join_next_line()
+{
+    std::string_view before = rest_.substr(0, rest_.find_last_of('\\'));
+    // Appended in place, so that many short lines cost no more than one long one.
+    const bool is_joined = !joined_.empty() && before.data() >= joined_.data() &&
+                           before.data() <= joined_.data() + joined_.size();
+    const std::size_t begin =
+        is_joined ? static_cast<std::size_t>(before.data() - joined_.data()) : 0;
+    if (is_joined)
+        joined_.resize(begin + before.size());
+    else
+        joined_.assign(before);
+    if (offset_ < content_.size()) {
+        take_line();
+        joined_ += ' ';
+        joined_ += rest_;
+    }
+    if (joined_.size() > longest_line)
+        fail(join("is longer than ", longest_line, " bytes with the lines that continue it"));
+    rest_ = std::string_view(joined_).substr(begin);
+    skip_blanks();
+}
+
+std::string_view LineReader::next_keyword() const
+{
+    std::string_view text = content_.substr(offset_, longest_line);
+    text = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\v\f"), text.size()));
+    return text.substr(0, text.find_first_of(" \t\v\f"));
 }
 
 bool LineReader::next_line()
 {
     while (offset_ < content_.size()) {
         take_line();
-        while (!rest_.empty() && is_blank(rest_.front()))
-            rest_.remove_prefix(1);
+        skip_blanks();
         if (!rest_.empty())
             return true;
     }
-    line_ = rest_ = {};
+    rest_ = {};
     return false;
 }
 

@@ -12,6 +12,7 @@
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/hdf5/handles.h"
+#include "libshape/io/hdf5/rehearsal.h"
 
 namespace shape::internal {
 namespace {
@@ -229,6 +230,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path)
     std::ifstream(path, std::ios::binary).read(signature.data(), signature.size());
     if (std::string_view(signature.data(), signature.size()) != "\x89HDF\r\n\x1a\n")
         throw InvalidInput(path.string() + ": is not an HDF5 file");
+    rehearse_if_wanted(path);
     Silence silence;
     try {
         state_.reset(new State{{path.string(), static_cast<Eigen::Index>(size), open_file(path)}});
@@ -260,7 +262,7 @@ std::vector<std::string> Hdf5File::members(const std::string& group) const
     const Item item(*state_, group);
     return item.guarded([&] {
         std::vector<std::string> names;
-        if (!item.exists())
+        if (group != "/" && !item.exists())
             return names;
         const Id opened(H5Gopen2(state_->id, group.c_str(), H5P_DEFAULT), H5Gclose);
         const Id creation(H5Gget_create_plist(opened), H5Pclose);
@@ -337,6 +339,23 @@ bool Hdf5File::has_attribute(const std::string& name) const
     return item.guarded([&] { return checked(H5Aexists(state_->id, name.c_str())) > 0; });
 }
 
+std::vector<std::string> Hdf5File::attributes() const
+{
+    const Item item(*state_, "attributes");
+    return item.guarded([&] {
+        H5O_info_t info;
+        checked(H5Oget_info2(state_->id, &info, H5O_INFO_NUM_ATTRS));
+        std::vector<std::string> names;
+        for (hsize_t i = 0; i < info.num_attrs; ++i) {
+            std::array<char, longest_string + 1> name{};
+            checked(H5Aget_name_by_idx(state_->id, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(),
+                                       name.size(), H5P_DEFAULT));
+            names.emplace_back(name.data());
+        }
+        return names;
+    });
+}
+
 std::string Hdf5File::text_attribute(const std::string& name) const
 {
     const Item item(*state_, "attribute " + name);
@@ -369,6 +388,47 @@ std::int64_t Hdf5File::integer_attribute(const std::string& name) const
 void Hdf5File::fail(const std::string& name, const std::string& rule) const
 {
     throw InvalidInput(join(state_->path, ": ", name, ": ", rule));
+}
+
+namespace {
+
+/// Runs what may be refused.
+template <class Read>
+bool succeeds(const Read& read)
+{
+    try {
+        (void)read();
+        return true;
+    } catch (const InvalidInput&) {
+        return false;
+    }
+}
+
+void read_members(const Hdf5File& file, const std::string& group, int levels)
+{
+    for (const std::string& member : file.members(group.empty() ? "/" : group)) {
+        const std::string name = group + "/" + member;
+        Extents extents;
+        if (!succeeds([&] { return extents = file.extents(name); })) {
+            if (levels > 1)
+                succeeds([&] { return read_members(file, name, levels - 1), true; });
+            continue;
+        }
+        if (!succeeds([&] { return file.numbers(name, extents); }) &&
+            !succeeds([&] { return file.integers(name, extents); }) && extents.size() == 1)
+            succeeds([&] { return file.strings(name, extents.front()); });
+    }
+}
+
+} // namespace
+
+void read_everything(const Hdf5File& file)
+{
+    constexpr int levels = 4; // ours have two
+    for (const std::string& name : file.attributes())
+        succeeds([&] { return file.text_attribute(name); }) ||
+            succeeds([&] { return file.integer_attribute(name); });
+    read_members(file, "", levels);
 }
 
 } // namespace shape::internal

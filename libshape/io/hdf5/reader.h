@@ -40,6 +40,7 @@ public:
                                                    Eigen::Index expected) const;
 
     [[nodiscard]] bool has_attribute(const std::string& name) const;
+    [[nodiscard]] std::vector<std::string> attributes() const;
     [[nodiscard]] std::string text_attribute(const std::string& name) const;
     [[nodiscard]] std::int64_t integer_attribute(const std::string& name) const;
 
@@ -50,5 +51,8 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
+
+/// Reads all attributes, groups and datasets as the members of Hdf5File do, and keeps nothing.
+void read_everything(const Hdf5File& file);
 
 } // namespace shape::internal

@@ -136,6 +136,19 @@ TEST(ClosureEnergy, IsTheSumOfSquaresOfTheExplicitProducts)
     }
 }
 
+TEST(ClosureEnergy, IsTheSameWithoutItsGradient)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        SCOPED_TRACE(mesh.name);
+        const Eigen::VectorXd lengths = edge_lengths(mesh.topology, mesh.points);
+        const Eigen::VectorXd angles =
+            perturbed(dihedral_angles(mesh.topology, mesh.points), 0.3, 4);
+        const double value = energy(mesh, angles);
+        EXPECT_NEAR(closure_energy(mesh.topology, lengths, angles), value, 1e-12 * value);
+        EXPECT_THROW((void)closure_energy(mesh.topology, lengths, angles.head(2)), InvalidInput);
+    }
+}
+
 TEST(ClosureEnergy, GradientAgreesWithCentralDifferences)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {

@@ -14,6 +14,8 @@
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
 #include "libshape/embedding/energy/gauss_newton.h"
+#include "libshape/embedding/energy/stretch_term.h"
+#include "libshape/linalg/eight_lanes.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
@@ -82,11 +84,55 @@ std::vector<test::TestMesh> meshes_with_slivers()
 TEST(StretchTerm, IsTheSquareOfSmallStrainsAndItsWeightTheSlope)
 {
     EXPECT_NEAR(stretch_term(1e-4).value, 1e-8, 1e-13);
+    EXPECT_NEAR(stretch_term(stretch_onset).value,
+                stretch_onset * stretch_onset * (1.0 + 1.0 / 1.125), 1e-16);
     EXPECT_NEAR(stretch_term(1e3).value / 1e6, 9.0, 1e-3);
     for (const double s : {-0.5, -0.03, 0.001, 0.02, 0.1, 2.0}) {
         const double h = 1e-6 * std::abs(s);
         const double slope = (stretch_term(s + h).value - stretch_term(s - h).value) / (2.0 * h);
         EXPECT_NEAR(stretch_term(s).weight, slope / (2.0 * s), 1e-7 * slope / s);
+    }
+}
+
+TEST(StretchTerm, StiffensFromSixPerCentOn)
+{
+    // s = s0 = 0.06: phi = s0^2 (1 + 8 / 9), and its weight is 1 + 136 / 81.
+    for (const double s : {-0.06, 0.06}) {
+        EXPECT_NEAR(stretch_term(s).value, 0.0068, 1e-16);
+        EXPECT_NEAR(stretch_term(s).weight, 217.0 / 81.0, 1e-14);
+    }
+}
+
+TEST(LengthDihedralEnergy, TrustsTheBendsOfSliversByTheSquareOfTheirHeights)
+{
+    // Two triangles on an edge of length 1, the longest of both; their heights are those given.
+    const Topology hinge(Faces{{0, 1, 2}, {1, 0, 3}}, 4);
+    const auto weight = [&](double left, double right) {
+        const Points points{{0, 0, 0}, {1, 0, 0}, {0.5, left, 0}, {0.5, 0, -right}};
+        const LengthDihedralEnergy energy(hinge, test::shape_of(hinge, points), 0.4);
+        return energy.bend_weights().maxCoeff(); // that of the edge inside; 0 on the boundary
+    };
+    EXPECT_NEAR(weight(0.8, 0.5), 0.4, 1e-15);
+    EXPECT_NEAR(weight(0.21, 0.3), 0.4, 1e-15);
+    EXPECT_NEAR(weight(0.1, 0.3), 0.1, 1e-12); // half of a fifth, squared
+    EXPECT_NEAR(weight(0.3, 0.1), 0.1, 1e-12);
+    EXPECT_NEAR(weight(0.1, 0.04), 0.4 / 25.0, 1e-12); // the flatter of the two
+    EXPECT_NEAR(weight(0.001, 0.3), 0.004, 1e-12);     // not below a hundredth
+}
+
+TEST(StretchTerm, IsTheSameInFloatAndInEightLanesButForRounding)
+{
+    for (const double s : {-0.9, -0.05, 0.0, 1e-4, 0.06, 3.0}) {
+        const auto [value, weight] = stretch_term(s);
+        const StretchTerm<float> single = stretch_term(static_cast<float>(s));
+        EXPECT_NEAR(single.value, value, 1e-6 * value);
+        EXPECT_NEAR(single.weight, weight, 1e-6 * weight);
+        EightLanes strain = EightLanes::all(0.5F);
+        strain.of[3] = static_cast<float>(s);
+        const StretchTerm<EightLanes> eight = stretch_term(strain);
+        EXPECT_EQ(eight.value.of[3], single.value);
+        EXPECT_EQ(eight.weight.of[3], single.weight);
+        EXPECT_EQ(eight.value.of[4], stretch_term(0.5F).value);
     }
 }
 
@@ -386,11 +432,8 @@ TEST(GaussNewton, FindsAShakenMeshAgain)
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
         LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
-        std::vector<int> all;
-        for (int v = 0; v < mesh.topology.vertex_count(); ++v)
-            all.push_back(v);
         const GaussNewtonResult result =
-            GaussNewton(mesh.topology, all)
+            GaussNewton(mesh.topology, graded_unknowns(mesh.topology, energy.target().edge_lengths))
                 .minimize(energy, flat(perturbed(mesh, 0.05, 4)), {.max_iterations = 60});
         EXPECT_LT(result.value, 1e-18);
         VectorXd gradient;
@@ -408,8 +451,12 @@ TEST(GaussNewton, MovesTheNamedVerticesOnlyAndEndsWhereTheirGradientVanishes)
     LengthDihedralEnergy energy(mesh.topology, target, 0.1);
     const std::vector<int> some{3, 17, 40, 41, 200};
     const VectorXd start = flat(mesh.points);
+    GradedUnknowns unknowns{some, std::vector<std::vector<int>>(
+                                      static_cast<std::size_t>(mesh.topology.vertex_count()))};
+    for (std::size_t i = 0; i < some.size(); ++i)
+        unknowns.rows[static_cast<std::size_t>(some[i])] = {static_cast<int>(i)};
     const GaussNewtonResult result =
-        GaussNewton(mesh.topology, some)
+        GaussNewton(mesh.topology, unknowns)
             .minimize(energy, start, {.max_iterations = 200, .decrease_tolerance = 0.0});
     VectorXd before;
     VectorXd after;

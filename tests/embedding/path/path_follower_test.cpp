@@ -83,6 +83,39 @@ TEST(Continuation, MeetsLengthsOverEightOrdersOfMagnitude)
     EXPECT_LE(worst_edge(mesh.topology, found.points, target.edge_lengths), 1e-5);
 }
 
+TEST(Continuation, PaysLessByTheWorstEdgeTheStifferItIs)
+{
+    // Halfway between the angles of two meshes, with the lengths of neither.
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
+    const Points other = test::bumpy_sphere(3, 0.3, 2).points;
+    const ShapePoint a = test::shape_of(mesh.topology, mesh.points);
+    const ShapePoint b = test::shape_of(mesh.topology, other);
+    const ShapePoint half{0.5 * (a.edge_lengths + b.edge_lengths), a.dihedral_angles};
+    Continuation continuation(mesh.topology, half.edge_lengths);
+    const auto worst = [&](double stiffness) {
+        const ContinuedMesh found = continuation.adjust(mesh.points, half,
+                                                        {.smoothness = 1e-2,
+                                                         .stiffness = stiffness,
+                                                         .decrease_tolerance = 1e-6,
+                                                         .max_iterations = 40});
+        return worst_edge(mesh.topology, found.points, half.edge_lengths);
+    };
+    EXPECT_LT(worst(12.0), 0.8 * worst(1.0));
+}
+
+TEST(Continuation, StopsAfterTheStepsThatItMayTake)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(2, 0.3, 1);
+    const ShapePoint target = test::shape_of(mesh.topology, test::bumpy_sphere(2, 0.4, 1).points);
+    Continuation continuation(mesh.topology, target.edge_lengths);
+    for (const int steps : {0, 1, 3}) {
+        const ContinuedMesh found = continuation.adjust(
+            mesh.points, target, {.decrease_tolerance = 0.0, .max_iterations = steps});
+        EXPECT_EQ(found.iterations, steps);
+        EXPECT_FALSE(found.converged);
+    }
+}
+
 TEST(Continuation, RefusesWhatDoesNotFit)
 {
     const test::TestMesh mesh = test::icosphere(1);
@@ -145,6 +178,20 @@ TEST_F(FollowedMorph, MeetsTheLengthsEverywhere)
         EXPECT_LE(worst_edge(topology, follower.at(s).mesh.points, lengths(s)), 4e-3) << s;
     }
     EXPECT_LE(gap(follower.at(1.0).mesh.points), 1e-3);
+}
+
+TEST_F(FollowedMorph, AdjustsUntilTheLengthsAreAsNearAsWanted)
+{
+    const double s = inverse_morph_parameter(0.5);
+    const auto worst = [&](int rounds, double edge_tolerance) {
+        PathFollowerOptions options;
+        options.rounds = rounds;
+        options.edge_tolerance = edge_tolerance;
+        return worst_edge(topology, follower(options).at(s).mesh.points, lengths(s));
+    };
+    EXPECT_LE(worst(12, 2e-5), 2e-5);
+    EXPECT_GT(worst(12, 1e-2), 2e-5); // no nearer than wanted,
+    EXPECT_GT(worst(0, 2e-5), 2e-5);  // or than the rounds allow
 }
 
 TEST_F(FollowedMorph, ChangesSteadily)

@@ -1,0 +1,52 @@
+# The portable core: what turns points of a model into meshes (libshape/explore) and needs no package
+# but Eigen's headers; in WebAssembly, by tools/explore/decoder, and natively as shape_portable,
+# for the tests. libshape/portable stands in for threads, CHOLMOD and OpenMesh.
+set(SHAPE_PORTABLE_SOURCES
+    libshape/base/parallel_sum.cpp
+    libshape/base/random.cpp
+    libshape/base/vector_math.cpp
+    libshape/edge_space/admissibility.cpp
+    libshape/edge_space/length_coordinates.cpp
+    libshape/edge_space/procrustes.cpp
+    libshape/edge_space/shape_space.cpp
+    libshape/edge_space/shape_vectors.cpp
+    libshape/embedding/closure/closure.cpp
+    libshape/embedding/dihedral/dihedral_embedding.cpp
+    libshape/embedding/energy/descent.cpp
+    libshape/embedding/energy/eight_lane_descent.cpp
+    libshape/embedding/energy/eight_lane_energy.cpp
+    libshape/embedding/energy/gauss_newton_operator.cpp
+    libshape/embedding/energy/length_dihedral_energy.cpp
+    libshape/embedding/energy/region_mesh.cpp
+    libshape/embedding/finished_embedding.cpp
+    libshape/embedding/repair/fold_regions.cpp
+    libshape/embedding/repair/hot_spots.cpp
+    libshape/embedding/repair/region_repair.cpp
+    libshape/embedding/repair/rigid_filling.cpp
+    libshape/embedding/report.cpp
+    libshape/embedding/residual_field.cpp
+    libshape/embedding/start/edge_laplacian.cpp
+    libshape/embedding/start/face_fit.cpp
+    libshape/embedding/start/face_layout.cpp
+    libshape/embedding/start/face_patches.cpp
+    libshape/embedding/start/linear_start.cpp
+    libshape/embedding/start/local_frames.cpp
+    libshape/embedding/start/patch_frames.cpp
+    libshape/explore/model_block.cpp
+    libshape/explore/model_decoder.cpp
+    libshape/linalg/eight_lane_solve.cpp
+    libshape/linalg/factor_blocks.cpp
+    libshape/linalg/single_precision_solve.cpp
+    libshape/mesh/alignment.cpp
+    libshape/mesh/collection.cpp
+    libshape/mesh/defects.cpp
+    libshape/mesh/dihedral_angles.cpp
+    libshape/mesh/edge_lengths.cpp
+    libshape/mesh/renumbering.cpp
+    libshape/mesh/rotation_fit.cpp
+    libshape/mesh/topology.cpp
+    libshape/mesh/vertex_regions.cpp
+    libshape/portable/half_edges.cpp
+    libshape/portable/sparse_cholesky.cpp
+    libshape/portable/threads.cpp
+)

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/finished_embedding.h"
+
+#include <utility>
+
+#include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/closure/closure.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+/// E of the target of an embedding, before anything is solved.
+double closure_energy_of(const Topology& topology, const ShapePoint& target)
+{
+    return closure_energy(topology, positive_lengths(target.edge_lengths), target.dihedral_angles);
+}
+
+} // namespace
+
+Embedding as_embedding(const Topology& topology, Points points)
+{
+    points.rowwise() -= centroid(points);
+    const ShapePoint target{edge_lengths(topology, points), dihedral_angles(topology, points)};
+    Embedding embedding{std::move(points), {}};
+    embedding.report = measure_embedding(topology, embedding.points, target);
+    embedding.report.closure_energy = closure_energy_of(topology, target);
+    embedding.report.converged = true;
+    return embedding;
+}
+
+Embedding internal::finished_embedding(const Topology& topology, const Points& points,
+                                       const Points& reference, const ShapePoint& target,
+                                       Clock::time_point start)
+{
+    Embedding embedding{best_rigid_motion(points, reference)(points), {}};
+    embedding.points.rowwise() -= centroid(embedding.points);
+    const std::chrono::duration<double> time = Clock::now() - start;
+    embedding.report = measure_embedding(topology, embedding.points, target);
+    embedding.report.closure_energy = closure_energy_of(topology, target);
+    embedding.report.seconds = time.count();
+    return embedding;
+}
+
+Embedding internal::embed_by_dihedrals(const DihedralEmbedder& embedder, const Topology& topology,
+                                       const Points& reference, const ShapePoint& target,
+                                       const DihedralEmbeddingOptions& options)
+{
+    const Clock::time_point start = Clock::now();
+    const DihedralEmbedding nearest = embedder.embed(target, options);
+    Embedding embedding = finished_embedding(topology, nearest.points, reference, target, start);
+    embedding.report.iterations = nearest.iterations;
+    embedding.report.converged = nearest.converged;
+    return embedding;
+}
+
+} // namespace shape

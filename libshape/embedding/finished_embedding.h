@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <chrono>
+
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/dihedral/dihedral_embedding.h"
+#include "libshape/embedding/embedder.h"
+#include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
+
+namespace shape::internal {
+
+using Clock = std::chrono::steady_clock;
+
+/// What every method ends with: points moved rigidly onto the reference, their centroid then to 0,
+/// and measured against the target; what the solver alone knows is left open, closure_energy is that of
+/// the target.
+/// @param start  When the embedding began; its `seconds` end before it is measured.
+[[nodiscard]] Embedding finished_embedding(const Topology& topology, const Points& points,
+                                           const Points& reference, const ShapePoint& target,
+                                           Clock::time_point start);
+
+/// EmbeddingMethod::Dihedral from beginning to end.
+/// @throws as DihedralEmbedder::embed().
+[[nodiscard]] Embedding embed_by_dihedrals(const DihedralEmbedder& embedder,
+                                           const Topology& topology, const Points& reference,
+                                           const ShapePoint& target,
+                                           const DihedralEmbeddingOptions& options);
+
+} // namespace shape::internal

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <filesystem>
+
+namespace shape::internal {
+
+/// Reads the whole file in a child process first, if rehearse_hdf5_files() (untrusted_files.h) has been
+/// asked for. Once for a file that stays as it is.
+/// @throws InvalidInput if that process crashes or needs too much time or memory.
+/// @throws LimitExceeded if it cannot be started.
+void rehearse_if_wanted(const std::filesystem::path& path);
+
+} // namespace shape::internal

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/io/label_file.h"
+
+#include <unicode/bytestream.h>
+#include <unicode/normalizer2.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/io/file/line_reader.h"
+#include "libshape/io/table_file.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+/// Stands for a key that several meshes have.
+constexpr std::size_t ambiguous = static_cast<std::size_t>(-1);
+
+std::string lower_case(std::string_view text)
+{
+    std::string lower(text);
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    return lower;
+}
+
+/// Blanks of ASCII, and those that are pasted from web pages and documents.
+std::string_view without_outer_blanks(std::string_view text)
+{
+    constexpr std::array<std::string_view, 9> blanks = {
+        " ", "\t", "\r", "\n", "\v", "\f", "\xC2\xA0", "\xEF\xBB\xBF", "\xE2\x80\x8B"};
+    for (bool again = true; again;) {
+        again = false;
+        for (const std::string_view blank : blanks) {
+            if (text.starts_with(blank)) {
+                text.remove_prefix(blank.size());
+                again = true;
+            } else if (text.ends_with(blank)) {
+                text.remove_suffix(blank.size());
+                again = true;
+            }
+        }
+    }
+    return text;
+}
+
+/// Unicode NFC; text that cannot be composed stays as it is.
+std::string composed(std::string_view text)
+{
+    if (std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; }) ||
+        !is_utf8(text))
+        return std::string(text);
+    UErrorCode status = U_ZERO_ERROR;
+    const icu::Normalizer2* normalizer = icu::Normalizer2::getNFCInstance(status);
+    std::string result;
+    icu::StringByteSink<std::string> sink(&result);
+    if (U_SUCCESS(status))
+        normalizer->normalizeUTF8(
+            0, icu::StringPiece(text.data(), static_cast<std::int32_t>(text.size())), sink, nullptr,
+            status);
+    return U_SUCCESS(status) ? result : std::string(text);
+}
+
+/// What names of one mesh have in common.
+std::string key_of(std::string_view name)
+{
+    name = without_outer_blanks(name);
+    const std::string lower = lower_case(name);
+    for (const std::string_view ending : {".ply", ".obj", ".off"})
+        if (lower.size() > ending.size() && lower.ends_with(ending)) {
+            name.remove_suffix(ending.size());
+            break;
+        }
+    return composed(without_outer_blanks(name));
+}
+
+/// Finds meshes by their names as tables spell them.
+class NameIndex
+{
+public:
+    explicit NameIndex(const std::vector<std::string>& names)
+    {
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            exact_.emplace(names[i], i);
+            const auto [place, is_new] = by_key_.emplace(key_of(names[i]), i);
+            if (!is_new)
+                place->second = ambiguous;
+        }
+    }
+    /// @return The mesh; `ambiguous`; or nothing.
+    [[nodiscard]] std::optional<std::size_t> find(const std::string& name) const
+    {
+        if (const auto found = exact_.find(name); found != exact_.end())
+            return found->second;
+        if (const auto found = by_key_.find(key_of(name)); found != by_key_.end())
+            return found->second;
+        return std::nullopt;
+    }
+
+private:
+    std::map<std::string, std::size_t> exact_;
+    std::map<std::string, std::size_t> by_key_;
+};
+
+} // namespace
+
+std::string label_value(std::string_view cell)
+{
+    constexpr std::array<std::string_view, 10> missing = {"",     "na",  "n/a",  "#n/a", "#na",
+                                                          "<na>", "nan", "-nan", "null", "#null!"};
+    const std::string_view text = without_outer_blanks(cell);
+    if (text == "." || std::find(missing.begin(), missing.end(), lower_case(text)) != missing.end())
+        return {};
+    return composed(text);
+}
+
+LabelFile read_label_file(const std::filesystem::path& path, const std::vector<std::string>& names)
+{
+    const Table table = read_table(path);
+    const auto fail = [&](const auto&... parts) {
+        throw InvalidInput(join(path.string(), ": ", parts...));
+    };
+    if (without_outer_blanks(table.columns.front()) != "mesh")
+        fail("the first column is ", in_quotes(table.columns.front()),
+             ", must be 'mesh' (the names of the mesh files)");
+    const NameIndex index(names);
+    LabelFile result;
+    std::vector<const std::vector<std::string>*> row_of(names.size(), nullptr);
+    for (const std::vector<std::string>& row : table.rows) {
+        const std::optional<std::size_t> mesh = index.find(row.front());
+        if (!mesh) {
+            result.unused.push_back(row.front());
+            continue;
+        }
+        if (*mesh == ambiguous)
+            fail(
+                "mesh ", in_quotes(row.front()),
+                " could be several meshes, whose names differ by blanks, endings or accents alone");
+        if (row_of[*mesh] != nullptr)
+            fail("mesh ", in_quotes(row.front()), " occurs twice");
+        row_of[*mesh] = &row;
+    }
+    for (std::size_t c = 1; c < table.columns.size(); ++c)
+        result.labels.push_back({composed(without_outer_blanks(table.columns[c])), {}});
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (row_of[i] == nullptr)
+            fail("mesh ", in_quotes(names[i]), " is missing",
+                 result.unused.empty()
+                     ? std::string()
+                     : join("; the table has names that no mesh has, first ",
+                            in_quotes(result.unused.front()), ": are they spelled alike?"));
+        for (std::size_t c = 1; c < row_of[i]->size(); ++c)
+            result.labels[c - 1].values.push_back(label_value((*row_of[i])[c]));
+    }
+    return result;
+}
+
+} // namespace shape

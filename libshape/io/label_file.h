@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libshape/mesh/labels.h"
+
+namespace shape {
+
+/// Labels of the meshes of a collection, from a table that may be of a larger study.
+struct LabelFile
+{
+    Labels labels;                   ///< Values as label_value() gives them.
+    std::vector<std::string> unused; ///< Meshes of the table that were not asked for, in its order.
+};
+
+/// Reads the labels of the named meshes from a table whose first column is `mesh`.
+///
+/// A row is of the mesh whose name it has; if there is none, of the one whose name is the same without
+/// outer blanks, without the ending of a mesh file (.ply .obj .off) and with accents composed (Unicode
+/// NFC) on both sides.
+/// @throws InvalidInput as read_table(); if the first column has another name, a mesh has no row or
+///     two, or a row could be of several meshes.
+[[nodiscard]] LabelFile read_label_file(const std::filesystem::path& path,
+                                        const std::vector<std::string>& names);
+
+/// The value that a cell gives: without outer blanks, accents composed (Unicode NFC); empty if it is
+/// missing. Missing are the words that stand for no value in what R, Python and spreadsheets write, in
+/// any case: NA, N/A, #N/A, #NA, <NA>, NaN, -NaN, NULL, #NULL!, and `.`
+[[nodiscard]] std::string label_value(std::string_view cell);
+
+} // namespace shape

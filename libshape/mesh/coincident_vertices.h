@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libshape/mesh/points.h"
+
+namespace shape {
+
+/// Vertices that lie on one another, ascending; at least two.
+using VertexGroup = std::vector<int>;
+
+/// The groups of vertices that lie on one another in every one of the meshes, by their lowest
+/// vertex. Exporters double vertices where texture or normals jump; edge lengths do not know that
+/// such a seam is closed, and a blend tears it open.
+///
+/// Two vertices lie on one another if their distance is <= 1e-7 times the diagonal of the bounding
+/// box (single precision), directly or by way of others.
+///
+/// @param meshes  At least one; all of one size, finite.
+/// @throws InvalidInput if a rule is broken.
+/// Cost: O(#V log #V) once and O(#V) a mesh.
+[[nodiscard]] std::vector<VertexGroup> coincident_vertices(std::span<const Points> meshes);
+
+/// "; 24 of 24 vertices lie on others: ..." if any do, else empty (also if a coordinate is not finite):
+/// what may have broken a surface into components.
+[[nodiscard]] std::string describe_coincident(const Points& points);
+
+/// The faces with some vertices made one, or with some left out.
+struct VertexChoice
+{
+    Faces faces;
+    std::vector<int> vertices; ///< Entry i: what vertex i of the faces was before; ascending.
+};
+
+/// Makes each group one vertex, the lowest; the others keep their order. Faces that lose a corner by
+/// it go.
+/// @throws InvalidInput if a face or a group names a vertex outside [0, vertex_count).
+/// Cost: O(#V + #F).
+[[nodiscard]] VertexChoice weld(const Faces& faces, int vertex_count,
+                                const std::vector<VertexGroup>& groups);
+
+/// Keeps these faces and the vertices that they have; both keep their order.
+/// @param kept  One entry a face.
+[[nodiscard]] VertexChoice keep_faces(const Faces& faces, int vertex_count,
+                                      const std::vector<bool>& kept);
+
+/// The positions of the chosen vertices.
+[[nodiscard]] Points chosen_points(const Points& points, const std::vector<int>& vertices);
+
+} // namespace shape

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/handedness.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/threads.h"
+#include "libshape/mesh/dihedral_angles.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+constexpr int most_angles = 2000;
+
+/// Half-edges that run around each loop of the boundary, faces on their left.
+std::vector<std::vector<int>> boundary_loops(const Topology& topology)
+{
+    std::vector<int> leaving(static_cast<std::size_t>(topology.vertex_count()), -1);
+    for (int e = 0; e < topology.edge_count(); ++e)
+        if (topology.is_boundary_edge(e)) {
+            const int h = topology.edge_halfedges()(e, 0);
+            leaving[static_cast<std::size_t>(topology.source(h))] = h;
+        }
+    std::vector<std::vector<int>> loops;
+    for (int& start : leaving) {
+        if (start < 0)
+            continue;
+        loops.emplace_back();
+        for (int h = start; h >= 0;) {
+            loops.back().push_back(h);
+            int& next = leaving[static_cast<std::size_t>(topology.target(h))];
+            leaving[static_cast<std::size_t>(topology.source(h))] = -1;
+            h = next;
+        }
+    }
+    return loops;
+}
+
+double volume_of(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b,
+                 const Eigen::RowVector3d& c)
+{
+    return a.dot(b.cross(c)) / 6.0;
+}
+
+double volume_of(const Topology& topology, const std::vector<std::vector<int>>& loops,
+                 const Points& points)
+{
+    const Eigen::RowVector3d origin = points.colwise().mean(); // far from the mesh, digits are lost
+    const auto at = [&](int v) -> Eigen::RowVector3d { return points.row(v) - origin; };
+    double volume = 0.0;
+    for (const auto& face : topology.faces().rowwise())
+        volume += volume_of(at(face[0]), at(face[1]), at(face[2]));
+    for (const std::vector<int>& loop : loops) {
+        Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+        for (const int h : loop)
+            centre += at(topology.source(h)) / static_cast<double>(loop.size());
+        for (const int h : loop)
+            volume += volume_of(centre, at(topology.target(h)), at(topology.source(h)));
+    }
+    return volume;
+}
+
+double area_of(const Topology& topology, const Points& points)
+{
+    double area = 0.0;
+    for (const auto& face : topology.faces().rowwise()) {
+        const Eigen::RowVector3d a = points.row(face[0]);
+        area += 0.5 * (points.row(face[1]) - a).cross(points.row(face[2]) - a).norm();
+    }
+    return area;
+}
+
+/// Dihedral angles at edges drawn evenly from the interior, of norm 1 (or 0: flat), a row a mesh.
+Eigen::MatrixXd angle_directions(const Topology& topology, std::span<const Points> meshes)
+{
+    std::vector<int> interior;
+    for (int e = 0; e < topology.edge_count(); ++e)
+        if (!topology.is_boundary_edge(e))
+            interior.push_back(e);
+    const std::size_t count = std::min<std::size_t>(interior.size(), most_angles);
+    Eigen::MatrixXd angles(meshes.size(), count);
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        const auto at = [&](int v) -> Eigen::Vector3d { return meshes[i].row(v).transpose(); };
+        for (std::size_t k = 0; k < count; ++k) {
+            const int e = interior[k * interior.size() / count];
+            const int h = topology.edge_halfedges()(e, 0);
+            const int back = topology.edge_halfedges()(e, 1);
+            angles(row, static_cast<Eigen::Index>(k)) = dihedral_angle(
+                at(topology.source(h)), at(topology.target(h)),
+                at(topology.target(Topology::next(h))), at(topology.target(Topology::next(back))));
+        }
+        if (const double norm = angles.row(row).norm(); norm > 0.0)
+            angles.row(row) /= norm;
+    }
+    return angles;
+}
+
+/// +1 or -1 for each mesh by the side of the common direction that its angles lie on, 0 in between.
+std::vector<int> sides(const Eigen::MatrixXd& directions)
+{
+    Eigen::VectorXd common = directions.row(0).transpose();
+    for (int round = 0; round < 4; ++round) {
+        const Eigen::VectorXd signs = (directions * common).array().sign();
+        common = (directions.transpose() * signs).normalized();
+    }
+    std::vector<int> result;
+    for (const double cosine : directions* common)
+        result.push_back(cosine > 0.5 ? 1 : cosine < -0.5 ? -1 : 0);
+    return result;
+}
+
+} // namespace
+
+double signed_volume(const Topology& topology, const Points& points)
+{
+    if (points.rows() != topology.vertex_count())
+        throw InvalidInput(join("points has ", points.rows(), " rows, must have ",
+                                topology.vertex_count(), ", one a vertex"));
+    return volume_of(topology, boundary_loops(topology), points);
+}
+
+Handedness compare_handedness(const Topology& topology, std::span<const Points> meshes)
+{
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        if (meshes[i].rows() != topology.vertex_count())
+            throw InvalidInput(join("meshes[", i, "] has ", meshes[i].rows(),
+                                    " vertices, must have ", topology.vertex_count()));
+    if (meshes.empty())
+        return {};
+    const std::vector<std::vector<int>> loops = boundary_loops(topology);
+    std::vector<double> fill(meshes.size()); // volume over that of a cube of the same area, about
+    parallel_for(meshes.size(), 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            fill[i] =
+                volume_of(topology, loops, meshes[i]) / std::pow(area_of(topology, meshes[i]), 1.5);
+    });
+    std::vector<int> side;
+    if (topology.is_closed()) {
+        for (const double f : fill)
+            side.push_back(f > 1e-9 ? 1 : f < -1e-9 ? -1 : 0);
+    } else {
+        side = sides(angle_directions(topology, meshes));
+    }
+    const double least = topology.is_closed() ? 1e-9 : 0.02;
+    const auto is_inside_out = [&](std::size_t i) { return fill[i] < -least; };
+
+    const auto count = [&](int which) { return std::count(side.begin(), side.end(), which); };
+    int odd = count(1) < count(-1) ? 1 : -1;
+    if (count(1) == count(-1) && count(1) > 0) { // those inside out, if that can be told
+        const auto first = std::find_if(side.begin(), side.end(), [](int s) { return s != 0; });
+        const auto i = static_cast<std::size_t>(first - side.begin());
+        odd = is_inside_out(i) ? *first : -*first;
+    }
+    Handedness result;
+    bool has_others = false;
+    result.inside_out = true;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        if (side[i] == odd) {
+            result.mirrored.push_back(i);
+        } else {
+            has_others = true;
+            result.inside_out = result.inside_out && is_inside_out(i);
+        }
+    }
+    result.inside_out = result.inside_out && has_others;
+    return result;
+}
+
+} // namespace shape

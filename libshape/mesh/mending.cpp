@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/mending.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "libshape/base/counted.h"
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/mesh/coincident_vertices.h"
+#include "libshape/mesh/defects.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/handedness.h"
+#include "libshape/mesh/oddities.h"
+#include "libshape/mesh/partition.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+/// Meshes of one face list, treated alike.
+struct Batch
+{
+    Faces faces;
+    int vertex_count = 0;
+    std::vector<std::string> names;
+    std::vector<std::string> paths;
+    std::vector<Points> points;
+
+    [[nodiscard]] std::string who() const
+    {
+        std::vector<std::size_t> all(names.size());
+        for (std::size_t i = 0; i < all.size(); ++i)
+            all[i] = i;
+        return list_names(names, all);
+    }
+};
+
+using Changes = std::vector<std::string>;
+
+Faces reversed(Faces faces)
+{
+    faces.col(1).swap(faces.col(2));
+    return faces;
+}
+
+Points mirrored(Points points)
+{
+    points.col(0) = -points.col(0);
+    return points;
+}
+
+std::vector<std::array<int, 3>> sorted_faces(const Faces& faces)
+{
+    std::vector<std::array<int, 3>> result;
+    for (const auto& face : faces.rowwise()) {
+        std::array<int, 3> corners{face[0], face[1], face[2]};
+        std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()),
+                    corners.end());
+        result.push_back(corners);
+    }
+    std::sort(result.begin(), result.end());
+    return result;
+}
+
+std::optional<Topology> topology_of(const Faces& faces, int vertex_count)
+{
+    if (!find_defects(faces, vertex_count, 1).empty())
+        return std::nullopt;
+    return Topology(faces, vertex_count);
+}
+
+/// Gives a mesh the faces of the first one if they are the same but for order and orientation.
+void take_faces_of(const NamedMesh& first, NamedMesh& mesh, Changes& changes)
+{
+    if (mesh.points.rows() != first.points.rows() || mesh.faces.rows() != first.faces.rows() ||
+        mesh.faces == first.faces)
+        return;
+    const auto wanted = sorted_faces(first.faces);
+    if (sorted_faces(mesh.faces) == wanted) {
+        mesh.faces = first.faces;
+        changes.push_back(join(mesh.name, ": faces put into the order of ", first.name));
+    } else if (sorted_faces(reversed(mesh.faces)) == wanted) {
+        mesh.faces = first.faces;
+        const auto topology = topology_of(first.faces, static_cast<int>(first.points.rows()));
+        const std::array<Points, 2> both{first.points, mesh.points};
+        const bool is_mirror_image =
+            topology && !compare_handedness(*topology, both).mirrored.empty();
+        if (is_mirror_image)
+            mesh.points = mirrored(mesh.points);
+        changes.push_back(join(mesh.name, ": faces reversed",
+                               is_mirror_image ? " and x taken times -1 (it was a mirror image)"
+                                               : " (it was inside out)"));
+    }
+}
+
+std::vector<Batch> batches_of(std::vector<NamedMesh> meshes)
+{
+    std::vector<Batch> batches;
+    for (NamedMesh& mesh : meshes) {
+        const auto count = static_cast<int>(mesh.points.rows());
+        auto batch = std::find_if(batches.begin(), batches.end(), [&](const Batch& b) {
+            return b.vertex_count == count && b.faces.rows() == mesh.faces.rows() &&
+                   b.faces == mesh.faces;
+        });
+        if (batch == batches.end())
+            batch = batches.insert(batch, {mesh.faces, count, {}, {}, {}});
+        batch->names.push_back(std::move(mesh.name));
+        batch->paths.push_back(std::move(mesh.path));
+        batch->points.push_back(std::move(mesh.points));
+    }
+    return batches;
+}
+
+void apply(Batch& batch, const VertexChoice& choice)
+{
+    batch.faces = choice.faces;
+    batch.vertex_count = static_cast<int>(choice.vertices.size());
+    for (Points& points : batch.points)
+        points = chosen_points(points, choice.vertices);
+}
+
+std::size_t defect_count(const Faces& faces, int vertex_count)
+{
+    return find_defects(faces, vertex_count, 1'000'000).size();
+}
+
+void weld_seams(Batch& batch, Changes& changes)
+{
+    const std::vector<VertexGroup> groups = coincident_vertices(batch.points);
+    if (groups.empty())
+        return;
+    const VertexChoice choice = weld(batch.faces, batch.vertex_count, groups);
+    const auto before = static_cast<std::size_t>(batch.vertex_count);
+    if (choice.faces.rows() == 0 ||
+        defect_count(choice.faces, static_cast<int>(choice.vertices.size())) >
+            defect_count(batch.faces, batch.vertex_count))
+        return;
+    apply(batch, choice);
+    changes.push_back(join(batch.who(), ": ",
+                           counted(before - choice.vertices.size(), "vertex", "vertices"),
+                           " welded to the ", groups.size(), " they lie on"));
+}
+
+void drop_repeated_faces(Batch& batch, Changes& changes)
+{
+    std::set<std::array<int, 3>> seen;
+    std::vector<bool> kept;
+    for (const auto& face : batch.faces.rowwise()) {
+        std::array<int, 3> corners{face[0], face[1], face[2]};
+        std::sort(corners.begin(), corners.end());
+        const bool is_triangle = corners[0] != corners[1] && corners[1] != corners[2];
+        kept.push_back(is_triangle && seen.insert(corners).second);
+    }
+    const auto dropped = std::count(kept.begin(), kept.end(), false);
+    if (dropped == 0 || dropped == std::ssize(kept))
+        return;
+    apply(batch, keep_faces(batch.faces, batch.vertex_count, kept));
+    changes.push_back(join(batch.who(), ": ", counted(dropped, "face"),
+                           " taken away that repeated another or named a vertex twice"));
+}
+
+/// The sides of faces by their edge.
+std::map<std::pair<int, int>, std::vector<int>> faces_at_edges(const Faces& faces)
+{
+    std::map<std::pair<int, int>, std::vector<int>> at;
+    for (int f = 0; f < faces.rows(); ++f)
+        for (int c = 0; c < 3; ++c)
+            at[std::minmax({faces(f, c), faces(f, (c + 1) % 3)})].push_back(f);
+    return at;
+}
+
+bool runs_along(const Faces& faces, int face, int from, int to)
+{
+    for (int c = 0; c < 3; ++c)
+        if (faces(face, c) == from && faces(face, (c + 1) % 3) == to)
+            return true;
+    return false;
+}
+
+/// Turns faces so that neighbours agree, in each piece as most of its faces are; pieces that have no
+/// orientation (a Moebius strip) stay.
+void orient_faces(Batch& batch, Changes& changes)
+{
+    const auto at_edges = faces_at_edges(batch.faces);
+    const auto count = static_cast<std::size_t>(batch.faces.rows());
+    std::vector<std::vector<std::pair<int, bool>>> neighbours(count); // and whether they disagree
+    for (const auto& [edge, faces] : at_edges)
+        if (faces.size() == 2) {
+            const bool disagrees = runs_along(batch.faces, faces[0], edge.first, edge.second) ==
+                                   runs_along(batch.faces, faces[1], edge.first, edge.second);
+            neighbours[static_cast<std::size_t>(faces[0])].emplace_back(faces[1], disagrees);
+            neighbours[static_cast<std::size_t>(faces[1])].emplace_back(faces[0], disagrees);
+        }
+    std::vector<int> turn(count, -1); // 0: as it is, 1: turned
+    Faces turned = batch.faces;
+    int turned_count = 0;
+    for (std::size_t seed = 0; seed < count; ++seed) {
+        if (turn[seed] >= 0)
+            continue;
+        turn[seed] = 0;
+        std::vector<int> piece{static_cast<int>(seed)};
+        bool is_orientable = true;
+        for (std::size_t i = 0; i < piece.size(); ++i) {
+            const auto f = static_cast<std::size_t>(piece[i]);
+            for (const auto& [other, disagrees] : neighbours[f]) {
+                int& state = turn[static_cast<std::size_t>(other)];
+                const int wanted = disagrees ? 1 - turn[f] : turn[f];
+                if (state < 0) {
+                    state = wanted;
+                    piece.push_back(other);
+                }
+                is_orientable = is_orientable && state == wanted;
+            }
+        }
+        const auto flips = std::count_if(piece.begin(), piece.end(), [&](int f) {
+            return turn[static_cast<std::size_t>(f)] == 1;
+        });
+        const int flipped = 2 * flips <= std::ssize(piece) ? 1 : 0;
+        if (!is_orientable)
+            continue;
+        for (const int f : piece)
+            if (turn[static_cast<std::size_t>(f)] == flipped) {
+                std::swap(turned(f, 1), turned(f, 2));
+                ++turned_count;
+            }
+    }
+    if (turned_count == 0)
+        return;
+    batch.faces = turned;
+    changes.push_back(
+        join(batch.who(), ": ", counted(turned_count, "face"), " turned to agree with the others"));
+}
+
+/// The faces of each piece; pieces hang together through edges.
+std::vector<std::vector<bool>> pieces_of(const Faces& faces)
+{
+    Partition partition(static_cast<std::size_t>(faces.rows()));
+    for (const auto& [edge, at] : faces_at_edges(faces))
+        for (const int f : at)
+            partition.unite(at.front(), f);
+    std::map<int, std::vector<bool>> pieces;
+    for (int f = 0; f < faces.rows(); ++f) {
+        std::vector<bool>& piece = pieces[partition.root(f)];
+        piece.resize(static_cast<std::size_t>(faces.rows()), false);
+        piece[static_cast<std::size_t>(f)] = true;
+    }
+    std::vector<std::vector<bool>> result;
+    for (auto& [root, piece] : pieces)
+        result.push_back(std::move(piece));
+    std::stable_sort(result.begin(), result.end(), [](const auto& a, const auto& b) {
+        return std::count(a.begin(), a.end(), true) > std::count(b.begin(), b.end(), true);
+    });
+    return result;
+}
+
+/// Pieces are chosen, and vertices without a face go.
+std::vector<Batch> choose_pieces(Batch batch, Components components, Changes& changes)
+{
+    constexpr std::size_t most_pieces = 1000;
+    std::vector<std::vector<bool>> pieces = pieces_of(batch.faces);
+    const bool splits = components == Components::Split && pieces.size() > 1;
+    if (splits && pieces.size() > most_pieces)
+        throw LimitExceeded(join(batch.who(), ": the surface has ", pieces.size(),
+                                 " pieces; at most ", most_pieces, " are split"));
+    std::vector<Batch> result;
+    for (std::size_t p = 0; p < (splits ? pieces.size() : 1); ++p) {
+        Batch part = batch;
+        apply(part, keep_faces(batch.faces, batch.vertex_count, pieces[p]));
+        if (splits)
+            for (std::string& name : part.names)
+                name += join("_part", p + 1);
+        result.push_back(std::move(part));
+    }
+    const auto faces = std::count(pieces.front().begin(), pieces.front().end(), true);
+    if (splits)
+        changes.push_back(join(batch.who(), ": split into ", pieces.size(), " pieces"));
+    else if (pieces.size() > 1)
+        changes.push_back(join(batch.who(), ": kept the largest of ", pieces.size(), " pieces (",
+                               faces, " of ", counted(batch.faces.rows(), "face"), ")"));
+    else if (const int isolated = batch.vertex_count - result.front().vertex_count; isolated > 0)
+        changes.push_back(join(batch.who(), ": ", counted(isolated, "vertex", "vertices"),
+                               " without a face taken away"));
+    return result;
+}
+
+void mend_orientation(Batch& batch, Changes& changes)
+{
+    const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
+    if (!topology)
+        return;
+    const Handedness found = compare_handedness(*topology, batch.points);
+    for (const std::size_t i : found.mirrored)
+        batch.points[i] = mirrored(batch.points[i]);
+    if (!found.mirrored.empty())
+        changes.push_back(join(list_names(batch.names, found.mirrored),
+                               ": x taken times -1 (mirrored against the others)"));
+    if (!found.inside_out)
+        return;
+    batch.faces = reversed(batch.faces);
+    changes.push_back(join(batch.who(), ": faces reversed (inside out)"));
+}
+
+/// The ratio of two units that this ratio is within a twentieth of the logarithm of 2 ... 1000.
+double nearest_unit_ratio(double ratio)
+{
+    for (const double known : {2.54, 10.0, 25.4, 39.37007874015748, 100.0, 304.8, 1000.0})
+        for (const double exact : {known, 1.0 / known})
+            if (std::abs(std::log(ratio / exact)) < std::log(1.25))
+                return exact;
+    return 1.0;
+}
+
+void mend_sizes(Batch& batch, Changes& changes)
+{
+    const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
+    if (!topology)
+        return;
+    std::vector<double> sizes;
+    for (const Points& points : batch.points)
+        sizes.push_back(edge_lengths(*topology, points).sum());
+    const std::vector<std::size_t> odd = odd_sizes(sizes);
+    if (odd.empty())
+        return;
+    std::vector<double> usual;
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+        if (!std::binary_search(odd.begin(), odd.end(), i))
+            usual.push_back(sizes[i]);
+    std::sort(usual.begin(), usual.end());
+    std::map<double, std::vector<std::size_t>> scaled;
+    for (const std::size_t i : odd) {
+        const double factor = nearest_unit_ratio(usual[usual.size() / 2] / sizes[i]);
+        if (factor == 1.0)
+            continue;
+        batch.points[i] *= factor;
+        scaled[factor].push_back(i);
+    }
+    for (const auto& [factor, meshes] : scaled)
+        changes.push_back(join(list_names(batch.names, meshes), ": scaled by ", factor,
+                               " to the unit of the others"));
+}
+
+} // namespace
+
+MendedMeshes mend(std::vector<NamedMesh> meshes, const MendingOptions& options)
+{
+    MendedMeshes result;
+    for (std::size_t i = 1; i < meshes.size(); ++i)
+        take_faces_of(meshes.front(), meshes[i], result.changes);
+    for (Batch& batch : batches_of(std::move(meshes))) {
+        weld_seams(batch, result.changes);
+        drop_repeated_faces(batch, result.changes);
+        orient_faces(batch, result.changes);
+        for (Batch& part : choose_pieces(std::move(batch), options.components, result.changes)) {
+            mend_orientation(part, result.changes);
+            mend_sizes(part, result.changes);
+            for (std::size_t i = 0; i < part.names.size(); ++i)
+                result.meshes.push_back({part.names[i], part.paths[i], part.points[i], part.faces});
+        }
+    }
+    return result;
+}
+
+} // namespace shape

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "libshape/mesh/collection.h"
+
+namespace shape {
+
+/// What becomes of a surface in several pieces.
+enum class Components
+{
+    KeepLargest, ///< That with the most faces, the first of equal ones.
+    Split,       ///< Each piece becomes a mesh of its own, NAME_part1 and so on, in order of faces.
+};
+
+struct MendingOptions
+{
+    Components components = Components::KeepLargest;
+};
+
+/// Meshes made from others, and what was done.
+struct MendedMeshes
+{
+    std::vector<NamedMesh> meshes;
+    std::vector<std::string> changes; ///< A sentence each, naming the meshes.
+};
+
+/// Mends what can be mended without a guess about the shape. In this order:
+/// 1. a mesh with the faces of the first one, but in another order, reversed, or reversed and mirrored,
+///    gets those of the first one (and is mirrored back);
+/// 2. vertices that lie on one another are made one, if they do in all meshes of one face list and the
+///    defects do not grow by it;
+/// 3. faces that name a vertex twice or repeat another go; faces are turned so that neighbours agree;
+///    pieces are chosen; vertices without a face go;
+/// 4. meshes that are mirror images of the others are mirrored back, and surfaces that are inside out
+///    are reversed;
+/// 5. meshes whose sizes differ from the others' by the ratio of two units are scaled to theirs.
+/// Meshes of one face list are treated alike, so that they stay in correspondence. What is left to
+/// mend, find_defects() and collect() say.
+/// @param meshes  Finite; faces name vertices that exist.
+/// Cost: about that of collect().
+[[nodiscard]] MendedMeshes mend(std::vector<NamedMesh> meshes, const MendingOptions& options = {});
+
+} // namespace shape

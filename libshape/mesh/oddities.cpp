@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/oddities.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <sstream>
+
+#include "libshape/base/counted.h"
+#include "libshape/base/format.h"
+#include "libshape/mesh/coincident_vertices.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/handedness.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+double median(std::vector<double> values)
+{
+    const auto middle = values.begin() + std::ssize(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+std::string rounded(double value)
+{
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(3);
+    text << value;
+    return text.str();
+}
+
+/// The two units whose ratio this is, within a tenth; empty if none.
+std::string unit_ratio(double ratio)
+{
+    struct Ratio
+    {
+        double value;
+        const char* units;
+    };
+    constexpr std::array<Ratio, 6> ratios = {{{2.54, "centimetres and inches"},
+                                              {10.0, "millimetres and centimetres"},
+                                              {25.4, "millimetres and inches"},
+                                              {39.37, "inches and metres"},
+                                              {100.0, "centimetres and metres"},
+                                              {1000.0, "millimetres and metres"}}};
+    for (const Ratio& known : ratios)
+        if (std::abs(std::log(ratio / known.value)) < std::log(1.25))
+            return known.units;
+    return {};
+}
+
+void find_seams(const Collection& collection, std::vector<Oddity>& oddities)
+{
+    if (collection.topology.is_closed())
+        return;
+    std::vector<VertexGroup> groups = coincident_vertices(collection.points);
+    std::erase_if(groups, [&](const VertexGroup& group) {
+        return std::count_if(group.begin(), group.end(),
+                             [&](int v) { return collection.topology.is_boundary_vertex(v); }) < 2;
+    });
+    if (groups.empty())
+        return;
+    std::size_t vertices = 0;
+    for (const VertexGroup& group : groups)
+        vertices += group.size();
+    std::vector<std::size_t> all(collection.size());
+    std::iota(all.begin(), all.end(), 0);
+    oddities.push_back(
+        {OddityKind::Seam, all,
+         join(
+             vertices, " boundary vertices lie on one another at ", counted(groups.size(), "place"),
+             collection.size() == 1 ? " in mesh " : " in all meshes, first ",
+             collection.names.front(), ": vertices ", groups.front()[0], " and ", groups.front()[1],
+             "; the surface is open along this seam and blends will tear there. Export without "
+             "splitting vertices (no UV, no normals; Blender: OBJ, or Merge by Distance before), "
+             "or "
+             "weld them: `shape check MESHES --fix DIR`")});
+}
+
+void find_orientation(const Collection& collection, std::vector<Oddity>& oddities)
+{
+    const Handedness found = compare_handedness(collection.topology, collection.points);
+    if (!found.mirrored.empty())
+        oddities.push_back(
+            {OddityKind::Mirrored, found.mirrored,
+             join(list_names(collection.names, found.mirrored),
+                  found.mirrored.size() == 1 ? " is a mirror image" : " are mirror images",
+                  " of the other ",
+                  counted(collection.size() - found.mirrored.size(), "mesh", "meshes"), " (their ",
+                  collection.topology.is_closed() ? "volumes" : "dihedral angles",
+                  " have opposite signs: turned inside out); mirror ",
+                  found.mirrored.size() == 1 ? "it" : "them",
+                  " back (one coordinate times -1, faces as they are) or leave ",
+                  found.mirrored.size() == 1 ? "it" : "them",
+                  " out: `shape check MESHES --fix DIR`")});
+    if (!found.inside_out)
+        return;
+    std::vector<std::size_t> others;
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        if (!std::binary_search(found.mirrored.begin(), found.mirrored.end(), i))
+            others.push_back(i);
+    oddities.push_back(
+        {OddityKind::InsideOut, others,
+         join(collection.size() == 1   ? "the mesh is"
+              : found.mirrored.empty() ? "all meshes are"
+                                       : "the other meshes are",
+              " inside out (negative volume: faces run clockwise seen from outside); convex and "
+              "concave change places. Reverse the faces of every mesh (Recalculate Outside / Flip "
+              "normals on export, or `shape check MESHES --fix DIR`)")});
+}
+
+void find_sizes(const Collection& collection, std::vector<Oddity>& oddities)
+{
+    std::vector<double> sizes;
+    for (const Points& points : collection.points)
+        sizes.push_back(edge_lengths(collection.topology, points).sum());
+    const std::vector<std::size_t> odd = odd_sizes(sizes);
+    if (odd.empty())
+        return;
+    std::vector<double> odd_ones;
+    std::vector<double> others;
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+        (std::binary_search(odd.begin(), odd.end(), i) ? odd_ones : others).push_back(sizes[i]);
+    const double usual = median(others);
+    const double strange = median(odd_ones);
+    const double ratio = strange / usual;
+    const std::string units = unit_ratio(std::max(ratio, 1.0 / ratio));
+    const bool is_one = odd.size() == 1;
+    oddities.push_back(
+        {OddityKind::Size, odd,
+         join("sizes range from ", rounded(*std::min_element(sizes.begin(), sizes.end())), " to ",
+              rounded(*std::max_element(sizes.begin(), sizes.end())), ": ",
+              list_names(collection.names, odd), is_one ? " is " : " are ",
+              rounded(std::max(ratio, 1.0 / ratio)), " times ", ratio > 1.0 ? "larger" : "smaller",
+              " than the other ", counted(others.size(), "mesh", "meshes"),
+              units.empty() ? join("; are all in one unit? If not, scale ", is_one ? "it" : "them")
+                            : join("; are they in ", units, "? Export all in one unit"),
+              " (`shape check MESHES --fix DIR` scales by units)")});
+}
+
+} // namespace
+
+std::vector<Oddity> find_oddities(const Collection& collection)
+{
+    std::vector<Oddity> oddities;
+    find_seams(collection, oddities);
+    find_orientation(collection, oddities);
+    find_sizes(collection, oddities);
+    return oddities;
+}
+
+std::vector<std::size_t> odd_sizes(const std::vector<double>& sizes)
+{
+    std::vector<std::size_t> order(sizes.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return sizes[a] < sizes[b]; });
+    double spread = std::numeric_limits<double>::infinity();
+    if (sizes.size() >= 5) {
+        std::vector<double> logarithms;
+        for (const double size : sizes)
+            logarithms.push_back(std::log(size));
+        const double centre = median(logarithms);
+        for (double& value : logarithms)
+            value = std::abs(value - centre);
+        spread = 1.4826 * median(logarithms);
+    }
+    const auto splits = [&](double before, double after) {
+        return after >= 5.0 * before ||
+               (after >= 2.0 * before && std::log(after / before) >= 10.0 * spread);
+    };
+    std::size_t best_begin = 0;
+    std::size_t best_end = 0;
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+        end = begin + 1;
+        while (end < order.size() && !splits(sizes[order[end - 1]], sizes[order[end]]))
+            ++end;
+        if (end - begin > best_end - best_begin) {
+            best_begin = begin;
+            best_end = end;
+        }
+    }
+    std::vector<std::size_t> odd(order.begin(),
+                                 order.begin() + static_cast<std::ptrdiff_t>(best_begin));
+    odd.insert(odd.end(), order.begin() + static_cast<std::ptrdiff_t>(best_end), order.end());
+    std::sort(odd.begin(), odd.end());
+    return odd;
+}
+
+std::string list_names(const std::vector<std::string>& names,
+                       const std::vector<std::size_t>& chosen)
+{
+    constexpr std::size_t most = 8;
+    const std::size_t shown = chosen.size() <= most ? chosen.size() : most - 1;
+    std::string text;
+    for (std::size_t i = 0; i < shown; ++i)
+        text += join(i == 0 ? "" : i + 1 < chosen.size() ? ", " : " and ", names.at(chosen[i]));
+    if (shown < chosen.size())
+        text += join(" and ", chosen.size() - shown, " more");
+    return text;
+}
+
+} // namespace shape

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/model/outlying_meshes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+#include "libshape/base/format.h"
+#include "libshape/base/threads.h"
+#include "libshape/linalg/dense.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/statistics/inner_products.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+constexpr std::size_t least_meshes = 5;
+
+double median(std::vector<double> values)
+{
+    const auto middle = values.begin() + std::ssize(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// One figure of every mesh, and what it must exceed to be far from the others'.
+struct Figure
+{
+    std::vector<double> values;
+    double usual = 0.0;
+    double limit = 0.0;
+
+    Figure(std::vector<double> figures, double least, double factor, double deviations)
+        : values(std::move(figures)), usual(median(values))
+    {
+        std::vector<double> distances;
+        for (const double value : values)
+            distances.push_back(std::abs(value - usual));
+        limit = std::max({least, factor * usual, usual + deviations * 1.4826 * median(distances)});
+    }
+    [[nodiscard]] bool is_far(std::size_t mesh) const { return values[mesh] > limit; }
+};
+
+/// Unit-sum edge lengths, a row a mesh.
+RowMatrix shape_vectors(const Collection& collection)
+{
+    RowMatrix rows(static_cast<Eigen::Index>(collection.size()), collection.topology.edge_count());
+    parallel_for(collection.size(), 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Eigen::VectorXd lengths = edge_lengths(collection.topology, collection.points[i]);
+            rows.row(static_cast<Eigen::Index>(i)) = lengths.transpose() / lengths.sum();
+        }
+    });
+    return rows;
+}
+
+std::vector<double> nearest_distances(const RowMatrix& rows)
+{
+    const Eigen::MatrixXd products = centred_inner_products(rows);
+    std::vector<double> nearest(static_cast<std::size_t>(rows.rows()));
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+        double least = std::numeric_limits<double>::infinity();
+        for (Eigen::Index j = 0; j < rows.rows(); ++j)
+            if (j != i)
+                least = std::min(least, products(i, i) + products(j, j) - 2.0 * products(i, j));
+        nearest[static_cast<std::size_t>(i)] = std::sqrt(std::max(least, 0.0));
+    }
+    return nearest;
+}
+
+RowMatrix angles_of(const Collection& collection)
+{
+    RowMatrix rows(static_cast<Eigen::Index>(collection.size()), collection.topology.edge_count());
+    parallel_for(collection.size(), 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            rows.row(static_cast<Eigen::Index>(i)) =
+                dihedral_angles(collection.topology, collection.points[i]).transpose();
+    });
+    return rows;
+}
+
+/// Distance of every value to the nearest one of its column.
+/// @param period  Values that differ by it are the same; infinite: none are.
+RowMatrix column_gaps(RowMatrix values, double period)
+{
+    const Eigen::Index count = values.rows();
+    parallel_for(
+        static_cast<std::size_t>(values.cols()), 256, [&](std::size_t begin, std::size_t end) {
+            std::vector<std::pair<double, Eigen::Index>> sorted(static_cast<std::size_t>(count));
+            for (auto e = static_cast<Eigen::Index>(begin); e < static_cast<Eigen::Index>(end);
+                 ++e) {
+                for (Eigen::Index i = 0; i < count; ++i)
+                    sorted[static_cast<std::size_t>(i)] = {values(i, e), i};
+                std::sort(sorted.begin(), sorted.end());
+                double before = sorted.front().first + period - sorted.back().first;
+                for (std::size_t k = 0; k < sorted.size(); ++k) {
+                    const double after = k + 1 < sorted.size()
+                                             ? sorted[k + 1].first - sorted[k].first
+                                             : sorted.front().first + period - sorted[k].first;
+                    values(sorted[k].second, e) = std::min(before, after);
+                    before = after;
+                }
+            }
+        });
+    return values;
+}
+
+/// The vertex of the largest mean gap over its edges, and that mean.
+struct Place
+{
+    double gap = -1.0;
+    int vertex = -1;
+};
+
+std::vector<Place> largest_at_vertices(const Topology& topology, const RowMatrix& gaps)
+{
+    std::vector<Place> places(static_cast<std::size_t>(gaps.rows()));
+    parallel_for(places.size(), 1, [&](std::size_t begin, std::size_t) {
+        const auto row = gaps.row(static_cast<Eigen::Index>(begin));
+        for (int v = 0; v < topology.vertex_count(); ++v) {
+            double sum = 0.0;
+            for (const Topology::Spoke& spoke : topology.spokes(v))
+                sum += row[spoke.edge];
+            const double mean = sum / static_cast<double>(topology.spokes(v).size());
+            if (mean > places[begin].gap)
+                places[begin] = {mean, v};
+        }
+    });
+    return places;
+}
+
+std::vector<double> gaps_of(const std::vector<Place>& places)
+{
+    std::vector<double> gaps;
+    for (const Place& place : places)
+        gaps.push_back(place.gap);
+    return gaps;
+}
+
+std::string rounded(double value)
+{
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(3);
+    text << value;
+    return text.str();
+}
+
+} // namespace
+
+std::vector<OutlyingMesh> find_outlying_meshes(const Collection& collection)
+{
+    if (collection.size() < least_meshes)
+        return {};
+    const RowMatrix lengths = shape_vectors(collection);
+    const double infinity = std::numeric_limits<double>::infinity();
+    const std::vector<Place> length_places = largest_at_vertices(
+        collection.topology, column_gaps(lengths.array().log().matrix(), infinity));
+    const std::vector<Place> angle_places = largest_at_vertices(
+        collection.topology, column_gaps(angles_of(collection), 2.0 * std::numbers::pi));
+    const Figure distance(nearest_distances(lengths), 0.0, 3.0, 8.0);
+    const Figure length_gap(gaps_of(length_places), 0.6, 2.5, 5.0);
+    const Figure angle_gap(gaps_of(angle_places), 0.85, 2.0, 5.0);
+    std::vector<OutlyingMesh> found;
+    for (std::size_t i = 0; i < collection.size(); ++i) {
+        OutlyingMesh mesh{i, distance.values[i], length_gap.values[i], angle_gap.values[i], -1, {}};
+        std::string why;
+        if (length_gap.is_far(i)) {
+            mesh.vertex = length_places[i].vertex;
+            why = join("the edges at vertex ", mesh.vertex, " differ by a factor of ",
+                       rounded(std::exp(mesh.length_gap)), " from those of every other mesh");
+        } else if (angle_gap.is_far(i)) {
+            mesh.vertex = angle_places[i].vertex;
+            why = join("the surface at vertex ", mesh.vertex, " bends by ",
+                       rounded(mesh.angle_gap * 180.0 / std::numbers::pi),
+                       " degrees unlike that of every other mesh");
+        } else if (distance.is_far(i)) {
+            why = join("the nearest one is ", rounded(mesh.distance / distance.usual),
+                       " times as far as usual");
+        } else {
+            continue;
+        }
+        mesh.message =
+            join(collection.names[i], " is far from all other meshes: ", why,
+                 "; look at it (exchanged vertices or landmarks, a failed registration?)");
+        found.push_back(std::move(mesh));
+    }
+    return found;
+}
+
+} // namespace shape

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "libshape/mesh/collection.h"
+
+namespace shape {
+
+/// A mesh that is far from all others.
+struct OutlyingMesh
+{
+    std::size_t mesh = 0;
+    /// Distance of its shape vector (unit sum) to the nearest other one [1].
+    double distance = 0.0;
+    /// Largest mean over the edges at a vertex of abs(log(l / l')), l' the nearest length of the edge
+    /// in any other mesh (unit sums) [1].
+    double length_gap = 0.0;
+    /// The same of abs(theta - theta') [rad].
+    double angle_gap = 0.0;
+    int vertex = -1;     ///< Where the gap is that makes it one; -1 if only its distance does.
+    std::string message; ///< A sentence with the figures and the likely causes.
+};
+
+/// Finds meshes that are far from all others, as those with exchanged vertices or landmarks are, or
+/// those of which the registration failed. Groups of meshes near to one another are no outliers.
+///
+/// A mesh is one if, with the median m of a figure over all meshes and 1.4826 times the median
+/// deviation d from it,
+/// - distance > max(3 m, m + 8 d), or
+/// - length_gap > max(0.6, 2.5 m, m + 5 d), or
+/// - angle_gap > max(0.85, 2 m, m + 5 d).
+/// The bounds are set by real collections (faces, hands, bodies, vertebrae) and copies of them with
+/// two vertices exchanged.
+///
+/// @return Ascending; none of fewer than five meshes.
+/// Cost: O(N^2 #E + N #E log N).
+[[nodiscard]] std::vector<OutlyingMesh> find_outlying_meshes(const Collection& collection);
+
+} // namespace shape

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: MIT
+//
+// node page_test.mjs PROGRAM [PICTURES]: makes models and their pages with the program and uses them in
+// Chromium as a person would. Exit code 77 if playwright-core, axe-core or Chromium is missing. With a folder
+// for PICTURES, keeps photographs of the pages there.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [program, pictures] = process.argv.slice(2);
+const require = createRequire(import.meta.url);
+const chromiumPath = process.env.CHROMIUM || "/usr/bin/chromium";
+let chromium, axeSource;
+try {
+    ({ chromium } = require("playwright-core"));
+    axeSource = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+    if (!existsSync(chromiumPath)) throw new Error(`no ${chromiumPath}`);
+} catch (error) {
+    console.log(`skipped: ${error.message.split("\n")[0]}`);
+    process.exit(77);
+}
+
+const patience = 300_000; // [ms]; machines that build and test are busy
+const folder = mkdtempSync(join(tmpdir(), "shape_page_"));
+const file = (name) => join(folder, name);
+const shape = (...args) => JSON.parse(execFileSync(program, [...args, "--json", "--quiet", "--force"], { encoding: "utf8", cwd: folder }));
+
+const browser = await chromium.launch({
+    executablePath: chromiumPath,
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"],
+});
+const tests = [];
+const test = (name, run) => tests.push({ name, run });
+
+/// A page, opened from disk, that has said nothing wrong.
+async function open(name, { width = 1280, height = 860, hash = "", colorScheme = "light", before } = {}) {
+    const context = await browser.newContext({ viewport: { width, height }, acceptDownloads: true, colorScheme });
+    const page = await context.newPage();
+    page.setDefaultTimeout(patience);
+    page.faults = [];
+    page.on("pageerror", (error) => page.faults.push(error.message));
+    page.on("console", (line) => line.type() === "error" && page.faults.push(line.text()));
+    page.on("request", (request) => /^(https?|ftp):/.test(request.url()) && page.faults.push(`asked the network for ${request.url()}`));
+    if (before) await page.addInitScript(before);
+    await page.goto(pathToFileURL(file(name)).href + hash, { waitUntil: "commit", timeout: patience });
+    return page;
+}
+const settled = (page) => page.waitForFunction(() => window.explore?.settled, null, { timeout: patience });
+async function close(page) {
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+}
+/// Does something and waits for the fine mesh.
+async function after(page, act) {
+    const before = await page.evaluate(() => window.explore.shapes);
+    await act();
+    await page.waitForFunction((count) => window.explore.shapes > count && window.explore.settled, before, { timeout: patience });
+}
+const scores = (page) => page.evaluate(() => window.explore.place.scores);
+const digits = (a, b, name) => assert.ok(Math.abs(a - b) <= 1e-3 * Math.abs(b) + 1e-12, `${name}: ${a} on the page, ${b} by the program`);
+
+let worstDifference = 0; // of the worst edge
+
+/// Three digits of what all edges say; of the worst one alone two: an iteration in single precision, cut off
+/// before it converges, ends with other roundings in another library of sines.
+function compare(certificate, figures) {
+    assert.equal(certificate.status, figures.status);
+    digits(certificate.edgeRms, figures.edge_rms, "edge RMS");
+    digits(certificate.driftP99, figures.dihedral_p99_deg, "drift");
+    assert.equal(certificate.invertedFaces, figures.inverted_faces);
+    const difference = Math.abs(certificate.edgeMax / figures.edge_max - 1);
+    worstDifference = Math.max(worstDifference, difference);
+    assert.ok(difference < 1e-2, `worst edge: ${certificate.edgeMax} on the page, ${figures.edge_max} by the program`);
+}
+
+test("the certificate is that of the program", async () => {
+    const page = await open("faces.html");
+    await settled(page);
+    const facts = await page.evaluate(() => window.explore.facts);
+    const points = Array.from({ length: 20 }, (_, i) =>
+        facts.modes.map((mode, k) => Number((1.2 * Math.sin(7.3 * i + 2.9 * k * k + 1)).toFixed(4))));
+    const rows = points.map((point, i) => [`p${i}`, ...point.map((value, k) => value * facts.modes[k].deviation)].join(","));
+    writeFileSync(file("points.csv"), [["mesh", ...facts.modes.map((_, k) => `pc${k + 1}`)].join(","), ...rows].join("\n") + "\n");
+    const native = Object.fromEntries(["preview", "fine"].map((quality) =>
+        [quality, shape("generate", "faces.h5", "--scores-file", "points.csv", "--quality", quality, "-o", `points_${quality}/`).embeddings]));
+    let milliseconds = 0;
+    for (const [i, point] of points.entries()) {
+        await after(page, () => page.evaluate((to) => window.explore.goTo({ ...window.explore.place, scores: to }), point));
+        const { preview, fine } = await page.evaluate(() => ({ preview: window.explore.preview, fine: window.explore.shown }));
+        compare(preview.certificate, native.preview[i]);
+        compare(fine.certificate, native.fine[i]);
+        milliseconds += preview.milliseconds / points.length;
+        const shown = await page.locator("#edge-rms").textContent();
+        digits(parseFloat(shown) / 100, Number(native.fine[i].edge_rms.toPrecision(3)), "what is written");
+    }
+    console.log(`  worst edges differ by ${(100 * worstDifference).toFixed(2)} % at most`);
+    console.log(`  preview of ${native.preview[0].vertices} vertices: ${milliseconds.toFixed(1)} ms on the page, ` +
+        `${(1000 * native.preview.reduce((sum, { seconds }) => sum + seconds, 0) / points.length).toFixed(1)} ms by the program`);
+    await close(page);
+});
+
+test("every way to move moves, and undo goes back", async () => {
+    const page = await open("faces.html");
+    await settled(page);
+    await after(page, () => page.locator("#modes input[type=range]").first().fill("1.5"));
+    assert.equal((await scores(page))[0], 1.5);
+    const field = page.locator("#modes input[type=text]").nth(1);
+    await after(page, () => field.fill("-0.75").then(() => field.press("Enter")));
+    assert.equal((await scores(page))[1], -0.75);
+    await field.fill("a lot");
+    await field.press("Enter");
+    assert.equal(await field.getAttribute("aria-invalid"), "true");
+    assert.equal((await scores(page))[1], -0.75);
+    await page.locator("#typed").selectOption("scores");
+    const deviation = await page.evaluate(() => window.explore.facts.modes[1].deviation);
+    await after(page, () => field.fill(String(0.5 * deviation)).then(() => field.press("Enter")));
+    assert.equal((await scores(page))[1], 0.5);
+    await after(page, () => page.locator("#undo").click());
+    assert.deepEqual((await scores(page)).slice(0, 2), [1.5, -0.75]);
+    await after(page, () => page.locator("#redo").click());
+    await after(page, () => page.keyboard.press("Control+z"));
+    assert.equal((await scores(page))[1], -0.75);
+
+    await after(page, () => page.locator("#mean").click());
+    assert.ok((await scores(page)).every((score) => score === 0));
+    await after(page, () => page.locator("#random").click());
+    assert.ok((await scores(page)).some((score) => score !== 0));
+    assert.notEqual(await page.evaluate(() => window.explore.shown.certificate.reason.includes("triangle")), true);
+
+    // the plot: a mesh, the point by keys and by hand
+    await after(page, () => page.locator(".specimen").nth(4).dispatchEvent("click"));
+    assert.equal(await page.locator("#specimen").inputValue(), "4");
+    assert.match(await page.locator("#specimen-facts").textContent(), /size/);
+    const before = await scores(page);
+    await page.locator(".point").focus();
+    await after(page, () => page.keyboard.press("ArrowRight"));
+    assert.ok(Math.abs((await scores(page))[0] - before[0] - 0.1) < 1e-3);
+    const grip = await page.locator(".point .grip").boundingBox();
+    await after(page, async () => {
+        await page.mouse.move(grip.x + grip.width / 2, grip.y + grip.height / 2);
+        await page.mouse.down();
+        await page.mouse.move(grip.x + grip.width / 2 + 20, grip.y + grip.height / 2 - 15, { steps: 4 });
+        await page.mouse.up();
+    });
+    assert.ok((await scores(page))[0] > before[0] + 0.1);
+    await page.locator("#axis-y").selectOption("2");
+
+    await after(page, () => page.locator("#groups button").first().click());
+    assert.match(await page.locator("#said").textContent(), /mean of/i);
+    await after(page, () => page.locator("#additions input[type=range]").first().fill("1"));
+    assert.equal(await page.evaluate(() => window.explore.place.values[0]), 1);
+    await after(page, () => page.locator("#additions input[type=range]").nth(1).fill("0.5"));
+    assert.equal(await page.evaluate(() => window.explore.place.amounts[0]), 0.5);
+    assert.match(await page.locator("#command").textContent(), /^None/);
+    const play = page.locator("#modes .play").first();
+    const shapes = await page.evaluate(() => window.explore.shapes);
+    await play.click();
+    await page.waitForFunction((count) => window.explore.shapes > count + 3, shapes, { timeout: patience });
+    await after(page, () => play.click());
+    await close(page);
+});
+
+test("a link restores the place", async () => {
+    const page = await open("faces.html", { hash: "#s=1,-0.5,0.25&d=0.5&r=0.4" });
+    await settled(page);
+    assert.deepEqual((await scores(page)).slice(0, 3), [1, -0.5, 0.25]);
+    assert.deepEqual(await page.evaluate(() => [window.explore.place.amounts, window.explore.place.values]), [[0.5], [0.4]]);
+    await after(page, () => page.locator("#mean").click());
+    assert.equal(new URL(page.url()).hash, "");
+    await after(page, () => page.locator("#undo").click());
+    await after(page, () => page.locator("#random").click());
+    const link = page.url();
+    const wanted = await scores(page);
+    await close(page);
+    const other = await open("faces.html", { hash: new URL(link).hash });
+    await settled(other);
+    assert.deepEqual(await scores(other), wanted);
+    await close(other);
+});
+
+test("what is taken away is what is shown", async () => {
+    const page = await open("faces.html", { hash: "#s=1.2,-0.8" });
+    await settled(page);
+    const saved = {};
+    for (const kind of ["ply", "obj", "glb", "png", "svg", "csv"]) {
+        const [download] = await Promise.all([page.waitForEvent("download"), page.locator(`[data-save=${kind}]`).click()]);
+        saved[kind] = file(`saved_${kind}.${kind}`);
+        assert.match(download.suggestedFilename(), new RegExp(`^faces_pc1\\+1\\.20_pc2-0\\.80(_scores)?\\.${kind}$`));
+        await download.saveAs(saved[kind]);
+    }
+    const vertices = await page.evaluate(() => window.explore.shown.points.length / 3);
+    const farthest = (...meshes) => {
+        shape("distance", ...meshes, "-o", "d.csv");
+        const lines = readFileSync(file("d.csv"), "utf8").trim().split("\n").slice(1);
+        return Math.max(...lines.flatMap((line) => line.split(",").slice(1).map(Number)));
+    };
+    assert.ok(farthest(saved.ply, saved.obj) < 1e-12);
+    const glb = readFileSync(saved.glb);
+    assert.equal(glb.readUInt32LE(0), 0x46546c67);
+    assert.equal(JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString()).accessors[0].count, vertices);
+    assert.equal(readFileSync(saved.png).subarray(1, 4).toString(), "PNG");
+    assert.match(readFileSync(saved.svg, "utf8"), /^<svg/);
+    // The scores and the command line make the same mesh.
+    shape("generate", "faces.h5", "--scores-file", saved.csv, "-o", "again/");
+    const command = await page.locator("#command").textContent();
+    const args = command.replace(/^shape /, "").replace(/-o .*/, "-o command.ply").split(" ");
+    shape(...args);
+    assert.ok(farthest("command.ply", "again", saved.ply) < 1e-4);
+    await close(page);
+});
+
+test("what one sees can be chosen", async () => {
+    const page = await open("faces.html", { hash: "#s=-6" });
+    await settled(page);
+    assert.equal(await page.locator("#status").textContent(), "infeasible");
+    assert.ok(await page.locator("#reason").isVisible());
+    assert.ok(await page.evaluate(() => window.explore.shown.broken.length > 0));
+    assert.ok(await page.locator("#modes .slider").first().evaluate((row) => row.classList.contains("outside")));
+    for (const colour of ["displacement", "edge", "drift"]) {
+        await page.locator("#colour").selectOption(colour);
+        assert.ok(await page.locator("#legend").isVisible());
+        assert.notEqual(await page.locator("#legend-high").textContent(), "");
+    }
+    for (const ghost of ["mean", "pin", "none"]) await page.locator("#ghost").selectOption(ghost);
+    for (const view of ["back", "left", "right", "top", "bottom", "front"]) await page.locator("#view").selectOption(view);
+    await page.locator("#wireframe").check();
+    await page.locator("#canvas").focus();
+    for (const key of ["ArrowLeft", "ArrowUp", "Shift+ArrowRight", "+", "-", "3", "1", "g", "w", "f"]) await page.keyboard.press(key);
+    assert.equal(await page.locator("#ghost").inputValue(), "mean");
+    await page.waitForFunction(() => /meshes\/s/.test(document.querySelector("#frames").textContent), null, { timeout: patience });
+    await close(page);
+});
+
+test("anybody can read it", async () => {
+    for (const [width, colorScheme] of [[1280, "light"], [390, "light"], [390, "dark"]]) {
+        const page = await open("faces.html", { width, height: 844, colorScheme });
+        await settled(page);
+        await page.locator("#tables summary").click();
+        await page.locator("#help summary").click();
+        assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `it is wider than ${width} px`);
+        await page.evaluate(axeSource);
+        const { violations } = await page.evaluate(() => window.axe.run());
+        const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+        assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
+        await close(page);
+    }
+});
+
+test("a browser that cannot says so and shows what there is", async () => {
+    for (const before of ["delete window.WebAssembly", "HTMLCanvasElement.prototype.getContext = () => null"]) {
+        const page = await open("faces.html", { before });
+        await page.locator("#fallback .warning").waitFor();
+        assert.match(await page.locator("#fallback .warning").textContent(), /has no Web(Assembly|GL)/);
+        assert.ok(await page.locator("#fallback svg").first().isVisible());
+        assert.ok(await page.locator("#tables table").isVisible());
+        page.faults = page.faults.filter((fault) => !/WebGL/.test(fault)); // three.js tells as well
+        await close(page);
+    }
+});
+
+test("models of every kind open", async () => {
+    for (const [name, status] of [["procrustes.html", "exact"], ["one_mode.html", null], ["small.html", null]]) {
+        const page = await open(name);
+        await settled(page);
+        await after(page, () => page.locator("#modes input[type=range]").first().fill("1"));
+        const { certificate } = await page.evaluate(() => window.explore.shown);
+        if (status) assert.equal(certificate.status, status);
+        assert.ok(Number.isFinite(certificate.edgeRms));
+        await close(page);
+    }
+});
+
+test("figures: meshes a second while ten modes move", async () => {
+    const page = await open("faces.html");
+    await settled(page);
+    const rate = await page.evaluate(async () => {
+        const { goTo, place } = window.explore;
+        const times = [];
+        for (let i = 0; i < 60; ++i) {
+            const before = window.explore.shapes;
+            const begin = performance.now();
+            goTo({ ...place, scores: place.scores.map((_, k) => (k < 10 ? Math.sin(i / 9 + k) : 0)) });
+            while (window.explore.shapes === before) await new Promise((next) => setTimeout(next));
+            times.push(performance.now() - begin);
+        }
+        times.sort((a, b) => a - b);
+        return { median: times[30], worst: times[59] };
+    });
+    console.log(`  input to shape: median ${rate.median.toFixed(1)} ms (${(1000 / rate.median).toFixed(0)} meshes a second), worst ${rate.worst.toFixed(0)} ms`);
+    await close(page);
+});
+
+/// Two points above and below a polygon, as OBJ.
+function bipyramid(corners, height, seed) {
+    const rim = Array.from({ length: corners }, (_, i) => {
+        const angle = (2 * Math.PI * i) / corners;
+        const radius = 1 + 0.1 * Math.sin(3 * seed + 5 * i);
+        return `v ${radius * Math.cos(angle)} ${radius * Math.sin(angle)} 0`;
+    });
+    const faces = rim.flatMap((_, i) => {
+        const [a, b] = [i + 3, ((i + 1) % corners) + 3];
+        return [`f 1 ${a} ${b}`, `f 2 ${b} ${a}`];
+    });
+    return [`v 0 0 ${height}`, `v 0 0 ${-height}`, ...rim, ...faces].join("\n") + "\n";
+}
+
+function prepare() {
+    shape("synth", "faces", "--count", "8", "--vertices", "400", "--seed", "1", "-o", "faces");
+    const labels = readFileSync(file("faces/labels.csv"), "utf8").trim().split("\n");
+    writeFileSync(file("labels.csv"), labels.map((line, i) => `${line},${i === 0 ? "age" : (i % 7) / 7}`).join("\n") + "\n");
+    shape("collect", "faces", "--labels", "labels.csv", "-o", "all.h5");
+    shape("stats", "all.h5", "-o", "faces.h5", "--modes", "12");
+    shape("difference", "all.h5", "--pair-by", "subject", "--from", "expression=neutral", "--to", "expression=happy", "-o", "smile.h5");
+    shape("explore", "faces.h5", "-o", "faces.html", "--color-by", "expression", "--regress", "age", "--difference", "smile.h5", "--title", "Made-up faces");
+    shape("stats", "all.h5", "-o", "procrustes.h5", "--space", "procrustes", "--modes", "5");
+    shape("explore", "procrustes.h5", "-o", "procrustes.html");
+    shape("stats", "all.h5", "-o", "one_mode.h5", "--modes", "1");
+    shape("explore", "one_mode.h5", "-o", "one_mode.html");
+    const small = Array.from({ length: 4 }, (_, i) => {
+        writeFileSync(file(`small${i}.obj`), bipyramid(8, 1 + 0.2 * i, i));
+        return `small${i}.obj`;
+    });
+    shape("stats", ...small, "-o", "small.h5");
+    shape("explore", "small.h5", "-o", "small.html");
+}
+
+let failures = 0;
+try {
+    prepare();
+    if (pictures) {
+        const { width, height } = { width: 1280, height: 860 };
+        const page = await open("faces.html", { width, height, hash: "#s=1,0.8" });
+        await settled(page);
+        await page.screenshot({ path: join(pictures, "explore.png") });
+        await close(page);
+    }
+    for (const { name, run } of tests) {
+        const begin = Date.now();
+        try {
+            await run();
+            console.log(`passed: ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);
+        } catch (error) {
+            ++failures;
+            console.log(`FAILED: ${name}\n${error.stack}`);
+        }
+    }
+} finally {
+    await browser.close();
+    rmSync(folder, { recursive: true, force: true });
+}
+process.exitCode = failures > 0 ? 1 : 0;

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/mending.h"
+
+#include <gtest/gtest.h>
+
+#include "libshape/mesh/defects.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tests/support/seams.h"
+
+namespace shape {
+namespace {
+
+using test::TestMesh;
+
+TestMesh sphere(unsigned seed)
+{
+    return test::bumpy_sphere(2, 0.1, seed);
+}
+
+NamedMesh named(const std::string& name, const Points& points, const Faces& faces)
+{
+    return {name, name + ".ply", points, faces};
+}
+
+std::vector<NamedMesh> spheres(int count)
+{
+    std::vector<NamedMesh> meshes;
+    for (int i = 0; i < count; ++i) {
+        const TestMesh mesh = sphere(static_cast<unsigned>(i));
+        meshes.push_back(
+            named(std::string(1, static_cast<char>('a' + i)), mesh.points, mesh.topology.faces()));
+    }
+    return meshes;
+}
+
+/// What was made is the sound meshes, after one change.
+void expect_mended(const MendedMeshes& mended, const std::string& change)
+{
+    ASSERT_EQ(mended.changes.size(), 1U) << mended.changes.size();
+    EXPECT_NE(mended.changes[0].find(change), std::string::npos) << mended.changes[0];
+    const std::vector<NamedMesh> sound = spheres(static_cast<int>(mended.meshes.size()));
+    for (std::size_t i = 0; i < sound.size(); ++i) {
+        SCOPED_TRACE(sound[i].name);
+        EXPECT_EQ(mended.meshes[i].name, sound[i].name);
+        EXPECT_EQ(mended.meshes[i].faces, sound[i].faces);
+        ASSERT_EQ(mended.meshes[i].points.rows(), sound[i].points.rows());
+        EXPECT_TRUE(mended.meshes[i].points.isApprox(sound[i].points, 1e-12));
+    }
+}
+
+TEST(Mending, LeavesSoundMeshesAsTheyAre)
+{
+    const MendedMeshes mended = mend(spheres(5));
+    EXPECT_TRUE(mended.changes.empty());
+    EXPECT_EQ(mended.meshes.size(), 5U);
+    EXPECT_EQ(mended.meshes[3].points, spheres(5)[3].points);
+    EXPECT_TRUE(mend({}).meshes.empty());
+}
+
+TEST(Mending, WeldsSeamsAlikeInAllMeshes)
+{
+    std::vector<NamedMesh> meshes = spheres(5);
+    const test::CutMesh cut = test::cut_along_the_equator(sphere(0));
+    for (NamedMesh& mesh : meshes) {
+        mesh.points = cut.points(mesh.points);
+        mesh.faces = cut.faces;
+    }
+    std::vector<NamedMesh> apart = meshes;
+    expect_mended(mend(std::move(meshes)), "vertices welded");
+    apart[2].points.bottomRows(cut.doubled(sphere(0).points)) *= 1.01; // open in one: meant
+    EXPECT_TRUE(mend(std::move(apart)).changes.empty());
+}
+
+TEST(Mending, WeldsSoupsOfSingleTriangles)
+{
+    std::vector<NamedMesh> meshes = spheres(2);
+    for (NamedMesh& mesh : meshes) {
+        Points points(3 * mesh.faces.rows(), 3);
+        Faces faces(mesh.faces.rows(), 3);
+        for (Eigen::Index f = 0; f < faces.rows(); ++f)
+            for (int c = 0; c < 3; ++c) {
+                points.row(3 * f + c) = mesh.points.row(mesh.faces(f, c));
+                faces(f, c) = static_cast<int>(3 * f) + c;
+            }
+        mesh.points = points;
+        mesh.faces = faces;
+    }
+    const MendedMeshes mended = mend(std::move(meshes));
+    const Collection collection = collect(mended.meshes);
+    EXPECT_EQ(collection.topology.vertex_count(), sphere(0).topology.vertex_count());
+    EXPECT_TRUE(collection.topology.is_closed());
+}
+
+TEST(Mending, KeepsTouchingPartsApartWhereWeldingBreaksTheSurface)
+{
+    // Two tetrahedra that touch at a corner: as one vertex it would be a bow-tie.
+    const TestMesh one = test::tetrahedron();
+    Points points(8, 3);
+    points << one.points, -one.points;
+    points.bottomRows(4).rowwise() += one.points.row(0) * 2.0;
+    Faces faces(8, 3);
+    faces << one.topology.faces(), test::reversed_faces(one.topology.faces()).array() + 4;
+    const MendedMeshes mended =
+        mend({named("a", points, faces)}, {.components = Components::Split});
+    ASSERT_EQ(mended.meshes.size(), 2U);
+    EXPECT_EQ(mended.meshes[0].name, "a_part1");
+    EXPECT_EQ(mended.meshes[0].points, one.points);
+    EXPECT_EQ(mended.meshes[1].faces.rows(), 4);
+    EXPECT_NE(mended.changes[0].find("split into 2 pieces"), std::string::npos);
+}
+
+TEST(Mending, TakesAwayWhatBelongsToNoSurface)
+{
+    std::vector<NamedMesh> loose = spheres(3);
+    for (NamedMesh& mesh : loose) {
+        mesh.points.conservativeResize(mesh.points.rows() + 2, 3);
+        mesh.points.bottomRows(2).setConstant(9.0);
+        mesh.points(mesh.points.rows() - 1, 0) = 8.0;
+    }
+    expect_mended(mend(std::move(loose)), "2 vertices without a face");
+
+    std::vector<NamedMesh> crumbs = spheres(3);
+    for (NamedMesh& mesh : crumbs) {
+        const auto first = static_cast<int>(mesh.points.rows());
+        mesh.points.conservativeResize(first + 3, 3);
+        mesh.points.bottomRows(3) = 7.0 * Eigen::Matrix3d::Identity();
+        mesh.faces.conservativeResize(mesh.faces.rows() + 1, 3);
+        mesh.faces.bottomRows(1) << first, first + 1, first + 2;
+    }
+    expect_mended(mend(std::move(crumbs)), "largest of 2 pieces (320 of 321 faces)");
+
+    std::vector<NamedMesh> repeated = spheres(3);
+    for (NamedMesh& mesh : repeated) {
+        mesh.faces.conservativeResize(mesh.faces.rows() + 2, 3);
+        mesh.faces.bottomRows(2) << 4, 4, 5, mesh.faces(0, 2), mesh.faces(0, 1), mesh.faces(0, 0);
+    }
+    expect_mended(mend(std::move(repeated)), "2 faces taken away");
+}
+
+TEST(Mending, TurnsFacesThatDisagree)
+{
+    std::vector<NamedMesh> meshes = spheres(3);
+    for (NamedMesh& mesh : meshes)
+        for (const int f : {0, 17, 18, 200})
+            std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
+    expect_mended(mend(std::move(meshes)), "4 faces turned");
+}
+
+TEST(Mending, TurnsMirrorImagesAndSurfacesInsideOut)
+{
+    std::vector<NamedMesh> mirrored = spheres(5);
+    mirrored[1].points = test::mirror_image(mirrored[1].points);
+    expect_mended(mend(std::move(mirrored)), "b: x taken times -1");
+
+    std::vector<NamedMesh> inside_out = spheres(5);
+    for (NamedMesh& mesh : inside_out)
+        mesh.faces = test::reversed_faces(mesh.faces);
+    expect_mended(mend(std::move(inside_out)), "faces reversed (inside out)");
+
+    std::vector<NamedMesh> one_reversed = spheres(5);
+    one_reversed[2].faces = test::reversed_faces(one_reversed[2].faces);
+    expect_mended(mend(std::move(one_reversed)), "c: faces reversed (it was inside out)");
+
+    std::vector<NamedMesh> sound_mirror_image = spheres(5);
+    sound_mirror_image[3].faces = test::reversed_faces(sound_mirror_image[3].faces);
+    sound_mirror_image[3].points = test::mirror_image(sound_mirror_image[3].points);
+    expect_mended(mend(std::move(sound_mirror_image)), "it was a mirror image");
+
+    std::vector<NamedMesh> shuffled = spheres(5);
+    shuffled[4].faces = shuffled[4].faces.colwise().reverse().eval();
+    expect_mended(mend(std::move(shuffled)), "e: faces put into the order of a");
+}
+
+TEST(Mending, ScalesByRatiosOfUnitsAlone)
+{
+    std::vector<NamedMesh> meshes = spheres(5);
+    meshes[0].points *= 1e-3;
+    meshes[3].points *= 10.0;
+    const MendedMeshes mended = mend(std::move(meshes));
+    EXPECT_EQ(mended.changes.size(), 2U);
+    for (int i : {0, 3})
+        EXPECT_TRUE(mended.meshes[static_cast<std::size_t>(i)].points.isApprox(
+            spheres(5)[static_cast<std::size_t>(i)].points, 1e-12));
+    std::vector<NamedMesh> odd = spheres(5);
+    odd[1].points *= 6.0;
+    EXPECT_TRUE(mend(std::move(odd)).changes.empty());
+}
+
+TEST(Mending, LeavesMoebiusStripsAndThreeFacesAtAnEdge)
+{
+    Faces strip(10, 3);
+    Points points(10, 3);
+    for (int i = 0; i < 5; ++i) {
+        const double angle = 0.4 * 3.14159265358979 * i;
+        const Eigen::RowVector3d radial(std::cos(angle), std::sin(angle), 0.0);
+        const Eigen::RowVector3d across =
+            std::cos(angle / 2) * radial + std::sin(angle / 2) * Eigen::RowVector3d::UnitZ();
+        points.row(2 * i) = 3.0 * radial - across;
+        points.row(2 * i + 1) = 3.0 * radial + across;
+        const int a = 2 * i;
+        const int b = 2 * i + 1;
+        const int c = i < 4 ? a + 2 : 1;
+        const int d = i < 4 ? b + 2 : 0;
+        strip.row(2 * i) << a, c, b;
+        strip.row(2 * i + 1) << b, c, d;
+    }
+    ASSERT_FALSE(find_defects(strip, 10).empty());
+    const MendedMeshes mended = mend({named("a", points, strip)});
+    EXPECT_TRUE(mended.changes.empty());
+    EXPECT_EQ(mended.meshes[0].faces, strip);
+
+    const Points fan = (Points(5, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, -1).finished();
+    const Faces three = (Faces(3, 3) << 0, 1, 2, 1, 0, 3, 0, 1, 4).finished();
+    EXPECT_TRUE(mend({named("a", fan, three)}).changes.empty());
+}
+
+} // namespace
+} // namespace shape

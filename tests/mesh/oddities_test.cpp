@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/oddities.h"
+
+#include <gtest/gtest.h>
+
+#include "libshape/base/format.h"
+#include "tests/support/seams.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+using Indices = std::vector<std::size_t>;
+using test::TestMesh;
+
+/// Seven bumpy spheres, a to g.
+Collection spheres()
+{
+    const TestMesh first = test::bumpy_sphere(2, 0.1, 0);
+    Collection collection{first.topology, {}, {}, {}};
+    for (unsigned i = 0; i < 7; ++i) {
+        collection.names.push_back(std::string(1, static_cast<char>('a' + i)));
+        collection.points.push_back(test::bumpy_sphere(2, 0.1, i).points);
+    }
+    return collection;
+}
+
+TEST(Oddities, SoundCollectionsHaveNone)
+{
+    EXPECT_TRUE(find_oddities(spheres()).empty());
+    for (const TestMesh& mesh : test::sample_meshes()) {
+        const Collection alone{mesh.topology, {"a"}, {mesh.points}, {}};
+        for (const Oddity& oddity : find_oddities(alone))
+            ADD_FAILURE() << mesh.name << ": " << oddity.message;
+    }
+}
+
+TEST(Oddities, ASeamIsCountedWithAPlaceAndAWayOut)
+{
+    const TestMesh sphere = test::bumpy_sphere(2, 0.1, 0);
+    const test::CutMesh cut = test::cut_along_the_equator(sphere);
+    Collection collection = spheres();
+    collection.topology = Topology(cut.faces, static_cast<int>(cut.vertices.size()));
+    for (Points& points : collection.points)
+        points = cut.points(points);
+    const std::vector<Oddity> found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, OddityKind::Seam);
+    EXPECT_EQ(found[0].meshes.size(), 7U);
+    const int places = cut.doubled(sphere.points);
+    EXPECT_TRUE(found[0].message.starts_with(
+        join(2 * places, " boundary vertices lie on one another at ", places, " places")))
+        << found[0].message;
+    EXPECT_NE(found[0].message.find("--fix"), std::string::npos);
+    // What is apart in one mesh is no seam.
+    collection.points[3].bottomRows(places) *= 1.01;
+    EXPECT_TRUE(find_oddities(collection).empty());
+}
+
+TEST(Oddities, MirrorImagesAndTurnedSurfacesAreNamed)
+{
+    Collection collection = spheres();
+    collection.points[1] = test::mirror_image(collection.points[1]);
+    collection.points[4] = test::mirror_image(collection.points[4]);
+    std::vector<Oddity> found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, OddityKind::Mirrored);
+    EXPECT_EQ(found[0].meshes, (Indices{1, 4}));
+    EXPECT_TRUE(found[0].message.starts_with("b and e are mirror images of the other 5 meshes"))
+        << found[0].message;
+    for (Points& points : collection.points)
+        points = test::mirror_image(points);
+    found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_EQ(found[1].kind, OddityKind::InsideOut);
+    EXPECT_EQ(found[1].meshes, (Indices{0, 2, 3, 5, 6}));
+    EXPECT_NE(found[1].message.find("inside out"), std::string::npos);
+}
+
+TEST(Oddities, SizesOfOtherUnitsAreNamed)
+{
+    Collection collection = spheres();
+    collection.points[6] *= 1000.0;
+    const std::vector<Oddity> found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, OddityKind::Size);
+    EXPECT_EQ(found[0].meshes, Indices{6});
+    EXPECT_NE(found[0].message.find("g is "), std::string::npos) << found[0].message;
+    EXPECT_NE(found[0].message.find("millimetres and metres"), std::string::npos);
+}
+
+TEST(Oddities, OddSizesStandApartFromTheLargestPart)
+{
+    EXPECT_EQ(odd_sizes({1.0, 1.2, 0.9}), Indices{});
+    EXPECT_EQ(odd_sizes({1.0, 4.9}), Indices{});
+    EXPECT_EQ(odd_sizes({5.1, 1.0}), Indices{0}); // the smaller ones stand first
+    EXPECT_EQ(odd_sizes({1.0, 1e3, 1.1e3, 0.9e3}), Indices{0});
+    EXPECT_EQ(odd_sizes({1.0, 2.0, 4.0, 8.0, 16.0, 32.0}), Indices{}); // a steady growth
+    EXPECT_EQ(odd_sizes({7.7, 0.008, 7.5, 0.0081, 7.9}), (Indices{1, 3}));
+    EXPECT_EQ(odd_sizes({1.0, 1.01, 0.99, 2.54, 1.02, 0.98}), Indices{3}); // inches
+    EXPECT_EQ(odd_sizes({1.0, 1.01, 0.99, 1.5, 1.02, 0.98}), Indices{});
+    EXPECT_EQ(odd_sizes({1.0, 1.4, 0.7, 2.9, 1.2, 0.8}), Indices{}); // a wide spread
+    EXPECT_EQ(odd_sizes({}), Indices{});
+}
+
+TEST(Oddities, LongListsOfNamesAreCutShort)
+{
+    std::vector<std::string> names;
+    Indices all;
+    for (std::size_t i = 0; i < 12; ++i) {
+        names.push_back(join("m", i));
+        all.push_back(i);
+    }
+    EXPECT_EQ(list_names(names, {3}), "m3");
+    EXPECT_EQ(list_names(names, {0, 2, 5}), "m0, m2 and m5");
+    EXPECT_EQ(list_names(names, all), "m0, m1, m2, m3, m4, m5, m6 and 5 more");
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/model/outlying_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include "libshape/base/random.h"
+#include "tests/support/meshes.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+Collection spheres(std::size_t count)
+{
+    const test::TestMesh first = test::bumpy_sphere(3, 0.1, 0);
+    Collection collection{first.topology, {}, {}, {}};
+    for (std::size_t i = 0; i < count; ++i) {
+        collection.names.push_back("m" + std::to_string(i));
+        collection.points.push_back(
+            test::moved(test::bumpy_sphere(3, 0.1, static_cast<unsigned>(i)).points, 3));
+    }
+    return collection;
+}
+
+std::vector<std::size_t> outliers(const Collection& collection)
+{
+    std::vector<std::size_t> meshes;
+    for (const OutlyingMesh& found : find_outlying_meshes(collection))
+        meshes.push_back(found.mesh);
+    return meshes;
+}
+
+TEST(OutlyingMeshes, AreNoneAmongMeshesOfOneKindWhateverTheirSizes)
+{
+    Collection collection = spheres(12);
+    EXPECT_TRUE(outliers(collection).empty());
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        collection.points[i] *= static_cast<double>(i + 1);
+    EXPECT_TRUE(outliers(collection).empty());
+}
+
+TEST(OutlyingMeshes, AreThoseWithExchangedVertices)
+{
+    Random random(5);
+    for (int round = 0; round < 20; ++round) {
+        Collection collection = spheres(10);
+        const std::size_t mesh = random.index(10);
+        const auto vertex = [&] {
+            return static_cast<Eigen::Index>(
+                random.index(static_cast<std::uint64_t>(collection.topology.vertex_count())));
+        };
+        const Eigen::Index a = vertex();
+        // Neighbours as well as vertices far apart.
+        const Eigen::Index b =
+            round % 2 == 0 ? vertex() : collection.topology.spokes(static_cast<int>(a))[0].vertex;
+        if (a == b)
+            continue;
+        collection.points[mesh].row(a).swap(collection.points[mesh].row(b));
+        const std::vector<OutlyingMesh> found = find_outlying_meshes(collection);
+        ASSERT_EQ(found.size(), 1U) << round;
+        EXPECT_EQ(found[0].mesh, mesh);
+        EXPECT_TRUE(found[0].message.starts_with(collection.names[mesh] + " is far from all"))
+            << found[0].message;
+        const auto spokes = collection.topology.spokes(found[0].vertex);
+        EXPECT_TRUE(found[0].vertex == a || found[0].vertex == b ||
+                    std::any_of(spokes.begin(), spokes.end(), [&](const Topology::Spoke& spoke) {
+                        return spoke.vertex == a || spoke.vertex == b;
+                    }));
+    }
+}
+
+TEST(OutlyingMeshes, AreThoseOfAnotherShape)
+{
+    Collection collection = spheres(10);
+    collection.points[7].col(0) *= 3.0;
+    EXPECT_EQ(outliers(collection), std::vector<std::size_t>{7});
+    // Two that are near one another are a group.
+    collection.points[8] = collection.points[7];
+    collection.points[8].col(1) *= 1.01;
+    EXPECT_TRUE(outliers(collection).empty());
+}
+
+TEST(OutlyingMeshes, NeedFiveMeshes)
+{
+    Collection collection = spheres(4);
+    collection.points[1].col(0) *= 9.0;
+    EXPECT_TRUE(outliers(collection).empty());
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/base/format.h"
+#include "libshape/io/collection_file.h"
+#include "tests/support/seams.h"
+#include "tests/tools/program_test.h"
+
+namespace shape::test {
+using namespace internal;
+namespace {
+
+class Check : public ProgramTest
+{
+protected:
+    /// Seven bumpy spheres in the folder `set`.
+    Check()
+    {
+        std::filesystem::create_directory(folder_ / "set");
+        for (unsigned i = 0; i < 7; ++i)
+            write(i, sphere(i).points, sphere(i).topology.faces());
+    }
+    static TestMesh sphere(unsigned i) { return bumpy_sphere(2, 0.1, i); }
+
+    void write(unsigned i, const Points& points, const Faces& faces) const
+    {
+        write_mesh(folder_ / join("set/m", i, ".ply"), points, faces, MeshFormat::Ply);
+    }
+    [[nodiscard]] Outcome shape(const Arguments& arguments) const
+    {
+        return run_shape(folder_.path(), arguments);
+    }
+    /// What `check` and `collect` both say of a set that both take.
+    void expect_said(const std::string& kind, const std::vector<std::string>& said) const
+    {
+        const Outcome checked = shape({"check", "set"});
+        EXPECT_EQ(checked.exit_code, 0) << checked.err;
+        EXPECT_NE(checked.out.find("warning: " + kind), std::string::npos) << checked.out;
+        const Outcome collected = shape({"collect", "set", "-o", "c.h5", "--force"});
+        EXPECT_EQ(collected.exit_code, 0) << collected.err;
+        EXPECT_NE(collected.err.find("warning: "), std::string::npos) << collected.err;
+        for (const std::string& word : said) {
+            EXPECT_NE(checked.out.find(word), std::string::npos) << word << "\n" << checked.out;
+            EXPECT_NE(collected.err.find(word), std::string::npos) << word << "\n" << collected.err;
+        }
+        const Json figures = run({"check", "set"});
+        EXPECT_EQ(figures["warnings"][0]["kind"], kind);
+        EXPECT_GT(figures["suspicious"], 0);
+    }
+    /// After --fix the set is sound and in correspondence.
+    [[nodiscard]] Collection fixed(const Arguments& more = {}) const
+    {
+        const Outcome outcome = shape(Arguments{"check", "set", "--fix", "mended"} + more);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        const Outcome again = shape({"check", "mended"});
+        EXPECT_NE(again.out.find(" ok, 0 with warnings, 0 broken"), std::string::npos) << again.out;
+        EXPECT_EQ(shape({"collect", "mended", "-o", "mended.h5"}).exit_code, 0);
+        return read_collection(folder_ / "mended.h5");
+    }
+};
+
+TEST_F(Check, GoodMeshesAreAFewLinesAndOnRequestOneEach)
+{
+    const Outcome outcome = shape({"check", "set"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.out,
+              "7 meshes: 7 ok, 0 with warnings, 0 broken\n"
+              "surface: 162 vertices, 480 edges, 320 faces, closed, genus 0\n"
+              "conformal map to the sphere: qualifies\n");
+    const Outcome verbose = shape({"check", "set", "--verbose"});
+    for (int i = 0; i < 7; ++i)
+        EXPECT_NE(verbose.out.find(join("m", i, ".ply: ok\n")), std::string::npos) << verbose.out;
+}
+
+TEST_F(Check, SeamsAreSaidAndMended)
+{
+    const CutMesh cut = cut_along_the_equator(sphere(0));
+    for (unsigned i = 0; i < 7; ++i)
+        write(i, cut.points(sphere(i).points), cut.faces);
+    expect_said("seam", {"boundary vertices lie on one another", "m0", "UV", "--fix"});
+    const Collection mended = fixed();
+    EXPECT_EQ(mended.topology.faces(), sphere(0).topology.faces());
+    EXPECT_EQ(mended.points[5], sphere(5).points);
+}
+
+TEST_F(Check, TheSlitDoublePyramidOfTwoMeshesIsASeam)
+{
+    const std::string faces =
+        "3 0 1 2\n3 0 6 3\n3 0 3 4\n3 0 4 1\n3 5 2 1\n3 5 3 6\n3 5 4 3\n3 5 1 4\n";
+    const auto pyramids = [&](const std::string& top) {
+        return "OFF\n7 8 0\n0 0 " + top + "\n1 0 0\n0 1 0\n-1 0 0\n0 -1 0\n0 0 -1\n0 1 0\n" + faces;
+    };
+    folder_.write("p.off", pyramids("1"));
+    folder_.write("q.off", pyramids("2"));
+    const Outcome blended =
+        shape({"interpolate", "p.off", "q.off", "--weights", "0.5,0.5", "-o", "x.off"});
+    EXPECT_EQ(blended.exit_code, 0) << blended.err;
+    EXPECT_NE(blended.err.find("2 boundary vertices lie on one another"), std::string::npos)
+        << blended.err;
+    EXPECT_NE(blended.err.find("vertices 2 and 6"), std::string::npos) << blended.err;
+}
+
+TEST_F(Check, SplitPartsOfASharpSolidAreSaidToBeDoubled)
+{
+    folder_.write("cube.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 0\nv 1 0 0\nv 0 0 -1\nv 1 0 -1\n"
+                  "f 1 2 3\nf 3 2 4\nf 6 5 7\nf 6 7 8\n");
+    const Outcome outcome = shape({"check", "cube.obj"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_NE(outcome.out.find("4 of 8 vertices lie on others"), std::string::npos) << outcome.out;
+    const Outcome collected = shape({"collect", "cube.obj", "-o", "c.h5"});
+    EXPECT_NE(collected.err.find("4 of 8 vertices lie on others"), std::string::npos)
+        << collected.err;
+    EXPECT_EQ(shape({"check", "cube.obj", "--fix", "mended"}).exit_code, 0);
+    EXPECT_EQ(read_mesh(folder_ / "mended/cube.ply").points.rows(), 6);
+}
+
+TEST_F(Check, MirrorImagesAreSaidAndMended)
+{
+    write(2, mirror_image(sphere(2).points), sphere(2).topology.faces());
+    expect_said("mirrored", {"m2 is a mirror image", "inside out"});
+    EXPECT_EQ(fixed().points[2], sphere(2).points);
+}
+
+TEST_F(Check, ASoundMirrorImageIsNotAdvisedToReverseItsFacesAlone)
+{
+    const Faces reversed = reversed_faces(sphere(4).topology.faces());
+    write(4, mirror_image(sphere(4).points), reversed);
+    Outcome outcome = shape({"collect", "set", "-o", "c.h5"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_NE(outcome.err.find("mirror image: mirror it back"), std::string::npos) << outcome.err;
+    EXPECT_EQ(fixed().points[4], sphere(4).points);
+    write(4, sphere(4).points, reversed);
+    outcome = shape({"collect", "set", "-o", "c.h5"});
+    EXPECT_NE(outcome.err.find("inside out: reverse its faces"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Check, AllInsideOutIsSaidAndMended)
+{
+    for (unsigned i = 0; i < 7; ++i)
+        write(i, sphere(i).points, reversed_faces(sphere(i).topology.faces()));
+    expect_said("inside_out", {"all meshes are inside out"});
+    EXPECT_EQ(fixed().topology.faces(), sphere(0).topology.faces());
+}
+
+TEST_F(Check, OtherUnitsAreSaidAndMended)
+{
+    write(1, 1000.0 * sphere(1).points, sphere(1).topology.faces());
+    write(6, 1000.0 * sphere(6).points, sphere(6).topology.faces());
+    expect_said("size", {"m1 and m6 are ", "millimetres and metres"});
+    EXPECT_TRUE(fixed().points[6].isApprox(sphere(6).points, 1e-12));
+}
+
+TEST_F(Check, ExchangedVerticesAreSaid)
+{
+    Points points = sphere(3).points;
+    points.row(7).swap(points.row(99));
+    write(3, points, sphere(3).topology.faces());
+    const Json figures = run({"check", "set"});
+    ASSERT_EQ(figures["warnings"].size(), 1U) << figures["warnings"].dump();
+    EXPECT_EQ(figures["warnings"][0]["kind"], "outlier");
+    EXPECT_EQ(figures["meshes"][3]["warnings"].size(), 1U);
+    EXPECT_TRUE(figures["warnings"][0]["message"].get<std::string>().starts_with("m3 is far"));
+}
+
+TEST_F(Check, FixWritesWhatIsSoundAndSaysWhatIsLeft)
+{
+    folder_.write("set/n0.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 5 5\nf 1 2 3 4\n");
+    folder_.write("set/n1.obj", "v 0 0 zero\n");
+    folder_.write("set/n2.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 4 3 2\n");
+    const Outcome outcome = shape({"check", "set", "--fix", "mended", "--json"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    const Json fix = Json::parse(outcome.out)["fix"];
+    EXPECT_EQ(files_in(folder_ / "mended").size(), 8U); // the spheres and the split square
+    const NamedMesh square = read_mesh(folder_ / "mended/n0.ply");
+    EXPECT_EQ(square.points.rows(), 4);
+    EXPECT_EQ(square.faces.rows(), 2);
+    EXPECT_GE(fix["changes"].size(), 2U);
+    ASSERT_EQ(fix["left"].size(), 3U) << fix["left"].dump();
+    EXPECT_EQ(fix["left"][0]["name"], "n1");
+    EXPECT_EQ(fix["left"][1]["written"], true);
+    EXPECT_EQ(fix["left"][2]["written"], false);
+    EXPECT_FALSE(folder_.has("set/n0.ply"));
+}
+
+TEST_F(Check, FixNeverWritesBesideTheInput)
+{
+    const auto before = folder_.content();
+    const Outcome outcome = shape({"check", "set", "--fix", "set", "--force"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.err.find("another directory"), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder_.content(), before);
+    EXPECT_EQ(shape({"check", "set", "--components", "split"}).exit_code, 2);
+}
+
+} // namespace
+} // namespace shape::test

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/base/format.h"
+#include "libshape/io/collection_file.h"
+#include "libshape/io/table_file.h"
+#include "tests/support/meshes.h"
+#include "tests/tools/program_test.h"
+
+namespace shape::test {
+using namespace internal;
+namespace {
+
+using Values = std::vector<std::string>;
+
+/// Ten spheres m0 to m9.
+class LabelledMeshes : public ProgramTest
+{
+protected:
+    LabelledMeshes()
+    {
+        std::filesystem::create_directory(folder_ / "set");
+        for (unsigned i = 0; i < 10; ++i) {
+            const TestMesh mesh = bumpy_sphere(1, 0.2, i);
+            write_mesh(folder_ / join("set/m", i, ".ply"), mesh.points, mesh.topology.faces(),
+                       MeshFormat::Ply);
+        }
+    }
+    /// A table with one label of the ten meshes.
+    void write_labels(const std::string& name, const Values& values) const
+    {
+        std::string text = "mesh," + name + "\n";
+        for (std::size_t i = 0; i < values.size(); ++i)
+            text += join("m", i, ",", values[i], "\n");
+        folder_.write("l.csv", text);
+    }
+    [[nodiscard]] Outcome shape(const Arguments& arguments) const
+    {
+        return run_shape(folder_.path(), arguments);
+    }
+};
+
+TEST_F(LabelledMeshes, MissingValuesAreNoGroupAndCanBeLeftOut)
+{
+    write_labels("sex", {"f", " f ", "m", "m ", "NA", "nan", "NULL", "#N/A", ".", ""});
+    const Arguments groups{"groups", "set", "--labels", "l.csv", "--by", "sex", "-o", "g.csv"};
+    const Outcome refused = shape(groups);
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.err.find("in all 6 of 10 meshes"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("--only sex"), std::string::npos) << refused.err;
+    const Json found = run(groups + Arguments{"--only", "sex"});
+    EXPECT_EQ(found["meshes"], 4);
+    ASSERT_EQ(found["groups"].size(), 2U);
+    EXPECT_EQ(found["groups"][0]["name"], "f");
+    EXPECT_EQ(found["groups"][1]["meshes"], 2);
+}
+
+TEST_F(LabelledMeshes, MissingValuesNeverPair)
+{
+    folder_.write("l.csv",
+                  "mesh,subject,mood\nm0,x,calm\nm1,x,glad\nm2,,calm\nm3,NA,glad\nm4,.,calm\n"
+                  "m5, ,glad\nm6,y,calm\nm7,y,glad\nm8,z,calm\nm9,z,NA\n");
+    const Arguments difference{"difference", "set", "--labels", "l.csv", "--pair-by",
+                               "subject",    "-o",  "d.h5",     "--to",  "mood=glad"};
+    EXPECT_EQ(run(difference + Arguments{"--from", "mood=calm"})["pairs"], 2);
+    for (const char* from : {"mood=", "mood=NA", "mood= ", "mood=nan"}) {
+        const Outcome outcome = shape(difference + Arguments{"--from", from, "--force"});
+        EXPECT_EQ(outcome.exit_code, 2) << from;
+        EXPECT_NE(outcome.err.find("names no value"), std::string::npos) << outcome.err;
+    }
+    EXPECT_EQ(
+        shape({"collect", "set", "--labels", "l.csv", "--only", "mood=", "-o", "x.h5"}).exit_code,
+        2);
+    EXPECT_EQ(run({"collect", "set", "--labels", "l.csv", "--only", "mood", "--only", "subject",
+                   "-o", "x.h5"})["meshes"],
+              5);
+}
+
+TEST_F(LabelledMeshes, TablesMayBeOfALargerStudyWithANote)
+{
+    folder_.write("l.csv", "mesh,k\nm0.ply,1\nM77,9\nm1.PLY,2\nm99,9\n");
+    const Outcome outcome =
+        shape({"collect", "set/m0.ply", "set/m1.ply", "--labels", "l.csv", "-o", "c.h5"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(
+        outcome.err.find("l.csv: 2 rows of meshes that are not among these left out, first 'M77'"),
+        std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(find_label(read_collection(folder_ / "c.h5").labels, "k").values, (Values{"1", "2"}));
+}
+
+TEST_F(LabelledMeshes, AccentsMatchInEitherSpelling)
+{
+    const std::string composed = "Ren\xC3\xA9";
+    const std::string decomposed = "Rene\xCC\x81";
+    folder_.write("n/" + decomposed + ".ply", folder_.read("set/m0.ply"));
+    folder_.write("n/o.ply", folder_.read("set/m1.ply"));
+    folder_.write("l.csv", "mesh,who\n" + composed + "," + decomposed + "\no,o\n");
+    (void)run({"collect", "n", "--labels", "l.csv", "-o", "c.h5"});
+    EXPECT_EQ(run({"collect", "c.h5", "--only", "who=" + composed, "-o", "d.h5"})["meshes"], 1);
+    EXPECT_EQ(run({"collect", "c.h5", "--only", "who=" + decomposed, "-o", "e.h5"})["meshes"], 1);
+}
+
+TEST_F(LabelledMeshes, RepeatedScansAreRegressedByTheirMeansAndElseWarnedOf)
+{
+    std::string text = "mesh,person,age,dose\n";
+    for (int i = 0; i < 10; ++i)
+        text += join("m", i, ",p", i / 2, ",", 20 + 3 * (i / 2) + (i / 2) % 2, ",", i % 2, "\n");
+    folder_.write("l.csv", text);
+    const Arguments regress{"regress", "set", "--labels", "l.csv", "-o", "r.csv", "--force"};
+    const Json nested = run(regress + Arguments{"--on", "age", "--within", "person"});
+    EXPECT_EQ(nested["design"], "nested");
+    EXPECT_EQ(nested["covariates"][0]["residual_df"], 3); // five means, a constant, a slope
+    EXPECT_EQ(run(regress + Arguments{"--on", "dose", "--within", "person"})["design"], "crossed");
+    const Outcome both =
+        shape(regress + Arguments{"--on", "age", "--on", "dose", "--within", "person"});
+    EXPECT_EQ(both.exit_code, 3);
+    EXPECT_NE(both.err.find("one of them at a time"), std::string::npos) << both.err;
+    const Outcome plain = shape(regress + Arguments{"--on", "age"});
+    EXPECT_EQ(plain.exit_code, 0) << plain.err;
+    EXPECT_NE(plain.err.find("not independent"), std::string::npos) << plain.err;
+    EXPECT_NE(plain.err.find("--within person"), std::string::npos) << plain.err;
+    EXPECT_EQ(shape(regress + Arguments{"--on", "dose"}).err.find("not independent"),
+              std::string::npos);
+}
+
+TEST_F(LabelledMeshes, GroupsOfAnyNameBecomeFiles)
+{
+    write_labels("g", {"a/b", "a/b", "a_b", "a_b", "../c", "../c", "a/b", "a_b", "a_b", "../c"});
+    (void)run({"groups", "set", "--labels", "l.csv", "--by", "g", "-o", "g.csv", "--means", "means",
+               "--permutations", "9", "--bootstrap", "9", "--quality", "preview"});
+    EXPECT_EQ(files_in(folder_ / "means"), (Values{"_.._c.ply", "a_b.ply", "a_b_2.ply"}));
+}
+
+TEST_F(LabelledMeshes, ClassifyUsesAsManyModesAsFewMeshesAllow)
+{
+    write_labels("g", {"a", "a", "a", "a", "a", "b", "b", "b", "b", "b"});
+    const Arguments classify{"classify", "set", "--labels", "l.csv", "--by", "g", "-o", "c.csv"};
+    const Outcome outcome = shape(classify);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("7 modes are used"), std::string::npos) << outcome.err;
+    EXPECT_EQ(run(classify + Arguments{"--force"})["modes"], 7);
+}
+
+} // namespace
+} // namespace shape::test

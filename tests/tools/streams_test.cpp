@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+
+#include <cstdlib>
+
+#include "libshape/base/format.h"
+#include "libshape/io/table_file.h"
+#include "tests/tools/program_test.h"
+
+namespace shape::test {
+using namespace internal;
+namespace {
+
+/// `-` as standard input and output.
+class Streams : public ProgramTest
+{
+protected:
+    Streams()
+    {
+        write_bumpy_spheres(folder_);
+        (void)run({"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "f.h5"});
+        (void)run({"stats", "f.h5", "-o", "model.h5"});
+    }
+    [[nodiscard]] Outcome shape(const Arguments& arguments, const std::string& input = {}) const
+    {
+        return run_shape(folder_.path(), arguments, {.input_file = input});
+    }
+};
+
+TEST_F(Streams, TablesMeshesAndPicturesGoToStandardOutput)
+{
+    (void)run({"project", "model.h5", "f.h5", "-o", "scores.csv"});
+    EXPECT_EQ(shape({"project", "model.h5", "f.h5", "-o", "-"}).out, folder_.read("scores.csv"));
+    EXPECT_EQ(shape({"project", "model.h5", "f.h5", "--output=-"}).out, folder_.read("scores.csv"));
+    (void)run({"generate", "model.h5", "--mean", "-o", "mean.ply"});
+    (void)run({"generate", "model.h5", "--mean", "-o", "mean.off"});
+    EXPECT_EQ(shape({"generate", "model.h5", "--mean", "-o", "-"}).out, folder_.read("mean.ply"));
+    EXPECT_EQ(shape({"generate", "model.h5", "--mean", "-o", "-", "--format", "off"}).out,
+              folder_.read("mean.off"));
+    EXPECT_TRUE(shape({"draw", "a.ply", "-o", "-"}).out.find("<svg") != std::string::npos);
+    EXPECT_FALSE(folder_.has("-"));
+}
+
+TEST_F(Streams, MeshesTablesAndCollectionsComeFromStandardInput)
+{
+    for (const char* file : {"a.ply", "f.h5"}) {
+        const Outcome outcome = shape({"check", "-"}, file);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
+    (void)run({"generate", "model.h5", "--mean", "-o", "mean.off"});
+    (void)run({"generate", "model.h5", "--mean", "-o", "mean.obj"});
+    for (const char* file : {"mean.off", "mean.obj"})
+        EXPECT_EQ(shape({"check", "-"}, file).exit_code, 0);
+    const Outcome labelled =
+        shape({"collect", "a.ply", "b.ply", "c.ply", "--labels", "-", "-o", "g.h5"}, "labels.csv");
+    EXPECT_EQ(labelled.exit_code, 0) << labelled.err;
+    EXPECT_EQ(folder_.read("g.h5"), folder_.read("f.h5"));
+    // Both ends of a pipe.
+    const Outcome both =
+        shape({"interpolate", "-", "b.ply", "--weights", "1,0", "-o", "-"}, "a.ply");
+    EXPECT_TRUE(both.out.starts_with("ply\n")) << both.err;
+}
+
+TEST_F(Streams, AFailedRunPrintsNothingAndNamesTheStream)
+{
+    folder_.write("bad.obj", "v 0 0 zero\n");
+    const Outcome outcome =
+        shape({"interpolate", "-", "b.ply", "--weights", "1,0", "-o", "-"}, "bad.obj");
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_NE(outcome.err.find("error: -: line 1"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Streams, OneStreamServesOnePurpose)
+{
+    for (const Arguments& arguments :
+         {Arguments{"project", "model.h5", "f.h5", "-o", "-", "--json"},
+          Arguments{"project", "model.h5", "f.h5", "-o", "-", "--plot", "-"},
+          Arguments{"check", "-", "-"}}) {
+        const Outcome outcome = shape(arguments, "a.ply");
+        EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+    }
+}
+
+} // namespace
+} // namespace shape::test

@@ -1,0 +1,488 @@
+// SPDX-License-Identifier: MIT
+
+import { groupColours, niceAbove, paint, signedScale, unsignedScale, cssGradient, type Scale } from "./colours";
+import { Decoder } from "./decoder";
+import { find, make, percent } from "./dom";
+import { commandOf, csvOf, glbOf, objOf, plyOf, save, stemOf } from "./exports";
+import { bytesOf, readFacts, takeBytes } from "./model";
+import { ScorePlot } from "./plot";
+import { displacement, type Shape } from "./shape";
+import { modeSlider, Slider } from "./sliders";
+import { groupPlace, History, linkOf, meanPlace, placeOf, specimenPlace, totalScores, rounded, type Place } from "./state";
+import { Viewer } from "./viewer";
+
+const facts = readFacts();
+const history = new History();
+let place: Place = placeOf(location.hash, facts) ?? meanPlace(facts);
+let faces = new Uint32Array(0);
+let shown: Shape | null = null;
+let meanShape: Shape | null = null;
+let pinned: Shape | null = null;
+let viewer: Viewer;
+let decoder: Decoder;
+
+const say = (text: string) => (find("#said").textContent = text);
+
+// What cannot be shown, and what is shown instead.
+
+function fallBack(reason: string) {
+    find("main").hidden = true;
+    find("#help").hidden = true;
+    const section = find("#fallback");
+    section.hidden = false;
+    section.prepend(make("p", { class: "warning", role: "alert" }, `${reason} Here are pictures and figures of the model instead.`));
+    find("#tables").toggleAttribute("open", true);
+}
+
+function missing(): string {
+    if (typeof WebAssembly !== "object") return "This browser has no WebAssembly, which makes the meshes.";
+    try {
+        viewer = new Viewer(find<HTMLCanvasElement>("#canvas"), facts.view);
+        return "";
+    } catch {
+        return "This browser has no WebGL, which draws the meshes.";
+    }
+}
+
+// Where one is, and what it looks like.
+
+const coordinates = (at: Place) => totalScores(facts, at).map((score, k) => score * facts.modes[k].deviation);
+
+function show() {
+    decoder.show(coordinates(place), place.amounts, facts.size);
+    const scores = totalScores(facts, place);
+    modeSliders.forEach((slider, k) => slider.show(place.scores[k]));
+    amountSliders.forEach((slider, i) => slider.show(place.amounts[i]));
+    valueSliders.forEach((slider, i) => slider.show(place.values[i]));
+    plot?.show(scores);
+    showCommand();
+}
+
+/// Ends a move: what undo goes back to, and what the address says.
+function settle() {
+    history.push(place);
+    tellPlace();
+}
+
+function tellPlace() {
+    find<HTMLButtonElement>("#undo").disabled = !history.canUndo;
+    find<HTMLButtonElement>("#redo").disabled = !history.canRedo;
+    const link = linkOf(place, facts);
+    window.history.replaceState(null, "", link ? `#${link}` : location.pathname + location.search);
+}
+
+function goTo(to: Place, text = "") {
+    stopPlaying();
+    place = to;
+    show();
+    settle();
+    say(text);
+}
+
+function showCommand() {
+    const command = commandOf(facts, place, !!shown?.fine);
+    find("#command").textContent = command ?? "None: `shape generate` adds no differences. Save the mesh instead.";
+    find<HTMLButtonElement>("#copy-command").disabled = command === null;
+}
+
+// The mesh and its certificate.
+
+const digits = (share: number) => percent(share, share < 0.001 && share > 0 ? 4 : share < 0.1 ? 3 : 2);
+
+function showCertificate({ certificate, fine, milliseconds }: Shape) {
+    const status = find("#status");
+    status.textContent = certificate.status;
+    status.className = certificate.status;
+    find("#quality").textContent = facts.space === "procrustes" ? "linear model" : fine ? "fine" : "preview";
+    find("#edge-rms").textContent = digits(certificate.edgeRms);
+    find("#edge-max").textContent = digits(certificate.edgeMax);
+    find("#drift").textContent = `${certificate.driftP99.toFixed(certificate.driftP99 < 1 ? 3 : 2)}°`;
+    find("#inverted").textContent = String(certificate.invertedFaces);
+    find("#time").textContent = `${milliseconds.toFixed(milliseconds < 10 ? 1 : 0)} ms`;
+    const reason = find("#reason");
+    reason.hidden = !certificate.reason;
+    reason.textContent = certificate.reason ? `${certificate.reason}; the nearest mesh is shown.` : "";
+}
+
+const effects = facts.effects ? new Float32Array(bytesOf(facts.effects.values).buffer) : null;
+const largest = { displacement: 0, edge: 0, drift: 0 }; // grows only, so that a scale stays while one drags
+
+/// Values at vertices, their scale, and what they are called.
+function colouring(shape: Shape): { values: Float32Array; scale: Scale; name: string; print: (value: number) => string } | null {
+    const grown = (kind: keyof typeof largest, values: Float32Array) => {
+        let most = 0;
+        for (const value of values) most = Math.max(most, Math.abs(value));
+        return (largest[kind] = Math.max(largest[kind], niceAbove(most)));
+    };
+    switch (find<HTMLSelectElement>("#colour").value) {
+        case "displacement": {
+            if (!meanShape) return null;
+            const values = displacement(shape, meanShape);
+            return { values, scale: signedScale(grown("displacement", values)), name: "from the mean, along its normal [unit of the meshes]", print: (v) => String(Number(v.toPrecision(3))) };
+        }
+        case "edge":
+            return { values: shape.edgeError, scale: unsignedScale(grown("edge", shape.edgeError)), name: "worst relative error of the edges at a vertex", print: (v) => `${Number((100 * v).toPrecision(3))} %` };
+        case "drift":
+            return { values: shape.drift, scale: unsignedScale(grown("drift", shape.drift)), name: "largest dihedral drift at a vertex", print: (v) => `${Number(v.toPrecision(3))}°` };
+        case "effects": {
+            let most = 0;
+            for (const value of effects!) most = Math.max(most, Math.abs(value));
+            return { values: effects!, scale: signedScale(niceAbove(most)), name: facts.effects!.name, print: (v) => String(Number(v.toPrecision(3))) };
+        }
+        default:
+            return null;
+    }
+}
+
+let colours = new Float32Array(0);
+
+function draw() {
+    if (!shown) return;
+    const colour = colouring(shown);
+    find("#legend").hidden = !colour;
+    if (colour) {
+        if (colours.length !== 3 * colour.values.length) colours = new Float32Array(3 * colour.values.length);
+        paint(colour.scale, colour.values, colours);
+        find("#legend-low").textContent = colour.print(colour.scale.low);
+        find("#legend-high").textContent = colour.print(colour.scale.high);
+        find("#legend-name").textContent = colour.name;
+        find("#legend i").style.background = cssGradient(colour.scale);
+    }
+    viewer.setShape(shown.points, shown.normals, shown.broken, colour ? colours : null);
+}
+
+let shapes = 0; // that came since the page was opened
+let preview: Shape | null = null; // the last one
+
+function take(shape: Shape) {
+    const isFirst = !shown;
+    shown = shape;
+    if (!shape.fine) preview = shape;
+    ++shapes;
+    showCertificate(shape);
+    draw();
+    showCommand();
+    if (isFirst) {
+        viewer.frame(shape.points);
+        find("#waiting").hidden = true;
+    }
+}
+
+function showGhost() {
+    const kind = find<HTMLSelectElement>("#ghost").value;
+    viewer.setGhost(kind === "mean" ? meanShape : kind === "pin" ? pinned : null);
+}
+
+/// A shape beside the one shown becomes the ghost.
+function pin(shape: Shape | null, name: string) {
+    if (!shape) return;
+    pinned = shape;
+    find<HTMLSelectElement>("#ghost").value = "pin";
+    find("#ghost option[value=pin]").textContent = name;
+    showGhost();
+}
+
+// Sliders.
+
+let playing: { slider: Slider; k: number; begin: number; from: number } | null = null;
+
+function stopPlaying() {
+    playing?.slider.play?.setAttribute("aria-pressed", "false");
+    playing = null;
+}
+
+/// Back and forth along a mode, within its feasible range and two standard deviations.
+function playAlong(k: number) {
+    const was = playing?.k;
+    stopPlaying();
+    if (was === k) return settle();
+    playing = { slider: modeSliders[k], k, begin: performance.now(), from: place.scores[k] };
+    playing.slider.play!.setAttribute("aria-pressed", "true");
+    const mode = facts.modes[k];
+    const [low, high] = facts.space === "edge" ? [Math.max(-2, mode.low), Math.min(2, mode.high)] : [-2, 2];
+    const step = (now: number) => {
+        if (playing?.k !== k) return;
+        const phase = Math.sin((now - playing.begin) / 700);
+        place.scores[k] = rounded(phase >= 0 ? phase * high : -phase * low);
+        show();
+        requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+}
+
+const moved = (change: (value: number) => void) => (value: number) => {
+    stopPlaying();
+    change(value);
+    show();
+};
+const modeSliders = facts.modes.map((_, k) =>
+    modeSlider(facts, k, { onInput: moved((value) => (place.scores[k] = value)), onChange: settle, onPlay: () => playAlong(k) }));
+const amountSliders = facts.differences.map(
+    ({ name, meaning }, i) => new Slider({
+        name, note: meaning, low: -1, high: 2, rest: 0, unit: "times the difference",
+        onInput: moved((value) => (place.amounts[i] = value)), onChange: settle,
+    }));
+const valueSliders = facts.regressions.map(
+    ({ name, low, high, mean }, i) => new Slider({
+        name, note: "regression", low: low - 0.25 * (high - low), high: high + 0.25 * (high - low), rest: rounded(mean), unit: `units of ${name}`,
+        feasible: undefined, onInput: moved((value) => (place.values[i] = value)), onChange: settle,
+    }));
+let plot: ScorePlot | null = null;
+
+function setUpSliders() {
+    const first = 10;
+    const rows = modeSliders.map(({ row }) => row);
+    find("#modes").append(...rows);
+    rows.slice(first).forEach((row) => (row.hidden = true));
+    const more = find<HTMLButtonElement>("#more");
+    more.hidden = rows.length <= first;
+    more.textContent = `all ${rows.length} modes`;
+    more.onclick = () => {
+        rows.forEach((row) => (row.hidden = false));
+        more.hidden = true;
+        rows[first].querySelector<HTMLInputElement>("input")!.focus();
+    };
+    const additions = [...valueSliders, ...amountSliders].map(({ row }) => row);
+    if (additions.length > 0) find("#additions").append(make("h2", {}, "Differences and regressions"), ...additions);
+    const typed = find<HTMLSelectElement>("#typed");
+    typed.onchange = () => {
+        modeSliders.forEach((slider, k) => slider.typeIn(typed.value === "scores" ? facts.modes[k].deviation : 1));
+        modeSliders.forEach((slider, k) => slider.show(place.scores[k]));
+    };
+}
+
+// Meshes, groups and the plane of their scores.
+
+function goToSpecimen(i: number) {
+    const { name, size } = facts.specimens[i];
+    plot?.mark(i);
+    find<HTMLSelectElement>("#specimen").value = String(i);
+    const labels = facts.labels.map(({ name, values }) => `${name}: ${values[i]}`);
+    find("#specimen-facts").textContent = [...labels, `size ${Number(size.toPrecision(5))}`].join(", ");
+    goTo(specimenPlace(facts, i), `The model's shape of ${name}.`);
+}
+
+function setUpPlot() {
+    if (facts.modes.length > 1) {
+        plot = new ScorePlot(facts, (x, y, ended) => {
+            stopPlaying();
+            const extra = totalScores(facts, { ...place, scores: facts.modes.map(() => 0) });
+            place.scores[plot!.x] = rounded(x - extra[plot!.x]);
+            place.scores[plot!.y] = rounded(y - extra[plot!.y]);
+            show();
+            if (ended) settle();
+        }, goToSpecimen);
+        const choose = (axis: "x" | "y", name: string) => {
+            const select = make<HTMLSelectElement>("select", { id: `axis-${axis}`, onchange: () => {
+                plot![axis] = Number(select.value);
+                plot!.redraw();
+                plot!.show(totalScores(facts, place));
+            } }, ...facts.modes.map((_, k) => make("option", { value: k }, `mode ${k + 1}`)));
+            select.value = String(plot![axis]);
+            return make("label", {}, `${name} `, select);
+        };
+        const key = make("div", { class: "key" });
+        const label = make<HTMLSelectElement>("select", { id: "plot-label", onchange: () => colourBy(Number(label.value)) },
+            make("option", { value: -1 }, "one colour"), ...facts.labels.map(({ name }, i) => make("option", { value: i }, name)));
+        const colourBy = (i: number) => {
+            plot!.label = i;
+            plot!.redraw();
+            key.replaceChildren(...plot!.groups().slice(0, 8).map((group, g) => make("span", {}, swatch(g), group)));
+            setUpGroups(i);
+        };
+        find("#plot").append(make("div", { class: "bar" }, choose("x", "across"), choose("y", "up"),
+            ...(facts.labels.length ? [make("label", {}, "by ", label)] : [])), plot.svg, key);
+        const initial = facts.labels.findIndex(({ name }) => name === facts.colorBy);
+        label.value = String(initial);
+        colourBy(initial);
+    }
+    const select = find<HTMLSelectElement>("#specimen");
+    select.append(...facts.specimens.map(({ name }, i) => make("option", { value: i }, name)));
+    select.onchange = () => select.value && goToSpecimen(Number(select.value));
+}
+
+const swatch = (group: number) =>
+    make("svg", { viewBox: "-4 -4 8 8", "aria-hidden": "true" }, make("rect", { x: -3, y: -3, width: 6, height: 6, fill: groupColours[group % groupColours.length] }));
+
+/// The mean of every group as a button.
+function setUpGroups(label: number) {
+    const groups = find("#groups");
+    const values = label < 0 ? [] : [...new Set(facts.labels[label].values)].sort();
+    groups.hidden = values.length === 0 || values.length > 30;
+    groups.replaceChildren(`mean of ${facts.labels[label]?.name ?? ""}`, ...values.map((value) =>
+        make("button", { type: "button", onclick: () => goTo(groupPlace(facts, label, value), `The mean of ${facts.labels[label].name} ${value}.`) }, value)));
+}
+
+// Buttons and keys.
+
+/// A standard normal number (Box and Muller).
+const normal = () => Math.sqrt(-2 * Math.log(1 - Math.random())) * Math.cos(2 * Math.PI * Math.random());
+
+async function goToRandom() {
+    const to = { ...meanPlace(facts), scores: facts.modes.map(() => normal()) };
+    const share = await decoder.feasibleShare(coordinates(to), to.amounts, facts.size);
+    to.scores = to.scores.map((score) => rounded(share * score));
+    goTo(to, share < 1 ? `A random shape, drawn towards the mean (${percent(share, 0)}) until its edge lengths were feasible.` : "A random shape.");
+}
+
+function goBack(to: Place | null) {
+    if (!to) return;
+    stopPlaying();
+    place = to;
+    show();
+    tellPlace();
+}
+
+const views: Record<string, [number, number, number]> = {
+    front: [0, 0, 1], back: [0, 0, -1], left: [-1, 0, 0], right: [1, 0, 0], top: [0, 1, 0.001], bottom: [0, -1, 0.001],
+};
+
+function toggleFrames() {
+    const output = find("#frames");
+    output.hidden = !output.hidden;
+    let [lastShapes, last] = [shapes, performance.now()];
+    const count = () => {
+        if (output.hidden) return;
+        const now = performance.now();
+        output.textContent = `${viewer.framesASecond} frames/s, ${((1000 * (shapes - lastShapes)) / (now - last)).toFixed(0)} meshes/s`;
+        [lastShapes, last] = [shapes, now];
+        setTimeout(count, 500);
+    };
+    count();
+}
+
+function setUpButtons() {
+    const on = (id: string, work: () => void) => find(id).addEventListener("click", work);
+    on("#mean", () => goTo(meanPlace(facts), "The mean."));
+    on("#random", goToRandom);
+    on("#undo", () => goBack(history.undo()));
+    on("#redo", () => goBack(history.redo()));
+    on("#pin", () => {
+        pin(shown, "pinned shape");
+        say("The shape shown is the ghost now.");
+    });
+    find("#colour").addEventListener("change", draw);
+    find("#ghost").addEventListener("change", showGhost);
+    const view = find<HTMLSelectElement>("#view");
+    view.onchange = () => viewer.lookFrom(views[view.value]);
+    const wireframe = find<HTMLInputElement>("#wireframe");
+    wireframe.onchange = () => viewer.setWireframe(wireframe.checked);
+    find("#canvas").addEventListener("pointerdown", () => (view.value = ""));
+
+    const copy = (text: string, what: string) =>
+        navigator.clipboard.writeText(text).then(() => say(`${what} copied.`), () => say(`Copy it by hand: ${text}`));
+    on("#copy-link", () => {
+        settle();
+        copy(location.href, "Link");
+    });
+    on("#copy-command", () => copy(find("#command").textContent!, "Command"));
+    document.querySelectorAll<HTMLElement>("[data-save]").forEach((button) =>
+        button.addEventListener("click", () => saveAs(button.dataset.save!)));
+
+    find("#canvas").addEventListener("keydown", (event) => {
+        const key = (event as KeyboardEvent).key;
+        const [x, y] = ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] } as Record<string, [number, number]>)[key] ?? [0, 0];
+        const standard = Object.keys(views)["123456".indexOf(key)];
+        if (x || y) {
+            if ((event as KeyboardEvent).shiftKey) viewer.pan(-0.05 * x, 0.05 * y);
+            else viewer.turn(0.12 * x, 0.12 * y);
+        } else if (key === "+" || key === "=") viewer.turn(0, 0, 0.9);
+        else if (key === "-") viewer.turn(0, 0, 1 / 0.9);
+        else if (standard) viewer.lookFrom(views[standard]);
+        else return;
+        view.value = standard ?? "";
+        event.preventDefault();
+    });
+    addEventListener("keydown", (event) => {
+        const inField = event.target instanceof HTMLElement && event.target.matches("input[type=text], select");
+        if (event.ctrlKey || event.metaKey) {
+            if (inField) return;
+            if (event.key === "z" && !event.shiftKey) goBack(history.undo());
+            else if (event.key === "y" || event.key === "Z" || (event.key === "z" && event.shiftKey)) goBack(history.redo());
+            else return;
+            event.preventDefault();
+        } else if (!inField && !event.altKey) {
+            if (event.key === "m") find("#mean").click();
+            else if (event.key === "r") find("#random").click();
+            else if (event.key === "w") wireframe.click();
+            else if (event.key === "f") toggleFrames();
+            else if (event.key === "g") {
+                const ghost = find<HTMLSelectElement>("#ghost");
+                ghost.value = ghost.value === "mean" ? "none" : "mean";
+                showGhost();
+            }
+        }
+    });
+    addEventListener("hashchange", () => {
+        const to = placeOf(location.hash, facts);
+        if (to) goTo(to);
+        else say("The link names modes that this model does not have.");
+    });
+}
+
+async function saveAs(kind: string) {
+    if (!shown) return;
+    const stem = stemOf(facts, place);
+    const comment = `${facts.file}, ${linkOf(place, facts) || "mean"}, by libshape ${facts.version}`;
+    const { points, normals } = shown;
+    if (kind === "ply") save(`${stem}.ply`, plyOf(points, faces, comment), "application/octet-stream");
+    else if (kind === "obj") save(`${stem}.obj`, objOf(points, faces, comment), "model/obj");
+    else if (kind === "glb") save(`${stem}.glb`, glbOf(points, normals, faces, stem, `libshape ${facts.version}`), "model/gltf-binary");
+    else if (kind === "png") save(`${stem}.png`, await viewer.picture(getComputedStyle(document.body).backgroundColor), "image/png");
+    else if (kind === "svg" && plot) save(`${stem}_scores.svg`, plot.document(), "image/svg+xml");
+    else if (kind === "csv") save(`${stem}.csv`, csvOf(stem, facts.size, coordinates(place)), "text/csv");
+    say(`Saved ${stem}.`);
+}
+
+async function start() {
+    document.title = facts.title;
+    find("h1").textContent = facts.title;
+    const failure = missing();
+    if (failure) return fallBack(failure);
+    if (facts.modes.length < 2) find("[data-save=svg]").hidden = true;
+    if (facts.space === "procrustes") find("#colour option[value=edge]").remove(), find("#colour option[value=drift]").remove();
+    if (facts.effects) find("#colour").append(make("option", { value: "effects" }, facts.effects.name));
+    find("#subtitle").textContent = `${facts.specimens.length} meshes, ${facts.modes.length} ${facts.modes.length === 1 ? "mode" : "modes"}`;
+    decoder = new Decoder(takeBytes("wasm"), takeBytes("block"), take, (message) => say(`No mesh: ${message}`));
+    try {
+        const ready = await decoder.ready;
+        faces = ready.faces;
+        viewer.setFaces(faces, ready.vertices);
+    } catch (error) {
+        return fallBack(`The decoder did not start (${(error as Error).message}).`);
+    }
+    setUpSliders();
+    setUpPlot();
+    setUpButtons();
+    show();
+    settle();
+    const mean = meanPlace(facts);
+    meanShape = await decoder.once(coordinates(mean), mean.amounts, facts.size);
+    draw();
+    showGhost();
+}
+
+start();
+
+/// For tests: what a person sees, as numbers.
+Object.assign(window, {
+    explore: {
+        facts,
+        get shown() {
+            return shown;
+        },
+        get preview() {
+            return preview;
+        },
+        get place() {
+            return place;
+        },
+        get settled() {
+            return !!shown?.fine && decoder.isSettled;
+        },
+        get shapes() {
+            return shapes;
+        },
+        goTo,
+    },
+});

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+
+import { groupColours, groupMarks } from "./colours";
+import { make } from "./dom";
+import type { Facts } from "./model";
+
+const width = 360, height = 300, left = 38, right = 8, top = 8, bottom = 34;
+
+const marks: Record<string, string> = {
+    circle: "M-3.2,0a3.2,3.2 0 1,0 6.4,0a3.2,3.2 0 1,0 -6.4,0",
+    square: "M-2.8,-2.8h5.6v5.6h-5.6z",
+    triangle: "M0,-3.6L3.4,2.6H-3.4z",
+    diamond: "M0,-3.8L3.4,0L0,3.8L-3.4,0z",
+    cross: "M-3,-2L-2,-3L0,-1L2,-3L3,-2L1,0L3,2L2,3L0,1L-2,3L-3,2L-1,0z",
+    down: "M0,3.6L3.4,-2.6H-3.4z",
+    plus: "M-1,-3.4h2v2.4h2.4v2h-2.4v2.4h-2v-2.4h-2.4v-2h2.4z",
+    bar: "M-3.6,-1.3h7.2v2.6h-7.2z",
+};
+
+/// The plane of two modes: specimens to click, and the point where one is, to drag.
+export class ScorePlot {
+    readonly svg: SVGSVGElement;
+    private specimens: SVGGElement;
+    private axes: SVGGElement;
+    private point: SVGGElement;
+    private xReach = 1;
+    private yReach = 1;
+    x = 0; // modes
+    y = 1;
+    label = -1; // whose values get colours
+
+    constructor(
+        private facts: Facts,
+        private onMove: (x: number, y: number, ended: boolean) => void, // standard deviations
+        private onChoose: (specimen: number) => void,
+    ) {
+        this.y = Math.min(1, facts.modes.length - 1);
+        this.axes = make("g", { class: "axes" });
+        this.specimens = make("g");
+        this.point = make<SVGGElement>("g", { class: "point", tabindex: 0, role: "slider", "aria-label": "Shape shown, in the plane of two modes: arrow keys move it",
+                                 "aria-valuemin": -10, "aria-valuemax": 10, "aria-valuenow": 0 },
+            make("circle", { r: 16, class: "grip" }), make("circle", { r: 7 }));
+        this.svg = make<SVGSVGElement>("svg", { viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": "Score plot", class: "scores" },
+            this.axes, this.specimens, this.point);
+        let dragging = false;
+        const drag = (event: PointerEvent, ended: boolean) => {
+            const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM()!.inverse());
+            this.onMove(this.valueOfX(place.x), this.valueOfY(place.y), ended);
+        };
+        this.point.addEventListener("pointerdown", (event) => {
+            dragging = true;
+            this.point.setPointerCapture(event.pointerId);
+            this.point.focus();
+            event.preventDefault();
+        });
+        this.point.addEventListener("pointermove", (event) => dragging && drag(event, false));
+        for (const end of ["pointerup", "pointercancel"] as const)
+            this.point.addEventListener(end, (event) => {
+                if (dragging) drag(event as PointerEvent, true);
+                dragging = false;
+            });
+        this.point.addEventListener("keydown", (event) => {
+            const step = event.shiftKey ? 0.5 : 0.1;
+            const [dx, dy] = ({ ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] } as
+                Record<string, [number, number]>)[event.key] ?? [0, 0];
+            if (!dx && !dy) return;
+            event.preventDefault();
+            event.stopPropagation();
+            this.onMove(this.at[0] + dx, this.at[1] + dy, true);
+        });
+        this.redraw();
+    }
+
+    private at: [number, number] = [0, 0];
+
+    private placeOfX = (value: number) => left + ((value / this.xReach + 1) / 2) * (width - left - right);
+    private placeOfY = (value: number) => height - bottom - ((value / this.yReach + 1) / 2) * (height - top - bottom);
+    private valueOfX = (place: number) => this.clamp(((place - left) / (width - left - right)) * 2 - 1) * this.xReach;
+    private valueOfY = (place: number) => this.clamp(((height - bottom - place) / (height - top - bottom)) * 2 - 1) * this.yReach;
+    private clamp = (value: number) => Math.min(1, Math.max(-1, value));
+
+    private inDeviations(specimen: number, mode: number) {
+        return this.facts.specimens[specimen].scores[mode] / this.facts.modes[mode].deviation;
+    }
+
+    /// After a change of modes or label.
+    redraw() {
+        const { facts } = this;
+        const reach = (mode: number) =>
+            Math.ceil(1.08 * Math.max(2, ...facts.specimens.map((_, i) => Math.abs(this.inDeviations(i, mode)))) * 2) / 2;
+        this.xReach = reach(this.x);
+        this.yReach = reach(this.y);
+        const ticks = (most: number) => {
+            const step = most > 6 ? 2 : 1;
+            return Array.from({ length: 2 * Math.floor(most / step) + 1 }, (_, i) => (i - Math.floor(most / step)) * step);
+        };
+        const bottomLine = height - bottom;
+        this.axes.replaceChildren(
+            ...ticks(this.xReach).flatMap((t) => [
+                make("line", { x1: this.placeOfX(t), x2: this.placeOfX(t), y1: top, y2: bottomLine, class: t ? "grid" : "zero" }),
+                make("text", { x: this.placeOfX(t), y: bottomLine + 14, "text-anchor": "middle" }, String(t)),
+            ]),
+            ...ticks(this.yReach).flatMap((t) => [
+                make("line", { y1: this.placeOfY(t), y2: this.placeOfY(t), x1: left, x2: width - right, class: t ? "grid" : "zero" }),
+                make("text", { x: left - 6, y: this.placeOfY(t) + 4, "text-anchor": "end" }, String(t)),
+            ]),
+            make("text", { x: (left + width - right) / 2, y: height - 4, "text-anchor": "middle" },
+                `mode ${this.x + 1}, standard deviations (${(100 * facts.modes[this.x].share).toFixed(1)} %)`),
+            make("text", { transform: `translate(11 ${(top + bottomLine) / 2}) rotate(-90)`, "text-anchor": "middle" },
+                `mode ${this.y + 1} (${(100 * facts.modes[this.y].share).toFixed(1)} %)`),
+        );
+        this.specimens.replaceChildren(
+            ...facts.specimens.map(({ name }, i) => {
+                const group = this.groupOf(i);
+                return make("path", {
+                    d: marks[groupMarks[group % groupMarks.length]],
+                    fill: groupColours[group % groupColours.length],
+                    transform: `translate(${this.placeOfX(this.inDeviations(i, this.x))} ${this.placeOfY(this.inDeviations(i, this.y))})`,
+                    class: "specimen",
+                    "data-specimen": i,
+                    onclick: () => this.onChoose(i),
+                }, make("title", {}, [name, ...facts.labels.map(({ name, values }) => `${name} ${values[i]}`)].join(", ")));
+            }),
+        );
+        this.showPoint(...this.at);
+    }
+
+    /// The different values of the label, in the order of their colours.
+    groups(): string[] {
+        return this.label < 0 ? [] : [...new Set(this.facts.labels[this.label].values)].sort();
+    }
+    private groupOf(specimen: number): number {
+        return this.label < 0 ? 0 : this.groups().indexOf(this.facts.labels[this.label].values[specimen]);
+    }
+
+    mark(specimen: number) {
+        this.specimens.querySelectorAll(".chosen").forEach((element) => element.classList.remove("chosen"));
+        this.specimens.children[specimen]?.classList.add("chosen");
+    }
+
+    show(scores: number[]) {
+        this.showPoint(scores[this.x], scores[this.y]);
+    }
+    private showPoint(x: number, y: number) {
+        this.at = [x, y];
+        const [px, py] = [this.clamp(x / this.xReach) * this.xReach, this.clamp(y / this.yReach) * this.yReach];
+        this.point.setAttribute("transform", `translate(${this.placeOfX(px)} ${this.placeOfY(py)})`);
+        this.point.setAttribute("aria-valuenow", x.toFixed(2));
+        this.point.setAttribute("aria-valuetext", `mode ${this.x + 1} ${x.toFixed(2)}, mode ${this.y + 1} ${y.toFixed(2)} standard deviations`);
+    }
+
+    /// As a file that needs no style sheet.
+    document(): string {
+        const copy = this.svg.cloneNode(true) as SVGSVGElement;
+        copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+        copy.setAttribute("width", String(2 * width));
+        copy.setAttribute("height", String(2 * height));
+        copy.querySelector(".grip")?.remove();
+        copy.querySelectorAll("[tabindex]").forEach((element) => element.removeAttribute("tabindex"));
+        copy.prepend(make("rect", { width, height, fill: "white" }), make<SVGElement>("g"));
+        const style = document.createElementNS("http://www.w3.org/2000/svg", "style");
+        style.textContent = "text{font:11px Helvetica,Arial,sans-serif;fill:#333}.grid{stroke:#e4e4e4}.zero{stroke:#999}" +
+            ".specimen{fill-opacity:.75}.chosen{stroke:#000}.point circle{fill:none;stroke:#000;stroke-width:2}";
+        copy.prepend(style);
+        return new XMLSerializer().serializeToString(copy);
+    }
+}

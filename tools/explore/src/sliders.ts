@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+
+import { make, percent } from "./dom";
+import type { Facts } from "./model";
+import { decimals, rounded } from "./state";
+
+export interface SliderOptions {
+    name: string;
+    note: string; // beside the name
+    low: number;
+    high: number;
+    rest: number; // the value of the mean shape
+    unit: string; // for assistive technology
+    feasible?: [number, number];
+    onInput: (value: number) => void;
+    onChange: () => void;
+    onPlay?: () => void;
+}
+
+/// A slider with its name, a field for exact values, the feasible range marked.
+export class Slider {
+    readonly row: HTMLElement;
+    private range: HTMLInputElement;
+    private field: HTMLInputElement;
+    readonly play: HTMLButtonElement | null = null;
+    private factor = 1; // of the field: typed units a unit of the value
+
+    constructor(private options: SliderOptions) {
+        const { name, low, high, unit } = options;
+        const step = (high - low) / 400;
+        this.range = make<HTMLInputElement>("input", {
+            type: "range", min: low, max: high, step: Math.min(0.01, step), value: options.rest, "aria-label": `${name}, ${unit}`,
+            oninput: () => this.take(Number(this.range.value)),
+            onchange: () => options.onChange(),
+            ondblclick: () => {
+                this.take(options.rest);
+                options.onChange();
+            },
+        });
+        this.field = make<HTMLInputElement>("input", {
+            type: "text", inputmode: "decimal", value: "0", "aria-label": `${name}, exact value`, autocomplete: "off",
+            onchange: () => this.typed(),
+        });
+        if (options.onPlay)
+            this.play = make<HTMLButtonElement>("button", { type: "button", class: "play", "aria-label": `Play along ${name}`, "aria-pressed": "false",
+                                         onclick: options.onPlay }, "▶");
+        const track = make("div", { class: "track" }, this.range);
+        if (options.feasible) {
+            const share = (value: number) => (100 * Math.min(Math.max((value - low) / (high - low), 0), 1)).toFixed(2);
+            const [from, to] = options.feasible;
+            track.prepend(
+                make("span", { class: "beyond", style: `left:0;width:${share(from)}%`, title: "No mesh has these edge lengths" }),
+                make("span", { class: "beyond", style: `left:${share(to)}%;right:0`, title: "No mesh has these edge lengths" }),
+            );
+        }
+        this.row = make("div", { class: "slider" },
+            make("span", { class: "name" }, make("b", {}, name), ` ${options.note}`), track, this.field, ...(this.play ? [this.play] : []));
+    }
+
+    private take(value: number) {
+        this.options.onInput(rounded(value));
+    }
+
+    private typed() {
+        const value = Number(this.field.value.replace(",", ".")) / this.factor;
+        const wrong = !Number.isFinite(value) || this.field.value.trim() === "";
+        this.field.setAttribute("aria-invalid", String(wrong));
+        if (wrong) return;
+        this.take(value);
+        this.options.onChange();
+    }
+
+    show(value: number) {
+        this.range.value = String(value);
+        this.range.setAttribute("aria-valuetext", `${value.toFixed(2)} ${this.options.unit}`);
+        if (document.activeElement !== this.field || this.field.getAttribute("aria-invalid") !== "true") {
+            this.field.value = String(Number((value * this.factor).toPrecision(this.factor === 1 ? 12 : 6)));
+            this.field.setAttribute("aria-invalid", "false");
+        }
+        const feasible = this.options.feasible;
+        this.row.classList.toggle("outside", !!feasible && (value < feasible[0] || value > feasible[1]));
+    }
+
+    typeIn(factor: number) {
+        this.factor = factor;
+    }
+}
+
+export const sliderReach = 3; // standard deviations to either side
+
+export function modeSlider(facts: Facts, k: number, to: Pick<SliderOptions, "onInput" | "onChange" | "onPlay">): Slider {
+    const mode = facts.modes[k];
+    const most = Math.max(sliderReach, ...facts.specimens.map(({ scores }) => Math.abs(scores[k] / mode.deviation)));
+    const reach = Math.ceil(2 * most) / 2;
+    return new Slider({
+        name: `mode ${k + 1}`, note: percent(mode.share), low: -reach, high: reach, rest: 0, unit: "standard deviations",
+        feasible: facts.space === "edge" ? [mode.low, mode.high] : undefined, ...to,
+    });
+}
+
+export { decimals };
