@@ -20,10 +20,11 @@ install(FILES
     cmake/FindHDF5Serial.cmake
     cmake/FindLBFGS.cmake
     cmake/FindSuiteSparse.cmake
+    cmake/FindUtf8proc.cmake
     DESTINATION ${package_dir})
 
 # pkg-config: a static library needs to be linked with all that it is made from.
-set(third_party "-lOpenMeshCore -lpthread -lcholmod -lopenblas -lhdf5_serial -llbfgs -lgomp")
+set(third_party "-lOpenMeshCore -lpthread -lcholmod -lopenblas -lhdf5_serial -llbfgs -lutf8proc -lgomp")
 if(BUILD_SHARED_LIBS)
     set(pc_private_libraries ${third_party})
 else()

@@ -113,17 +113,24 @@ std::string draw_scores(const Collection& collection, const std::string& covaria
          .equal_axes = false});
 }
 
+/// The values of --at as given and as numbers.
+std::vector<std::pair<std::string, double>> places(const Arguments& arguments)
+{
+    std::vector<std::pair<std::string, double>> result;
+    if (!arguments.at.empty())
+        for (const std::string& text : split(arguments.at, ','))
+            result.emplace_back(text, read_number(text, "--at"));
+    return result;
+}
+
 /// The shapes expected at values of the one covariate; with their mean size, or that value of it.
 std::vector<EmbeddingTarget> expected_targets(const Arguments& arguments, const Findings& findings)
 {
     std::vector<EmbeddingTarget> targets;
-    if (arguments.at.empty())
-        return targets;
     const bool is_size = arguments.on.front() == "size";
-    for (const std::string& text : split(arguments.at, ',')) {
-        const double value = read_number(text, "--at");
+    for (const auto& [text, value] : places(arguments)) {
         const double size = is_size ? value : findings.sizes.mean();
-        targets.push_back({join(arguments.on.front(), "_", text), [&findings, value, size] {
+        targets.push_back({join(arguments.on.front(), "_", text), [&findings, value = value, size] {
                                return expected_shape(findings.effect,
                                                      Eigen::VectorXd::Constant(1, value), size);
                            }});
@@ -211,6 +218,7 @@ void run(const Session& session, const Arguments& arguments)
     check_outputs(session, arguments);
     if (!arguments.at.empty() && arguments.on.size() > 1)
         throw UsageError("--at takes values of one covariate; give --on once");
+    (void)places(arguments); // before any work
     const Collection collection = read_labelled(session, arguments.input);
     const Findings findings = find(session, arguments, collection);
     const Table scores = score_table(collection, arguments, findings);

@@ -80,27 +80,27 @@ Collection read_collection(const std::filesystem::path& path)
     });
     points.resize(0, 0);
     {
-        const RowMatrix angles = file.numbers("/dihedral_angles", {count, topology.edge_count()});
+        const RowMatrix lengths = file.numbers("/edge_lengths", {count, topology.edge_count()});
         for_each_mesh(collection.size(), [&](Eigen::Index i) {
             const Eigen::VectorXd measured =
-                dihedral_angles(topology, collection.points[static_cast<std::size_t>(i)]);
+                edge_lengths(topology, collection.points[static_cast<std::size_t>(i)]);
             for (Eigen::Index e = 0; e < measured.size(); ++e)
-                if (!(std::abs(wrapped_angle(angles(i, e) - measured[e])) <= 1e-6))
-                    file.fail("/dihedral_angles",
-                              join("value (", i, ", ", e, ") is ", angles(i, e),
-                                   ", the points and /topology/faces give ", measured[e]));
+                if (!(measured[e] > 0.0) ||
+                    !(std::abs(lengths(i, e) - measured[e]) <= 1e-9 * measured[e]))
+                    file.fail("/edge_lengths", join("value (", i, ", ", e, ") is ", lengths(i, e),
+                                                    ", must be > 0 and the distance ", measured[e],
+                                                    " of the points"));
         });
     }
-    const RowMatrix lengths = file.numbers("/edge_lengths", {count, topology.edge_count()});
+    const RowMatrix angles = file.numbers("/dihedral_angles", {count, topology.edge_count()});
     for_each_mesh(collection.size(), [&](Eigen::Index i) {
         const Eigen::VectorXd measured =
-            edge_lengths(topology, collection.points[static_cast<std::size_t>(i)]);
+            dihedral_angles(topology, collection.points[static_cast<std::size_t>(i)]);
         for (Eigen::Index e = 0; e < measured.size(); ++e)
-            if (!(measured[e] > 0.0) ||
-                !(std::abs(lengths(i, e) - measured[e]) <= 1e-9 * measured[e]))
-                file.fail("/edge_lengths",
-                          join("value (", i, ", ", e, ") is ", lengths(i, e),
-                               ", must be > 0 and the distance ", measured[e], " of the points"));
+            if (!(std::abs(wrapped_angle(angles(i, e) - measured[e])) <= 1e-6))
+                file.fail("/dihedral_angles",
+                          join("value (", i, ", ", e, ") is ", angles(i, e),
+                               ", the points and /topology/faces give ", measured[e]));
     });
     return collection;
 }

@@ -2,12 +2,13 @@
 
 #include "libshape/io/label_file.h"
 
-#include <unicode/bytestream.h>
-#include <unicode/normalizer2.h>
+#include <utf8proc.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <map>
+#include <memory>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -55,15 +56,15 @@ std::string composed(std::string_view text)
     if (std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; }) ||
         !is_utf8(text))
         return std::string(text);
-    UErrorCode status = U_ZERO_ERROR;
-    const icu::Normalizer2* normalizer = icu::Normalizer2::getNFCInstance(status);
-    std::string result;
-    icu::StringByteSink<std::string> sink(&result);
-    if (U_SUCCESS(status))
-        normalizer->normalizeUTF8(
-            0, icu::StringPiece(text.data(), static_cast<std::int32_t>(text.size())), sink, nullptr,
-            status);
-    return U_SUCCESS(status) ? result : std::string(text);
+    utf8proc_uint8_t* composed = nullptr;
+    const utf8proc_ssize_t length =
+        utf8proc_map(reinterpret_cast<const utf8proc_uint8_t*>(text.data()),
+                     static_cast<utf8proc_ssize_t>(text.size()), &composed,
+                     static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
+    const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(composed, &std::free);
+    return length < 0 ? std::string(text)
+                      : std::string(reinterpret_cast<const char*>(composed),
+                                    static_cast<std::size_t>(length));
 }
 
 /// What names of one mesh have in common.

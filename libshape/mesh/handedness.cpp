@@ -47,32 +47,52 @@ double volume_of(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b,
     return a.dot(b.cross(c)) / 6.0;
 }
 
-double volume_of(const Topology& topology, const std::vector<std::vector<int>>& loops,
+struct Measures
+{
+    double volume = 0.0;   ///< [length^3], openings filled by fans.
+    double area = 0.0;     ///< [length^2] of the faces.
+    double openings = 0.0; ///< [length^2] of the fans.
+};
+
+Measures measure(const Topology& topology, const std::vector<std::vector<int>>& loops,
                  const Points& points)
 {
     const Eigen::RowVector3d origin = points.colwise().mean(); // far from the mesh, digits are lost
     const auto at = [&](int v) -> Eigen::RowVector3d { return points.row(v) - origin; };
-    double volume = 0.0;
-    for (const auto& face : topology.faces().rowwise())
-        volume += volume_of(at(face[0]), at(face[1]), at(face[2]));
+    const auto area = [](const auto& a, const auto& b, const auto& c) {
+        return 0.5 * (b - a).cross(c - a).norm();
+    };
+    Measures sum;
+    for (const auto& face : topology.faces().rowwise()) {
+        const Eigen::RowVector3d a = at(face[0]);
+        const Eigen::RowVector3d b = at(face[1]);
+        const Eigen::RowVector3d c = at(face[2]);
+        sum.volume += volume_of(a, b, c);
+        sum.area += area(a, b, c);
+    }
     for (const std::vector<int>& loop : loops) {
         Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
         for (const int h : loop)
             centre += at(topology.source(h)) / static_cast<double>(loop.size());
-        for (const int h : loop)
-            volume += volume_of(centre, at(topology.target(h)), at(topology.source(h)));
+        for (const int h : loop) {
+            const Eigen::RowVector3d a = at(topology.target(h));
+            const Eigen::RowVector3d b = at(topology.source(h));
+            sum.volume += volume_of(centre, a, b);
+            sum.openings += area(centre, a, b);
+        }
     }
-    return volume;
+    return sum;
 }
 
-double area_of(const Topology& topology, const Points& points)
+/// Which side of the surface is its inside: +1 if the faces run as they should, -1 if they are turned
+/// inside out, 0 if that cannot be told.
+int outward_sign(const Measures& m)
 {
-    double area = 0.0;
-    for (const auto& face : topology.faces().rowwise()) {
-        const Eigen::RowVector3d a = points.row(face[0]);
-        area += 0.5 * (points.row(face[1]) - a).cross(points.row(face[2]) - a).norm();
-    }
-    return area;
+    const bool is_closed = m.openings == 0.0;
+    const double fill = m.volume / std::pow(m.area, 1.5);
+    if (std::abs(fill) <= (is_closed ? 1e-9 : 0.02) || m.openings > 0.25 * m.area)
+        return 0;
+    return fill > 0.0 ? 1 : -1;
 }
 
 /// Dihedral angles at edges drawn evenly from the interior, of norm 1 (or 0: flat), a row a mesh.
@@ -122,7 +142,7 @@ double signed_volume(const Topology& topology, const Points& points)
     if (points.rows() != topology.vertex_count())
         throw InvalidInput(join("points has ", points.rows(), " rows, must have ",
                                 topology.vertex_count(), ", one a vertex"));
-    return volume_of(topology, boundary_loops(topology), points);
+    return measure(topology, boundary_loops(topology), points).volume;
 }
 
 Handedness compare_handedness(const Topology& topology, std::span<const Points> meshes)
@@ -134,28 +154,20 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     if (meshes.empty())
         return {};
     const std::vector<std::vector<int>> loops = boundary_loops(topology);
-    std::vector<double> fill(meshes.size()); // volume over that of a cube of the same area, about
+    std::vector<int> outward(meshes.size());
     parallel_for(meshes.size(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            fill[i] =
-                volume_of(topology, loops, meshes[i]) / std::pow(area_of(topology, meshes[i]), 1.5);
+            outward[i] = outward_sign(measure(topology, loops, meshes[i]));
     });
-    std::vector<int> side;
-    if (topology.is_closed()) {
-        for (const double f : fill)
-            side.push_back(f > 1e-9 ? 1 : f < -1e-9 ? -1 : 0);
-    } else {
-        side = sides(angle_directions(topology, meshes));
-    }
-    const double least = topology.is_closed() ? 1e-9 : 0.02;
-    const auto is_inside_out = [&](std::size_t i) { return fill[i] < -least; };
+    const std::vector<int> side =
+        topology.is_closed() ? outward : sides(angle_directions(topology, meshes));
 
     const auto count = [&](int which) { return std::count(side.begin(), side.end(), which); };
     int odd = count(1) < count(-1) ? 1 : -1;
     if (count(1) == count(-1) && count(1) > 0) { // those inside out, if that can be told
         const auto first = std::find_if(side.begin(), side.end(), [](int s) { return s != 0; });
         const auto i = static_cast<std::size_t>(first - side.begin());
-        odd = is_inside_out(i) ? *first : -*first;
+        odd = outward[i] < 0 ? *first : -*first;
     }
     Handedness result;
     bool has_others = false;
@@ -165,7 +177,7 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
             result.mirrored.push_back(i);
         } else {
             has_others = true;
-            result.inside_out = result.inside_out && is_inside_out(i);
+            result.inside_out = result.inside_out && outward[i] < 0;
         }
     }
     result.inside_out = result.inside_out && has_others;

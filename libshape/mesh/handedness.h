@@ -28,9 +28,10 @@ struct Handedness
 
 /// Compares the meshes. Of closed ones, the signs of their volumes tell. Open ones are compared by
 /// their dihedral angles, which a mirror image negates: mesh i is of the other kind if the cosine
-/// between its angles and the mean direction of all (each turned by its sign) is < -0.5. Open meshes
-/// are inside out if V < -0.02 A^1.5 for all that are not mirrored, V volume and A area; a flat sheet
-/// has no outside.
+/// between its angles and the mean direction of all (each turned by its sign) is < -0.5. All
+/// are inside out if V < 0 (V volume, A area) for all that are not mirrored; of open meshes, if
+/// V < -0.02 A^1.5 and the fans that fill their openings have an area <= A / 4: a sheet or a bowl has
+/// no inside.
 /// @param meshes  Each #V by 3.
 /// @throws InvalidInput if one has another number of vertices.
 /// Cost: O(N #F); of open meshes, at most 2,000 angles each.

@@ -20,6 +20,8 @@ BlockDesign block_design(const MatrixXd& covariates, const Grouping& blocks)
         throw InvalidInput(join("blocks are of ", blocks.size(), " observations, covariates of ",
                                 covariates.rows()));
     const std::vector<std::vector<int>> lists = members(blocks);
+    if (lists.size() < 2)
+        return BlockDesign::Crossed;
     Index nested = -1;
     Index crossed = -1;
     for (Index c = 0; c < covariates.cols(); ++c) {

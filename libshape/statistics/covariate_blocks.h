@@ -10,7 +10,8 @@
 namespace shape {
 
 /// How covariates lie to blocks: nested if each is the same for all members of every block (the age
-/// of a person who was scanned several times), crossed if each differs within some block.
+/// of a person who was scanned several times), crossed if each differs within some block, or if there
+/// is but one block.
 /// @param covariates  N by C.
 /// @throws InvalidInput naming both columns if some are nested and some crossed: they ask different
 ///     questions, each of a test of its own; or if the sizes disagree.

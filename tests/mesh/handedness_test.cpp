@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "libshape/base/error.h"
@@ -105,6 +106,15 @@ TEST(Handedness, SaysNothingOfFlatSheets)
         sheet.topology, std::vector{sheet.points, mirror_image(sheet.points), sheet.points});
     EXPECT_EQ(found.mirrored, Indices{});
     EXPECT_FALSE(found.inside_out);
+}
+
+TEST(Handedness, SaysNothingOfBowlsWhichHaveNoInside)
+{
+    const TestMesh bowl = test::open_patch(24, 1);
+    for (const Points& points : {bowl.points, mirror_image(bowl.points)}) {
+        EXPECT_GT(std::abs(signed_volume(bowl.topology, points)), 0.1);
+        EXPECT_FALSE(compare_handedness(bowl.topology, std::vector{points}).inside_out);
+    }
 }
 
 TEST(Handedness, RefusesOtherNumbersOfVertices)

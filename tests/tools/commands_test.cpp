@@ -334,7 +334,8 @@ TEST_F(Commands, ManyInfeasibleTargetsAreOneLineAndFeasibleSamplesNone)
     EXPECT_NE(brief.err.find(" of 7 targets are infeasible"), std::string::npos) << brief.err;
     const Outcome verbose = run_shape(folder_.path(), far + Arguments{"verbose", "--verbose"});
     EXPECT_NE(verbose.err.find("worst face"), std::string::npos) << verbose.err;
-    const Json figures = run(far + Arguments{"json"});
+    const Json figures =
+        json_of(run_shape(folder_.path(), far + Arguments{"json", "--json", "--quiet"}));
     EXPECT_FALSE(figures["embeddings"][6]["reason"].get<std::string>().empty());
     EXPECT_FALSE(figures["embeddings"][0].contains("reason"));
 
@@ -484,8 +485,8 @@ TEST_F(Commands, ExplorePutsAModelOnOnePage)
     if (!has_page())
         GTEST_SKIP() << "built without the page";
     fit();
-    const Arguments explore{"explore", "model.h5", "--color-by", "mood", "--modes", "5",
-                            "--title", "Three <meshes>", "--about", "of nobody", "-o"};
+    const Arguments explore{"explore", "model.h5",       "--color-by", "mood",      "--modes", "5",
+                            "--title", "Three <meshes>", "--about",    "of nobody", "-o"};
     const Json figures = run(explore + Arguments{"page.html"});
     EXPECT_EQ(figures["outputs"], Json({"page.html"}));
     EXPECT_EQ(figures["modes"], 2); // the model has no more

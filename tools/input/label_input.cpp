@@ -152,6 +152,8 @@ void warn_of_repeated_rows(const Session& session, const Collection& collection,
                            const Eigen::MatrixXd& covariates,
                            const std::vector<std::string>& columns, const std::string& remedy)
 {
+    if ((covariates.rowwise() - covariates.row(0)).isZero(0.0)) // refused later, by its name
+        return;
     constexpr std::size_t least_blocks = 5;
     constexpr std::size_t largest_blocks = 20;
     for (const LabelColumn& column : collection.labels) {
