@@ -8,6 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -48,18 +49,16 @@ Points corner_angles(const Topology& topology, const Eigen::VectorXd& lengths)
                                 topology.edge_count(), " edges"));
     const Faces& face_edges = topology.face_edges();
     Points angles(face_edges.rows(), 3);
-    parallel_for(static_cast<std::size_t>(face_edges.rows()), 4096,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (auto f = static_cast<Eigen::Index>(begin);
-                          f < static_cast<Eigen::Index>(end); ++f) {
-                         const double l0 = lengths[face_edges(f, 0)];
-                         const double l1 = lengths[face_edges(f, 1)];
-                         const double l2 = lengths[face_edges(f, 2)];
-                         angles(f, 0) = angle_between(l2, l0, l1);
-                         angles(f, 1) = angle_between(l0, l1, l2);
-                         angles(f, 2) = angle_between(l1, l2, l0);
-                     }
-                 });
+    parallel_for(to_size(face_edges.rows()), 4096, [&](std::size_t begin, std::size_t end) {
+        for (auto f = static_cast<Eigen::Index>(begin); f < static_cast<Eigen::Index>(end); ++f) {
+            const double l0 = lengths[face_edges(f, 0)];
+            const double l1 = lengths[face_edges(f, 1)];
+            const double l2 = lengths[face_edges(f, 2)];
+            angles(f, 0) = angle_between(l2, l0, l1);
+            angles(f, 1) = angle_between(l0, l1, l2);
+            angles(f, 2) = angle_between(l1, l2, l0);
+        }
+    });
     return angles;
 }
 

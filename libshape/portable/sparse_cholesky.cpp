@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include "libshape/linalg/sparse_cholesky.h"
+#include "libshape/base/to_size.h"
 
 #include <Eigen/SparseCholesky>
 
@@ -72,7 +73,7 @@ SupernodalFactor SparseCholesky::factor() const
 
 std::size_t SparseCholesky::nonzeros() const
 {
-    return static_cast<std::size_t>(factor_->cholesky.matrixL().nestedExpression().nonZeros());
+    return to_size(factor_->cholesky.matrixL().nestedExpression().nonZeros());
 }
 
 } // namespace shape::internal

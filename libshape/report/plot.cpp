@@ -10,6 +10,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 
 namespace shape {
@@ -221,8 +222,7 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
             places.row(kept++) << x(series.points(i, 0)), y(series.points(i, 1));
             if (!series.curve)
                 svg.marker(marker_of(s), places(kept - 1, 0), places(kept - 1, 1), size,
-                           category_colour(s),
-                           series.tips.empty() ? "" : series.tips[static_cast<std::size_t>(i)]);
+                           category_colour(s), series.tips.empty() ? "" : series.tips[to_size(i)]);
         }
         if (series.curve)
             svg.polyline(places.topRows(kept), category_colour(s));
@@ -251,7 +251,7 @@ Plot score_plot(const RowMatrix& scores, const std::vector<std::string>& names,
                 const std::vector<std::string>& label_values, const Eigen::VectorXd& explained,
                 int mode_x, int mode_y)
 {
-    const auto count = static_cast<std::size_t>(scores.rows());
+    const auto count = to_size(scores.rows());
     if (names.size() != count || (!label_values.empty() && label_values.size() != count))
         throw InvalidInput(join("scores has ", count, " rows, but there are ", names.size(),
                                 " names and ", label_values.size(), " label values"));
@@ -274,7 +274,7 @@ Plot score_plot(const RowMatrix& scores, const std::vector<std::string>& names,
         const std::string value = label_values.empty() ? "" : label_values[i];
         const auto found = std::find_if(plot.series.begin(), plot.series.end(),
                                         [&](const Series& s) { return s.name == value; });
-        const auto s = static_cast<std::size_t>(found - plot.series.begin());
+        const auto s = to_size(found - plot.series.begin());
         if (found == plot.series.end()) {
             plot.series.push_back({.name = value, .points = {}, .tips = {}, .curve = false});
             members.emplace_back();
