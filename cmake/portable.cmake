@@ -34,6 +34,7 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/embedding/start/patch_frames.cpp
     libshape/explore/model_block.cpp
     libshape/explore/model_decoder.cpp
+    libshape/linalg/added_rows.cpp
     libshape/linalg/eight_lane_solve.cpp
     libshape/linalg/factor_blocks.cpp
     libshape/linalg/single_precision_solve.cpp

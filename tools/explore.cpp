@@ -88,8 +88,8 @@ std::string stem(const std::string& path)
 void add_differences(const Arguments& arguments, const ShapeModel& model, Additions& to)
 {
     const auto count = static_cast<Eigen::Index>(arguments.differences.size());
-    to.directions = {FloatRows(count, model.topology.edge_count()),
-                     FloatRows(count, model.topology.edge_count())};
+    to.directions = {RowMatrix(count, model.topology.edge_count()),
+                     RowMatrix(count, model.topology.edge_count())};
     for (Eigen::Index i = 0; i < count; ++i) {
         const std::string& file = arguments.differences[static_cast<std::size_t>(i)];
         const DifferenceVector difference = read_difference(file);
@@ -101,9 +101,8 @@ void add_differences(const Arguments& arguments, const ShapeModel& model, Additi
             throw InvalidInput(join("--difference: ", file, " has another triangulation than ",
                                     arguments.model));
         const double size = difference.scale == Scale::Unit ? model.mean_size() : 1.0;
-        to.directions.edge_lengths.row(i) =
-            (size * difference.edge_lengths).transpose().cast<float>();
-        to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose().cast<float>();
+        to.directions.edge_lengths.row(i) = size * difference.edge_lengths.transpose();
+        to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose();
         to.differences.push_back(
             {{"name", stem(file)},
              {"meaning", join(difference.pairs.size(), " pairs")}});

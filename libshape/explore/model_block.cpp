@@ -16,22 +16,22 @@ using Eigen::Index;
 
 constexpr std::uint64_t magic = 0x316b636f6c425348; // "HSBlock1"
 
-void write_rows(const FloatRows& rows, ByteWriter& to)
+void write_rows(const RowMatrix& rows, ByteWriter& to)
 {
     to.number(static_cast<std::uint32_t>(rows.rows()));
     to.number(static_cast<std::uint32_t>(rows.cols()));
     to.array(rows);
 }
 
-FloatRows read_rows(ByteReader& from)
+RowMatrix read_rows(ByteReader& from)
 {
     const auto rows = from.number<std::uint32_t>();
     const auto columns = from.number<std::uint32_t>();
-    const std::vector<float> values = from.array<float>();
+    const std::vector<double> values = from.array<double>();
     if (values.size() != static_cast<std::uint64_t>(rows) * columns)
         throw InvalidInput(join("model block: ", values.size(), " numbers for ", rows, " rows of ",
                                 columns));
-    return Eigen::Map<const FloatRows>(values.data(), static_cast<Index>(rows),
+    return Eigen::Map<const RowMatrix>(values.data(), static_cast<Index>(rows),
                                        static_cast<Index>(columns));
 }
 
@@ -96,9 +96,8 @@ ModelBlock make_block(const ShapeModel& model, int modes, AddedDirections direct
                      .space = model.space,
                      .mean = model.mean,
                      .mean_dihedral_angles = model.mean_dihedral_angles,
-                     .modes = model.modes.topRows(modes).cast<float>(),
-                     .mode_dihedral_angles =
-                         model.mode_dihedral_angles.topRows(modes).cast<float>(),
+                     .modes = model.modes.topRows(modes),
+                     .mode_dihedral_angles = model.mode_dihedral_angles.topRows(modes),
                      .directions = std::move(directions),
                      .smoothness = smoothness,
                      .factor = {}};

@@ -8,19 +8,12 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/embedding/residual_field.h"
+#include "libshape/linalg/added_rows.h"
 
 namespace shape::internal {
 namespace {
 
 using Eigen::VectorXd;
-
-/// to += sum of weights times rows.
-void add_rows(const FloatRows& rows, const VectorXd& weights, VectorXd& to)
-{
-    for (Eigen::Index k = 0; k < weights.size(); ++k)
-        if (weights[k] != 0.0)
-            to += weights[k] * rows.row(k).transpose().cast<double>();
-}
 
 void check_count(const char* name, const VectorXd& values, Eigen::Index most)
 {
@@ -59,14 +52,14 @@ DecodedShape ModelDecoder::point(const VectorXd& scores, const VectorXd& amounts
 {
     check_count("scores", scores, block_.modes.rows());
     check_count("amounts", amounts, block_.directions.edge_lengths.rows());
-    VectorXd coordinates = block_.mean;
-    VectorXd companion = block_.mean_dihedral_angles;
-    add_rows(block_.modes, scores, coordinates);
-    add_rows(block_.mode_dihedral_angles, scores, companion);
-    DecodedShape shape = shape::decode(block_.space, coordinates, companion, size);
+    const auto& [lengths, angles] = block_.directions;
+    DecodedShape shape = shape::decode(
+        block_.space, with_rows_added(block_.mean, block_.modes, scores),
+        with_rows_added(block_.mean_dihedral_angles, block_.mode_dihedral_angles, scores), size);
     if (ShapePoint* const target = std::get_if<ShapePoint>(&shape)) {
-        add_rows(block_.directions.edge_lengths, amounts, target->edge_lengths);
-        add_rows(block_.directions.dihedral_angles, amounts, target->dihedral_angles);
+        target->edge_lengths = with_rows_added(std::move(target->edge_lengths), lengths, amounts);
+        target->dihedral_angles =
+            with_rows_added(std::move(target->dihedral_angles), angles, amounts);
     }
     return shape;
 }

@@ -88,8 +88,8 @@ TEST(ModelDecoder, AddsDirectionsToThePoint)
     const double size = model.mean_size();
     const double step = 0.6 * std::sqrt(model.variances[0]);
     // The first mode once more, as a direction.
-    const AddedDirections first{(size * model.modes.topRows(1)).cast<float>(),
-                                model.mode_dihedral_angles.topRows(1).cast<float>()};
+    const AddedDirections first{size * model.modes.topRows(1),
+                                model.mode_dihedral_angles.topRows(1)};
     const ModelDecoder decoder = decoder_of(model, first);
     const Eigen::VectorXd amount = Eigen::VectorXd::Constant(1, step);
     EXPECT_LT(distance(decoder.decode({}, amount, size, {}).embedding.points,
@@ -173,10 +173,10 @@ TEST(ModelBlock, SurvivesDamagedBytes)
 TEST(ModelBlock, RefusesDirectionsThatDoNotFit)
 {
     const ShapeModel edge = model_of();
-    const AddedDirections small{FloatRows::Zero(1, 3), FloatRows::Zero(1, 3)};
+    const AddedDirections small{RowMatrix::Zero(1, 3), RowMatrix::Zero(1, 3)};
     EXPECT_THROW((void)make_block(edge, 1, small), InvalidInput);
     const Eigen::Index edges = edge.topology.edge_count();
-    const AddedDirections fitting{FloatRows::Zero(1, edges), FloatRows::Zero(1, edges)};
+    const AddedDirections fitting{RowMatrix::Zero(1, edges), RowMatrix::Zero(1, edges)};
     EXPECT_THROW((void)make_block(model_of({.kind = SpaceKind::Procrustes}), 1, fitting),
                  InvalidInput);
     EXPECT_THROW((void)make_block(edge, 5), InvalidInput);
