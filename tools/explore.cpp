@@ -12,7 +12,7 @@
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
-#include "libshape/explore/model_block.h"
+#include "libshape/explore/block_of_model.h"
 #include "libshape/report/base64.h"
 #include "libshape/report/page.h"
 #include "libshape/report/picture.h"
@@ -295,7 +295,8 @@ void run(const Session& session, const Arguments& arguments)
               .table = table_of(model),
               .model = json.dump(-1, ' ', false, Json::error_handler_t::replace),
               .block = write_block(
-                  make_block(model, modes, std::move(additions.directions), arguments.smoothness))};
+                  make_block(model, modes, std::move(additions.directions), arguments.smoothness,
+                             session.progress()))};
     if (model.mode_count() > 1)
         page.drawings.push_back(draw_scores(model, values));
     page.drawings.push_back(draw_variance(model));

@@ -12,7 +12,6 @@
 #include "libshape/linalg/single_precision_solve.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
-#include "libshape/model/shape_model.h"
 
 namespace shape::internal {
 
@@ -22,6 +21,18 @@ struct AddedDirections
 {
     RowMatrix edge_lengths;    ///< M by #E [length].
     RowMatrix dihedral_angles; ///< M by #E [rad].
+};
+
+/// Row-major in single precision: a row is a mesh, x y z of one vertex after the other.
+using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Where vertices are to first order, from which drafts start: no digits are asked of it.
+struct LinearVertices
+{
+    Points mean;          ///< #V by 3 [length]: the mean at the mean size.
+    FloatRows modes;      ///< Change per unit of the score, of the first min(K, most_linear_modes).
+    FloatRows directions; ///< M by 3 #V; the same per unit of the amount.
+    double size = 1.0;    ///< The mean size; 1 where sizes are not free.
 };
 
 /// A model as it travels to where its points are decoded: what a decoder needs and no more, and the
@@ -39,14 +50,9 @@ struct ModelBlock
     RowMatrix mode_dihedral_angles;           ///< K by #E, or K by 0.
     AddedDirections directions;               ///< None in Procrustes space.
     double smoothness = 5e-3;                 ///< Angles weigh this much (dihedral_embedding.h).
-    std::vector<SinglePrecisionSolve> factor; ///< One; none in Procrustes space.
+    std::vector<SinglePrecisionSolve> factor; ///< One; none in Procrustes space, as the next.
+    LinearVertices linear;
 };
-
-/// @param modes  How many of the model's, from the first on; at most K.
-/// @throws InvalidInput if there are directions in Procrustes space, or of another size.
-/// Cost: that of a DihedralEmbedder.
-[[nodiscard]] ModelBlock make_block(const ShapeModel& model, int modes,
-                                    AddedDirections directions = {}, double smoothness = 5e-3);
 
 /// The layout is told in docs/formats.md.
 [[nodiscard]] std::vector<unsigned char> write_block(const ModelBlock& block);
