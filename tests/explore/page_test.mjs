@@ -286,7 +286,7 @@ test("drafts fill in where previews are slow, and say so", async () => {
     });
     assert.deepEqual(kinds, ["draft", "preview", "fine"]);
     const [draft, preview] = await page.evaluate(() => window.explore.last.map(({ certificate }) => certificate.edgeRms));
-    assert.ok(preview < draft && draft < 5 * preview, `draft ${draft}, preview ${preview}`);
+    assert.ok(draft > 0 && draft !== preview && draft < 3 * preview, `edge RMS of the draft ${draft}, of the preview ${preview}`);
     await close(page);
 });
 
