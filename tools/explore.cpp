@@ -9,6 +9,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
+#include "libshape/explore/block_of_model.h"
 #include "libshape/explore/model_block.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/model_file.h"
@@ -89,8 +90,8 @@ std::string stem(const std::string& path)
 void add_differences(const Arguments& arguments, const ShapeModel& model, Additions& to)
 {
     const auto count = static_cast<Eigen::Index>(arguments.differences.size());
-    to.directions = {FloatRows(count, model.topology.edge_count()),
-                     FloatRows(count, model.topology.edge_count())};
+    to.directions = {RowMatrix(count, model.topology.edge_count()),
+                     RowMatrix(count, model.topology.edge_count())};
     for (Eigen::Index i = 0; i < count; ++i) {
         const std::string& file = arguments.differences[to_size(i)];
         const DifferenceVector difference = read_difference(file);
@@ -102,9 +103,8 @@ void add_differences(const Arguments& arguments, const ShapeModel& model, Additi
             throw InvalidInput(
                 join("--difference: ", file, " has another triangulation than ", arguments.model));
         const double size = difference.scale == Scale::Unit ? model.mean_size() : 1.0;
-        to.directions.edge_lengths.row(i) =
-            (size * difference.edge_lengths).transpose().cast<float>();
-        to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose().cast<float>();
+        to.directions.edge_lengths.row(i) = size * difference.edge_lengths.transpose();
+        to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose();
         to.differences.push_back(
             {{"name", stem(file)}, {"meaning", join(difference.pairs.size(), " pairs")}});
     }
@@ -295,8 +295,8 @@ void run(const Session& session, const Arguments& arguments)
               .drawings = {},
               .table = table_of(model),
               .model = json.dump(-1, ' ', false, Json::error_handler_t::replace),
-              .block = write_block(
-                  make_block(model, modes, std::move(additions.directions), arguments.smoothness))};
+              .block = write_block(make_block(model, modes, std::move(additions.directions),
+                                              arguments.smoothness, session.progress()))};
     if (model.mode_count() > 1)
         page.drawings.push_back(draw_scores(model, values));
     page.drawings.push_back(draw_variance(model));

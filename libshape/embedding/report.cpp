@@ -8,7 +8,6 @@
 
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
-#include "libshape/embedding/residual_field.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
 
@@ -33,9 +32,14 @@ double quantile(std::vector<double> values, double share)
 EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                   const ShapePoint& target)
 {
+    return measure_embedding(topology, points, target, edge_residuals(topology, points, target));
+}
+
+EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
+                                  const ShapePoint& target, const EdgeResiduals& residuals)
+{
     constexpr double fold = 150.0;       // [deg]
     constexpr double exact_limit = 1e-6; // [1]
-    const EdgeResiduals residuals = edge_residuals(topology, points, target);
     EmbeddingReport report;
     report.edge_rms =
         std::sqrt((edge_lengths(topology, points) - target.edge_lengths).array().square().mean()) /

@@ -8,7 +8,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/embedding/embedder.h"
-#include "libshape/explore/model_block.h"
+#include "libshape/explore/block_of_model.h"
 #include "libshape/model/shape_model.h"
 #include "tests/support/files.h"
 #include "tests/support/meshes.h"

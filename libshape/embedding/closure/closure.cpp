@@ -3,7 +3,6 @@
 #include "libshape/embedding/closure/closure.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -66,6 +65,9 @@ ClosureEnergy::ClosureEnergy(const Topology& topology, const Points& corner_angl
     corner_sine_.assign(rows, Row::Zero());
     step_edge_.assign(rows, Eigen::Array<int, lanes, 1>::Constant(edge_count));
     edge_slots_.setConstant(edge_count, 2, static_cast<int>(rows * lanes));
+    Points sines(corner_angles.rows(), 3), cosines(corner_angles.rows(), 3);
+    sines_cosines(corner_angles.data(), to_size(corner_angles.size()),
+                  sines.data(), cosines.data());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const auto ring = topology.outgoing(vertices[i]);
         const auto lane = static_cast<Eigen::Index>(i % lanes);
@@ -74,8 +76,8 @@ ClosureEnergy::ClosureEnergy(const Topology& topology, const Points& corner_angl
             const int h = ring[step];
             const int turn = ring[(step + 1) % ring.size()];
             const std::size_t row = blocks_[i / lanes].first + step;
-            corner_cosine_[row][lane] = std::cos(corner_angles(h / 3, h % 3));
-            corner_sine_[row][lane] = std::sin(corner_angles(h / 3, h % 3));
+            corner_cosine_[row][lane] = cosines(h / 3, h % 3);
+            corner_sine_[row][lane] = sines(h / 3, h % 3);
             const int edge = topology.edge(turn);
             step_edge_[row][lane] = edge;
             const bool at_lower_end = topology.edges()(edge, 0) == vertices[i];

@@ -2,8 +2,6 @@
 
 #include "libshape/embedding/energy/eight_lane_energy.h"
 
-#include <cmath>
-
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
@@ -174,11 +172,9 @@ EightLaneEnergy::EightLaneEnergy(const LengthDihedralEnergy& energy, const Regio
       halfedge_terms_(region.corners.size())
 {
     for (const int e : region.edges) {
-        const bool inner = !energy.topology().is_boundary_edge(e);
-        const double angle = inner ? energy.target().dihedral_angles[e] : 0.0;
         inverse_lengths_.push_back(static_cast<float>(unit_ / energy.target().edge_lengths[e]));
-        sines_.push_back(static_cast<float>(std::sin(angle)));
-        cosines_.push_back(static_cast<float>(std::cos(angle)));
+        sines_.push_back(static_cast<float>(energy.sines()[e]));
+        cosines_.push_back(static_cast<float>(energy.cosines()[e]));
         bend_weights_.push_back(static_cast<float>(energy.bend_weights()[e]));
     }
 }
