@@ -48,7 +48,7 @@ set(public_headers
     libshape/mesh/handedness.h
     libshape/mesh/keyframes.h
     libshape/mesh/labels.h
-    libshape/mesh/mending.h
+    libshape/mesh/mesh_repair.h
     libshape/mesh/oddities.h
     libshape/mesh/points.h
     libshape/mesh/topology.h
