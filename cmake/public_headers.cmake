@@ -89,5 +89,6 @@ set(public_picture_headers
     libshape/report/pictures.h
     libshape/report/plot.h
     libshape/report/render.h
+    libshape/report/score_plot.h
     libshape/report/svg.h
 )

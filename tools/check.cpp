@@ -129,9 +129,12 @@ std::vector<Finding> find_all(const NamedMesh& mesh, const NamedMesh& reference,
     });
     if (has_triangles)
         append(findings, find_degenerate_geometry(mesh.faces, mesh.points, limit));
-    for (Finding& finding : findings)
-        if (finding.kind == kind_name(DefectKind::SeveralComponents))
-            finding.message += describe_coincident(mesh.points);
+    const auto split = std::ranges::find_if(findings, [](const Finding& finding) {
+        return finding.kind == kind_name(DefectKind::SeveralComponents) ||
+               finding.kind == kind_name(DefectKind::BowTie);
+    });
+    if (split != findings.end())
+        split->message += describe_coincident(mesh.points);
     if (findings.empty())
         append_boundaries(findings, mesh);
     const std::string difference = describe_correspondence_break(reference, mesh);
@@ -467,7 +470,7 @@ void run(const Session& session, const Arguments& arguments)
     throw InvalidInput(join(broken, " of ", counted(result.meshes.size(), "mesh", "meshes"),
                             broken == 1 ? " is" : " are", " broken, first ",
                             names_file ? "" : first->path + ": ", message,
-                            arguments.fixed.path.empty()
+                            arguments.fixed.path.empty() && first->is_readable
                                 ? "; --fix DIR writes repaired copies where that is safe"
                                 : ""));
 }

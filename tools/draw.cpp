@@ -72,7 +72,8 @@ Plot read_score_plot(const std::string& path, const std::string& color_by)
     const Eigen::VectorXd squares = centred.colwise().squaredNorm();
     const double total = squares.sum() + residuals.squaredNorm();
     return score_plot(scores, names, values,
-                      total > 0.0 ? Eigen::VectorXd(squares / total) : Eigen::VectorXd());
+                      total > 0.0 ? Eigen::VectorXd(squares / total) : Eigen::VectorXd(),
+                      {.label_name = color_by});
 }
 
 /// One value a vertex for every mesh: a property in their PLY files.

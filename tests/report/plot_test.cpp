@@ -67,8 +67,10 @@ TEST(ScorePlot, RefusesSizesThatDoNotFit)
 {
     EXPECT_THROW((void)score_plot(four_scores(), {"a"}, {}, {}), InvalidInput);
     EXPECT_THROW((void)score_plot(four_scores(), four_names, {"x"}, {}), InvalidInput);
-    EXPECT_THROW((void)score_plot(four_scores(), four_names, {}, {}, 0, 3), InvalidInput);
-    EXPECT_THROW((void)score_plot(four_scores(), four_names, {}, {}, -1, 0), InvalidInput);
+    EXPECT_THROW((void)score_plot(four_scores(), four_names, {}, {}, {.mode_x = 0, .mode_y = 3}),
+                 InvalidInput);
+    EXPECT_THROW((void)score_plot(four_scores(), four_names, {}, {}, {.mode_x = -1, .mode_y = 0}),
+                 InvalidInput);
     Plot plot;
     plot.series.push_back({"s", Eigen::MatrixX2d::Zero(2, 2), {"one"}, false});
     EXPECT_THROW((void)plot_svg(plot), InvalidInput);
