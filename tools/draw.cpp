@@ -12,6 +12,7 @@
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "libshape/report/picture.h"
+#include "libshape/report/score_plot.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
 #include "tools/output/output_rules.h"

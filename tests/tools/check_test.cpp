@@ -114,6 +114,26 @@ TEST_F(Check, SplitPartsOfASharpSolidAreSaidToBeDoubled)
     EXPECT_EQ(read_mesh(folder_ / "repaired/cube.ply").points.rows(), 6);
 }
 
+TEST_F(Check, ASeamThatBreaksTheSurfaceIsSaidToBeOne)
+{
+    // Two tetrahedra that share vertex 0, which one of them has twice.
+    folder_.write("bow.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv -1 0 0\nv 0 -1 0\nv 0 0 -1\nv 1 0 0\n"
+                  "f 1 3 2\nf 1 2 4\nf 8 3 4\nf 1 4 3\nf 1 5 6\nf 1 7 5\nf 5 7 6\nf 1 6 7\n");
+    const Outcome outcome = shape({"check", "bow.obj"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_NE(outcome.out.find("2 of 8 vertices lie on others"), std::string::npos) << outcome.out;
+    EXPECT_EQ(outcome.out.find("lie on others"), outcome.out.rfind("lie on others"));
+}
+
+TEST_F(Check, OffersRepairsToWhatCanBeReadAlone)
+{
+    folder_.write("bad.obj", "v 0 0 zero\n");
+    EXPECT_EQ(shape({"check", "bad.obj"}).err.find("--fix"), std::string::npos);
+    write(3, sphere(3).points, reversed_faces(sphere(3).topology.faces()));
+    EXPECT_NE(shape({"check", "set"}).err.find("--fix DIR"), std::string::npos);
+}
+
 TEST_F(Check, MirrorImagesAreSaidAndRepaired)
 {
     write(2, mirror_image(sphere(2).points), sphere(2).topology.faces());
