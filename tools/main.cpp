@@ -120,6 +120,10 @@ std::vector<std::string> option_names(const CLI::App& app)
     for (const CLI::Option* option : app.get_options())
         for (const std::string& name : option->get_lnames())
             names.push_back("--" + name);
+    const auto is_group = [](const CLI::App* part) { return part->get_name().empty(); };
+    for (const CLI::App* group : app.get_subcommands(is_group)) // of which one is to be given
+        for (std::string& name : option_names(*group))
+            names.push_back(std::move(name));
     return names;
 }
 
