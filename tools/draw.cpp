@@ -13,6 +13,7 @@
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "libshape/report/picture.h"
+#include "libshape/report/score_plot.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
 #include "tools/output/output_rules.h"
@@ -73,7 +74,8 @@ Plot read_score_plot(const std::string& path, const std::string& color_by)
     const Eigen::VectorXd squares = centred.colwise().squaredNorm();
     const double total = squares.sum() + residuals.squaredNorm();
     return score_plot(scores, names, values,
-                      total > 0.0 ? Eigen::VectorXd(squares / total) : Eigen::VectorXd());
+                      total > 0.0 ? Eigen::VectorXd(squares / total) : Eigen::VectorXd(),
+                      {.label_name = color_by});
 }
 
 /// One value a vertex for every mesh: a property in their PLY files.

@@ -18,7 +18,7 @@
 #include "libshape/report/base64.h"
 #include "libshape/report/page.h"
 #include "libshape/report/picture.h"
-#include "libshape/report/plot.h"
+#include "libshape/report/score_plot.h"
 #include "libshape/statistics/regression.h"
 #include "tools/commands.h"
 #include "tools/explore/page_frame.h"

@@ -10,7 +10,6 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
-#include "libshape/edge_space/admissibility.h"
 #include "libshape/edge_space/paths.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -119,13 +118,7 @@ Embedding InBetweens::fill(std::size_t before, double time, const ShapePoint& ta
     const double share = eased((time - a.time) / (b.time - a.time));
     const ShapePoint shifted =
         sum(sum(target, 1.0 - share, differences_[before]), share, differences_[before + 1]);
-    // The corrections can break a triangle inequality where the target keeps all; methods that glue
-    // triangles stop there, the nearest mesh can be had all the same.
-    const bool is_broken = !check_admissibility(topology_, shifted.edge_lengths).triangles.empty();
-    Embedding result = is_broken ? Embedder(topology_, {a.points, b.points},
-                                            {.quality = EmbeddingQuality::Preview})
-                                       .embed(shifted)
-                                 : filler_->embed(shifted);
+    Embedding result = filler_->embed(shifted);
     result.points = place_between(result.points, a.points, b.points, share);
     return result;
 }

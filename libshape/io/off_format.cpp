@@ -52,7 +52,7 @@ Variant parse_variant(const LineReader& reader, std::string_view word)
     take("ST", 2, 2);
     take("C", 3, 4); // with or without alpha
     take("N", 3, 3);
-    if (rest.starts_with("4") || rest.starts_with("n"))
+    if (rest.starts_with("4OFF") || rest.starts_with("4nOFF") || rest.starts_with("nOFF"))
         reader.fail(join("starts with ", in_quotes(word),
                          ": points of other dimensions; export OFF with three coordinates"));
     if (!rest.starts_with("OFF"))

@@ -60,16 +60,21 @@ RowMatrix shape_vectors(const Collection& collection)
     return rows;
 }
 
+/// To the nearest of the others; copies of a mesh (a mirror image is one) are not among them. 0 if
+/// there are only copies.
 std::vector<double> nearest_distances(const RowMatrix& rows)
 {
     const Eigen::MatrixXd products = centred_inner_products(rows);
+    const double copy = 1e-12 * products.diagonal().maxCoeff(); // squared; rounding is 1e-16
     std::vector<double> nearest(to_size(rows.rows()));
     for (Eigen::Index i = 0; i < rows.rows(); ++i) {
         double least = std::numeric_limits<double>::infinity();
-        for (Eigen::Index j = 0; j < rows.rows(); ++j)
-            if (j != i)
-                least = std::min(least, products(i, i) + products(j, j) - 2.0 * products(i, j));
-        nearest[to_size(i)] = std::sqrt(std::max(least, 0.0));
+        for (Eigen::Index j = 0; j < rows.rows(); ++j) {
+            const double square = products(i, i) + products(j, j) - 2.0 * products(i, j);
+            if (square > copy)
+                least = std::min(least, square);
+        }
+        nearest[to_size(i)] = std::isfinite(least) ? std::sqrt(least) : 0.0;
     }
     return nearest;
 }

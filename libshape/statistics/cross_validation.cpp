@@ -110,6 +110,10 @@ void check_fold(const Coordinates& all, const Grouping& groups, const std::strin
                                     "' nothing is left of group '", groups.names[g],
                                     "' to learn from"));
     const auto most = static_cast<std::ptrdiff_t>(kept.size() - std::min(kept.size(), group_count));
+    if (most < 1)
+        throw InvalidInput(join("cross-validation: without fold '", fold, "' there are ",
+                                kept.size(), " observations in ", group_count,
+                                " groups, too few to learn from; it takes one more than groups"));
     if (modes > std::min<std::ptrdiff_t>(most, all.squares.size()))
         throw InvalidInput(join("cross-validation: modes is ", modes, ", but without fold '", fold,
                                 "' there are ", kept.size(), " observations in ", group_count,

@@ -173,6 +173,24 @@ TEST_F(HostileRun, EndsWithAResultOrALineWhereMemoryIsShort)
                 expect_refusal(outcome, 6, "");
         }
 }
+
+TEST_F(HostileRun, NeverBlamesAFileWhereMemoryIsShort)
+{
+    ASSERT_EQ(
+        run_shape(folder_.path(), {"collect", "a.ply", "b.ply", "c.ply", "-o", "s.h5"}).exit_code,
+        0);
+    for (std::size_t mebibytes = 30; mebibytes <= 110; mebibytes += 2)
+        for (const Arguments& arguments :
+             {Arguments{"info", "s.h5", "--quiet"},
+              Arguments{"stats", "s.h5", "-o", "x.h5", "--force", "--quiet"}}) {
+            const Outcome outcome =
+                run_shape(folder_.path(), arguments, {.address_space = mebibytes << 20U});
+            SCOPED_TRACE(testing::PrintToString(arguments) + " " + std::to_string(mebibytes));
+            // 127: the system cannot load the libraries, and says so.
+            if (outcome.exit_code != 0 && outcome.exit_code != 127)
+                expect_refusal(outcome, 6, "");
+        }
+}
 #endif
 
 } // namespace

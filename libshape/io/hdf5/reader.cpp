@@ -73,11 +73,10 @@ public:
     template <class Read>
     auto guarded(const Read& read) const
     {
-        Silence silence;
+        const Silence silence;
         try {
             return read();
         } catch (const Hdf5Failure& failure) {
-            silence.stay();
             fail(join("cannot be read, the file is damaged or not written by libshape (HDF5: ",
                       failure.what(), ")"));
         }
@@ -232,7 +231,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path)
     if (std::string_view(signature.data(), signature.size()) != "\x89HDF\r\n\x1a\n")
         throw InvalidInput(path.string() + ": is not an HDF5 file");
     rehearse_if_wanted(path);
-    Silence silence;
+    const Silence silence;
     try {
         state_.reset(new State{{path.string(), static_cast<Eigen::Index>(size), open_file(path)}});
     } catch (const Hdf5Failure& failure) {

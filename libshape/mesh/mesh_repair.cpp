@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-#include "libshape/mesh/mending.h"
+#include "libshape/mesh/mesh_repair.h"
 
 #include <algorithm>
 #include <array>
@@ -289,7 +289,7 @@ std::vector<Batch> choose_pieces(Batch batch, Components components, Changes& ch
     return result;
 }
 
-void mend_orientation(Batch& batch, Changes& changes)
+void repair_orientation(Batch& batch, Changes& changes)
 {
     const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
     if (!topology)
@@ -316,7 +316,7 @@ double nearest_unit_ratio(double ratio)
     return 1.0;
 }
 
-void mend_sizes(Batch& batch, Changes& changes)
+void repair_sizes(Batch& batch, Changes& changes)
 {
     const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
     if (!topology)
@@ -347,9 +347,9 @@ void mend_sizes(Batch& batch, Changes& changes)
 
 } // namespace
 
-MendedMeshes mend(std::vector<NamedMesh> meshes, const MendingOptions& options)
+RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes, const MeshRepairOptions& options)
 {
-    MendedMeshes result;
+    RepairedMeshes result;
     for (std::size_t i = 1; i < meshes.size(); ++i)
         take_faces_of(meshes.front(), meshes[i], result.changes);
     for (Batch& batch : batches_of(std::move(meshes))) {
@@ -357,8 +357,8 @@ MendedMeshes mend(std::vector<NamedMesh> meshes, const MendingOptions& options)
         drop_repeated_faces(batch, result.changes);
         orient_faces(batch, result.changes);
         for (Batch& part : choose_pieces(std::move(batch), options.components, result.changes)) {
-            mend_orientation(part, result.changes);
-            mend_sizes(part, result.changes);
+            repair_orientation(part, result.changes);
+            repair_sizes(part, result.changes);
             for (std::size_t i = 0; i < part.names.size(); ++i)
                 result.meshes.push_back({part.names[i], part.paths[i], part.points[i], part.faces});
         }
