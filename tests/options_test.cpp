@@ -394,7 +394,7 @@ TEST(Options, AreCheckedByAllElse)
     const Grouping folds = groups_of_one(4);
     expect_named("QualityOptions.tests",
                  [&] { (void)measure_quality(collection, folds, {.modes = {1}, .tests = 0}); });
-    expect_named("DifferenceOptions.pair_by", [&] { (void)mean_difference(collection, {}); });
+    expect_named("DifferenceOptions.from_label", [&] { (void)mean_difference(collection, {}); });
     expect_named("DifferenceOptions.from_label", [&] { (void)difference_effects(collection, {}); });
     const test::TemporaryDirectory directory;
     const ShapeModel model = fit_model(collection, {.modes = 1});

@@ -234,8 +234,12 @@ Collection strangers()
 
 DifferenceOptions women_to_men(Scale scale)
 {
-    return {
-        .from_label = "sex", .from_value = "f", .to_label = "sex", .to_value = "m", .scale = scale};
+    return {.pair_by = {},
+            .from_label = "sex",
+            .from_value = "f",
+            .to_label = "sex",
+            .to_value = "m",
+            .scale = scale};
 }
 
 TEST(MeanDifference, OfGroupsWithoutPairsIsThatOfTheirMeans)

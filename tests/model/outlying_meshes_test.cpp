@@ -6,6 +6,7 @@
 
 #include "libshape/base/random.h"
 #include "tests/support/meshes.h"
+#include "tests/support/seams.h"
 
 namespace shape {
 using namespace internal;

@@ -60,6 +60,8 @@ TEST(PlotSvg, RefusesWhatIsNotOneAPoint)
 TEST(PlotSvg, IsWellFormedAndShowsEveryPointTickAndName)
 {
     Plot plot;
+    plot.x_label = "mode 1";
+    plot.y_label = "mode 2";
     plot.series = {{"<x>", Eigen::MatrixX2d(2, 2), {"a", "c&"}, false},
                    {"y", Eigen::MatrixX2d(2, 2), {"b<", "d"}, false}};
     plot.series[0].points << 1, 2, 0, -2;

@@ -102,7 +102,7 @@ TEST(ScorePlot, ManyCategoriesFoldAndThoseWithoutAValueStayApart)
     EXPECT_EQ(plot.series.back().points.rows(), 45);
     EXPECT_EQ(plot.series.back().tips.front(), "m2 (g0)");
     ASSERT_TRUE(plot.series.back().colour);
-    EXPECT_EQ(plot.series.back().colour->r, plot.series.back().colour->b);
+    EXPECT_EQ(plot.series.back().colour->red, plot.series.back().colour->blue);
     Eigen::Index points = 0;
     for (const Series& series : plot.series)
         points += series.points.rows();
@@ -133,7 +133,7 @@ TEST(ScorePlot, HullsHoldTheirPointsAndTurnOneWay)
         const Eigen::MatrixX2d& corners = plot.series[s].points;
         EXPECT_TRUE(plot.series[s].curve);
         EXPECT_EQ(plot.series[s].name, "");
-        EXPECT_EQ(plot.series[s].colour->r, category_colour(s - 2).r);
+        EXPECT_EQ(plot.series[s].colour->red, category_colour(s - 2).red);
         EXPECT_EQ(corners.row(0), corners.row(corners.rows() - 1));
         const Eigen::MatrixX2d& points = plot.series[s - 2].points;
         for (Eigen::Index i = 0; i + 1 < corners.rows(); ++i) {

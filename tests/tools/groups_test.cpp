@@ -435,7 +435,7 @@ TEST_F(Groups, WrongUsageIsNamed)
                    {"--area-weighted"});
     const Arguments classify{"classify", "people.h5", "--by", "mood", "-o", "x.csv"};
     expect_failure(2, classify + Arguments{"--modes", "0"}, {"--modes"});
-    expect_failure(2, classify + Arguments{"--plot", "x.png"}, {"--plot"});
+    expect_failure(2, classify + Arguments{"--plot", "x.pdf"}, {"--plot"});
     expect_failure(2, classify + Arguments{"--predictions", "./x.csv"}, {"--predictions"});
     const Arguments regress{"regress", "people.h5", "-o", "x.csv"};
     expect_failure(2, regress, {"--on"});
@@ -465,8 +465,8 @@ TEST_F(Groups, WrongUsageIsNamed)
     expect_failure(2, load + Arguments{"--mesh", "x.ply", "--only", "mood=calm"}, {"--load"});
     expect_failure(2, smile({}), {"-o"});
     expect_failure(2, smile({"-o", "x.h5", "--mesh", "x.ply"}), {"--apply"});
-    expect_failure(2, {"difference", "a.ply", "-o", "x.h5", "--from", "k=1", "--to", "k=2"},
-                   {"--pair-by"});
+    expect_failure(2, {"difference", "a.ply", "-o", "x.h5", "--pair-by", "k", "--to", "k=2"},
+                   {"--from"});
     expect_failure(2,
                    {"difference", "-o", "x.h5", "--pair-by", "k", "--from", "k=1", "--to", "k=2"},
                    {"MESHES"});

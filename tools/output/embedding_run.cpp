@@ -202,9 +202,8 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
 {
     add_choice(command, "--method", options.method,
                "dihedral: lengths and dihedral angles together (default); closure: as in Rojas\n"
-               "2014, section 2; multiscale: as in Winkler 2010, section 3. Where a face of a "
-               "target breaks\n"
-               "its triangle inequality, these two cannot start: dihedral makes the nearest mesh",
+               "2014, section 2; multiscale: as in Winkler 2010, section 3. Where a target breaks\n"
+               "a triangle inequality, these two cannot start, and dihedral makes the nearest mesh",
                {{"dihedral", EmbeddingMethod::Dihedral},
                 {"closure", EmbeddingMethod::Closure},
                 {"multiscale", EmbeddingMethod::Multiscale}})
