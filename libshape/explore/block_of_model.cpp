@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/mesh/alignment.h"
 
@@ -41,8 +42,8 @@ LinearVertices linear_vertices(const ShapeModel& model, const ModelBlock& block,
     };
     for (Index i = 0; i < modes + directions; ++i) {
         if (progress)
-            progress("vertices along modes", static_cast<std::size_t>(i),
-                     static_cast<std::size_t>(modes + directions));
+            progress("vertices along modes", to_size(i),
+                     to_size(modes + directions));
         const double step = i < modes ? std::sqrt(model.variances[i]) : 0.5;
         if (!(step > 0.0)) { // a mode without variance
             linear.modes.row(i).setZero();

@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/residual_field.h"
 #include "libshape/linalg/added_rows.h"
 #include "libshape/mesh/alignment.h"
@@ -26,12 +27,12 @@ void check_count(const char* name, const VectorXd& values, Eigen::Index most)
 
 std::vector<char> broken_faces(const Topology& topology, const VectorXd& lengths)
 {
-    std::vector<char> broken(static_cast<std::size_t>(topology.face_count()), 0);
+    std::vector<char> broken(to_size(topology.face_count()), 0);
     for (int f = 0; f < topology.face_count(); ++f) {
         const auto edges = topology.face_edges().row(f);
         const Eigen::Array3d sides(lengths[edges[0]], lengths[edges[1]], lengths[edges[2]]);
         const double longest = sides.maxCoeff();
-        broken[static_cast<std::size_t>(f)] = !(longest < sides.sum() - longest);
+        broken[to_size(f)] = !(longest < sides.sum() - longest);
     }
     return broken;
 }
@@ -126,12 +127,11 @@ DecodedModelPoint ModelDecoder::linear(Points points) const
     DecodedModelPoint result;
     result.embedding = as_embedding(topology, std::move(points));
     result.edge_error = result.dihedral_drift = Eigen::VectorXf::Zero(topology.vertex_count());
-    result.broken_faces.assign(static_cast<std::size_t>(topology.face_count()), 0);
+    result.broken_faces.assign(to_size(topology.face_count()), 0);
     return result;
 }
 
-Points ModelDecoder::first_order(const VectorXd& scores, const VectorXd& amounts,
-                                 double size) const
+Points ModelDecoder::first_order(const VectorXd& scores, const VectorXd& amounts, double size) const
 {
     const LinearVertices& known = block_.linear;
     Points points = known.mean;

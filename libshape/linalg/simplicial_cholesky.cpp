@@ -4,6 +4,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 
@@ -30,7 +31,7 @@ Eigen::MatrixXd SimplicialCholesky::solve(const Eigen::MatrixXd& rhs) const
 
 std::size_t SimplicialCholesky::nonzeros() const
 {
-    return static_cast<std::size_t>(factor_.matrixL().nestedExpression().nonZeros());
+    return to_size(factor_.matrixL().nestedExpression().nonZeros());
 }
 
 } // namespace shape::internal

@@ -10,6 +10,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/linalg/blas_turn.h"
 #include "libshape/linalg/simplicial_cholesky.h"
 
@@ -25,9 +26,9 @@ namespace {
 cholmod_dense dense_view(const Eigen::MatrixXd& matrix)
 {
     cholmod_dense view{};
-    view.nrow = static_cast<std::size_t>(matrix.rows());
-    view.ncol = static_cast<std::size_t>(matrix.cols());
-    view.nzmax = static_cast<std::size_t>(matrix.size());
+    view.nrow = to_size(matrix.rows());
+    view.ncol = to_size(matrix.cols());
+    view.nzmax = to_size(matrix.size());
     view.d = view.nrow;
     view.x = const_cast<double*>(matrix.data());
     view.xtype = CHOLMOD_REAL;
@@ -100,9 +101,9 @@ struct SparseCholesky::Factor
     static cholmod_sparse view(const SparseMatrix& matrix)
     {
         cholmod_sparse view{};
-        view.nrow = static_cast<std::size_t>(matrix.rows());
-        view.ncol = static_cast<std::size_t>(matrix.cols());
-        view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
+        view.nrow = to_size(matrix.rows());
+        view.ncol = to_size(matrix.cols());
+        view.nzmax = to_size(matrix.nonZeros());
         view.p = const_cast<int*>(matrix.outerIndexPtr());
         view.i = const_cast<int*>(matrix.innerIndexPtr());
         view.x = const_cast<double*>(matrix.valuePtr());

@@ -8,6 +8,7 @@
 #include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/mesh/hinge.h"
@@ -68,7 +69,7 @@ Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points)
             right.set(i, vector3(normals.data() + 3 * Topology::face(other)));
         }
         hinge_angles(count, along, left, right, sines, cosines);
-        vector_angles(sines, cosines, static_cast<std::size_t>(count), angles.data() + first);
+        vector_angles(sines, cosines, to_size(count), angles.data() + first);
         for (int e = first; e < first + count; ++e)
             if (halfedges(e, 1) < 0)
                 angles[e] = 0.0;

@@ -8,6 +8,7 @@
 #include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 
@@ -61,7 +62,7 @@ Points corner_angles(const Topology& topology, const Eigen::VectorXd& lengths)
         for (int k = 0; k < 3; ++k) {
             Row sines, cosines, halves;
             half_angles(count, sides[(k + 2) % 3], sides[k], sides[(k + 1) % 3], sines, cosines);
-            vector_angles(sines, cosines, static_cast<std::size_t>(count), halves);
+            vector_angles(sines, cosines, to_size(count), halves);
             for (int i = 0; i < count; ++i)
                 angles(first + i, k) = 2.0 * halves[i];
         }

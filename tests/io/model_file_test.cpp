@@ -111,6 +111,11 @@ TEST(DifferenceFile, GivesEveryBitBack)
     write_difference(directory / "d.h5", difference, bumpy_minus_calm);
     expect_equal(read_difference(directory / "d.h5"), difference);
     EXPECT_EQ(file_kind(directory / "d.h5"), FileKind::Difference);
+    DifferenceOptions groups = bumpy_minus_calm;
+    groups.pair_by.clear();
+    const DifferenceVector unpaired = mean_difference(paired_collection(), groups);
+    write_difference(directory / "d.h5", unpaired, groups);
+    expect_equal(read_difference(directory / "d.h5"), unpaired);
 }
 
 TEST(ModelFile, HasTheSameBytesForTheSameModel)
@@ -240,11 +245,27 @@ TEST(ModelFile, NamesFileDatasetAndRuleOfWhatItRefuses)
         {"f['sizes'][3] = -1.0", "/sizes", "> 0"},
         {"f['mean/dihedral_angles'][7] = np.nan", "/mean/dihedral_angles", "value (7) is nan"},
         {"f['reference_points'][3, 1] = np.inf", "/reference_points", "value (3, 1) is inf"},
+        // Arrays that are sound by themselves, but not with one another.
+        {"f['scores'][:, 1] *= 1.01", "/scores", "/variances give"},
+        {"f['scores'][:, 0] += 0.01 * abs(f['scores'][:, 0]).max()", "/scores", "must have 0"},
+        {"f['scores'][...] = f['scores'][[1, 0, 2, 3, 4, 5]]", "/scores", "value (0, "},
+        {"f['modes/edge_lengths'][...] = f['modes/edge_lengths'][[1, 0]]", "/scores", "value (0, "},
+        {"m = f['mean/edge_lengths'][...]; m[[0, 1]] = m[[1, 0]]; f['mean/edge_lengths'][...] = m",
+         "/scores", "value (0, "},
+        {"f['sizes'][...] = f['sizes'][[1, 0, 2, 3, 4, 5]]", "/sizes", "value 0 is "},
     };
     const test::TemporaryDirectory directory;
+    const auto read = [](const std::filesystem::path& file) { (void)read_model(file); };
     write_model(directory / "m.h5", fit_model(paired_collection(), {.modes = 2}));
-    test::expect_refused(directory / "m.h5", cases,
-                         [](const std::filesystem::path& file) { (void)read_model(file); });
+    test::expect_refused(directory / "m.h5", cases, read);
+    // Where the modes span the first mesh, the angles are known as well.
+    write_model(directory / "all.h5", fit_model(paired_collection()));
+    test::expect_refused(
+        directory / "all.h5",
+        {{"f['mean/dihedral_angles'][...] *= 1.01", "/modes/dihedral_angles", "at edge "},
+         {"f['modes/dihedral_angles'][...] = f['modes/dihedral_angles'][[1, 0, 2, 3, 4]]",
+          "/modes/dihedral_angles", "at edge "}},
+        read);
 }
 
 TEST(ModelFile, HasTheCoordinatesOfItsSpaceUnderTheirName)

@@ -88,5 +88,16 @@ TEST(OutlyingMeshes, NeedFiveMeshes)
     EXPECT_TRUE(outliers(collection).empty());
 }
 
+TEST(OutlyingMeshes, CopiesAndMirrorImagesMakeNoOutliersOfTheRest)
+{
+    Collection collection = spheres(6);
+    for (std::size_t i = 0; i < 5; ++i) { // the sixth has no copy
+        collection.names.push_back("copy" + std::to_string(i));
+        collection.points.push_back(test::mirror_image(collection.points[i]));
+    }
+    for (const OutlyingMesh& found : find_outlying_meshes(collection))
+        ADD_FAILURE() << found.message;
+}
+
 } // namespace
 } // namespace shape

@@ -2,6 +2,7 @@
 
 #include "libshape/embedding/energy/eight_lane_energy.h"
 
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/embedding/energy/stretch_term.h"
@@ -160,8 +161,8 @@ SHAPE_VECTORISED void gather(int moving, const int* halfedge_begins, const int* 
 EightLaneEnergy::EightLaneEnergy(const LengthDihedralEnergy& energy, const RegionMesh& region)
     : region_(region),
       unit_(energy.target().edge_lengths(region.edges).mean()),
-      normals_(static_cast<std::size_t>(region.face_count())),
-      hinges_(3 * static_cast<std::size_t>(region.moving_faces)),
+      normals_(to_size(region.face_count())),
+      hinges_(3 * to_size(region.moving_faces)),
       directions_(region.edges.size()),
       strains_(region.edges.size()),
       bends_(region.edges.size()),
@@ -197,7 +198,7 @@ void EightLaneEnergy::transpose(const std::vector<EightLanes>& tensions,
                                 const std::vector<EightLanes>& moments, EightLanePoints& forces)
 {
     const RegionMesh& r = region_;
-    forces.resize(static_cast<std::size_t>(r.moving_vertices));
+    forces.resize(to_size(r.moving_vertices));
     lift_corners(r.moving_faces, r.face_edges.data(), hinges_.data(), moments.data(),
                  halfedge_terms_.data());
     gather(r.moving_vertices, r.halfedge_begins.data(), r.halfedges.data(), r.edge_begins.data(),
