@@ -5,7 +5,7 @@ import { Decoder } from "./decoder";
 import { find, make, percent } from "./dom";
 import { commandOf, csvOf, glbOf, objOf, plyOf, save, stemOf } from "./exports";
 import { bytesOf, readFacts, takeBytes } from "./model";
-import { ScorePlot } from "./plot";
+import { markOf, ScorePlot } from "./plot";
 import { displacement, type Quality, type Shape } from "./shape";
 import { modeSlider, Slider } from "./sliders";
 import { groupPlace, History, linkOf, meanPlace, placeOf, rounded, specimenPlace, tidied, totalScores, type Place } from "./state";
@@ -169,6 +169,7 @@ function take(shape: Shape) {
     showCommand();
     if (isFirst) {
         viewer.frame(shape.points);
+        find<HTMLSelectElement>("#view").value = "front";
         find("#waiting").hidden = true;
     }
 }
@@ -308,7 +309,7 @@ function setUpPlot() {
 }
 
 const swatch = (group: number) =>
-    make("svg", { viewBox: "-4 -4 8 8", "aria-hidden": "true" }, make("rect", { x: -3, y: -3, width: 6, height: 6, fill: groupColours[group % groupColours.length] }));
+    make("svg", { viewBox: "-4 -4 8 8", "aria-hidden": "true" }, make("path", { d: markOf(group), fill: groupColours[group % groupColours.length] }));
 
 /// The mean of every group as a button.
 function setUpGroups(label: number) {
