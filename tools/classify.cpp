@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/report/score_plot.h"
@@ -64,10 +65,9 @@ Table prediction_table(const Collection& collection, const Grouping& groups, con
 {
     Table table{{"mesh", "left_out_with", "true", "predicted"}, {}};
     for (std::size_t i = 0; i < collection.size(); ++i)
-        table.rows.push_back({collection.names[i],
-                              folds.names[static_cast<std::size_t>(folds.group_of[i])],
-                              groups.names[static_cast<std::size_t>(groups.group_of[i])],
-                              groups.names[static_cast<std::size_t>(result.predicted[i])]});
+        table.rows.push_back({collection.names[i], folds.names[to_size(folds.group_of[i])],
+                              groups.names[to_size(groups.group_of[i])],
+                              groups.names[to_size(result.predicted[i])]});
     return table;
 }
 

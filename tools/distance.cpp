@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/model/shape_distances.h"
 #include "libshape/report/heat_map.h"
@@ -73,7 +74,7 @@ Table matrix_table(const Collection& collection, const Eigen::MatrixXd& distance
 {
     Table table = mesh_table(collection.names, {});
     for (Eigen::Index i = 0; i < distances.cols(); ++i)
-        add_column(table, collection.names[static_cast<std::size_t>(i)], distances.col(i));
+        add_column(table, collection.names[to_size(i)], distances.col(i));
     check_columns(table); // a mesh may be named `mesh`
     return table;
 }
@@ -110,7 +111,7 @@ Table cluster_table(const Collection& collection, const Clustering& clustering)
     Table table = mesh_table(collection.names, collection.labels);
     std::vector<std::vector<std::string>> ordered;
     for (const int mesh : clustering.order)
-        ordered.push_back(table.rows[static_cast<std::size_t>(mesh)]);
+        ordered.push_back(table.rows[to_size(mesh)]);
     table.rows = std::move(ordered);
     add_column(table, "joins_at", joining_heights(clustering));
     check_columns(table);

@@ -7,7 +7,9 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
+#include "libshape/explore/block_of_model.h"
 #include "libshape/explore/model_block.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/model_file.h"
@@ -88,10 +90,10 @@ std::string stem(const std::string& path)
 void add_differences(const Arguments& arguments, const ShapeModel& model, Additions& to)
 {
     const auto count = static_cast<Eigen::Index>(arguments.differences.size());
-    to.directions = {FloatRows(count, model.topology.edge_count()),
-                     FloatRows(count, model.topology.edge_count())};
+    to.directions = {RowMatrix(count, model.topology.edge_count()),
+                     RowMatrix(count, model.topology.edge_count())};
     for (Eigen::Index i = 0; i < count; ++i) {
-        const std::string& file = arguments.differences[static_cast<std::size_t>(i)];
+        const std::string& file = arguments.differences[to_size(i)];
         const DifferenceVector difference = read_difference(file);
         if (!std::holds_alternative<EdgeSpace>(model.space))
             throw InvalidInput(join("--difference: ", arguments.model,
@@ -101,9 +103,8 @@ void add_differences(const Arguments& arguments, const ShapeModel& model, Additi
             throw InvalidInput(
                 join("--difference: ", file, " has another triangulation than ", arguments.model));
         const double size = difference.scale == Scale::Unit ? model.mean_size() : 1.0;
-        to.directions.edge_lengths.row(i) =
-            (size * difference.edge_lengths).transpose().cast<float>();
-        to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose().cast<float>();
+        to.directions.edge_lengths.row(i) = size * difference.edge_lengths.transpose();
+        to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose();
         to.differences.push_back(
             {{"name", stem(file)}, {"meaning", join(difference.pairs.size(), " pairs")}});
     }
@@ -137,7 +138,7 @@ std::string draw_modes(const Session& session, const ShapeModel& model)
     Collection shown{.topology = model.topology, .names = {}, .points = {}, .labels = {}};
     const int modes = std::min(pictured_modes, model.mode_count());
     for (int mode = 0; mode < modes; ++mode) {
-        progress("embedding", static_cast<std::size_t>(mode), static_cast<std::size_t>(modes));
+        progress("embedding", to_size(mode), to_size(modes));
         const FeasibleRange range = feasible_range(model, mode, reach);
         for (const double sigma : {range.low, 0.0, range.high}) {
             Eigen::VectorXd scores = Eigen::VectorXd::Zero(mode + 1);
@@ -256,10 +257,9 @@ Json model_json(const Arguments& arguments, const ShapeModel& model, int modes,
             throw InvalidInput(join("--effects: ", arguments.effects, " has ", values.size(),
                                     " vertices, ", arguments.model, " ",
                                     model.topology.vertex_count()));
-        json["effects"] = {
-            {"name", join("effects of ", stem(arguments.effects))},
-            {"values", base64({reinterpret_cast<const char*>(values.data()),
-                               sizeof(float) * static_cast<std::size_t>(values.size())})}};
+        json["effects"] = {{"name", join("effects of ", stem(arguments.effects))},
+                           {"values", base64({reinterpret_cast<const char*>(values.data()),
+                                              sizeof(float) * to_size(values.size())})}};
     }
     return json;
 }
@@ -295,8 +295,8 @@ void run(const Session& session, const Arguments& arguments)
               .drawings = {},
               .table = table_of(model),
               .model = json.dump(-1, ' ', false, Json::error_handler_t::replace),
-              .block = write_block(
-                  make_block(model, modes, std::move(additions.directions), arguments.smoothness))};
+              .block = write_block(make_block(model, modes, std::move(additions.directions),
+                                              arguments.smoothness, session.progress()))};
     if (model.mode_count() > 1)
         page.drawings.push_back(draw_scores(model, values));
     page.drawings.push_back(draw_variance(model));

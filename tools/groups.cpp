@@ -6,6 +6,7 @@
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/group_means.h"
 #include "libshape/statistics/group_comparison.h"
@@ -65,8 +66,8 @@ Json pair_figures(const Findings& findings)
 {
     Json pairs = Json::array();
     for (const PairComparison& pair : findings.comparison.pairs) {
-        Json figures{{"first", findings.groups.names[static_cast<std::size_t>(pair.first)]},
-                     {"second", findings.groups.names[static_cast<std::size_t>(pair.second)]},
+        Json figures{{"first", findings.groups.names[to_size(pair.first)]},
+                     {"second", findings.groups.names[to_size(pair.second)]},
                      {"distance", pair.distance},
                      {"radius", findings.spread.distance_radii(pair.first, pair.second)}};
         figures.update(test_figures(pair.test));
@@ -92,9 +93,8 @@ Table comparison_table(const Findings& findings)
     };
     add({"", "", "", ""}, findings.comparison.overall, findings.comparison.overall.p_value);
     for (const PairComparison& pair : findings.comparison.pairs)
-        add({findings.groups.names[static_cast<std::size_t>(pair.first)],
-             findings.groups.names[static_cast<std::size_t>(pair.second)],
-             print_number(pair.distance),
+        add({findings.groups.names[to_size(pair.first)],
+             findings.groups.names[to_size(pair.second)], print_number(pair.distance),
              print_number(findings.spread.distance_radii(pair.first, pair.second))},
             pair.test, pair.adjusted_p);
     return table;
@@ -115,10 +115,10 @@ std::string summary(const Findings& findings)
                      " (95 %: ", findings.spread.variance_intervals[g].low, " to ",
                      findings.spread.variance_intervals[g].high, ")\n");
     for (const PairComparison& pair : findings.comparison.pairs)
-        text += join(findings.groups.names[static_cast<std::size_t>(pair.first)], " - ",
-                     findings.groups.names[static_cast<std::size_t>(pair.second)], ": distance ",
-                     pair.distance, " +- ", findings.spread.distance_radii(pair.first, pair.second),
-                     ", ", describe(pair.test), ", adjusted p = ", pair.adjusted_p, "\n");
+        text += join(findings.groups.names[to_size(pair.first)], " - ",
+                     findings.groups.names[to_size(pair.second)], ": distance ", pair.distance,
+                     " +- ", findings.spread.distance_radii(pair.first, pair.second), ", ",
+                     describe(pair.test), ", adjusted p = ", pair.adjusted_p, "\n");
     return text;
 }
 
@@ -128,8 +128,8 @@ Json write_means(const Session& session, const Arguments& arguments, const Colle
 {
     std::vector<EmbeddingTarget> targets;
     for (int g = 0; g < groups.group_count(); ++g)
-        targets.push_back({groups.names[static_cast<std::size_t>(g)],
-                           [&shapes, g] { return mean_shape(shapes, g); }});
+        targets.push_back(
+            {groups.names[to_size(g)], [&shapes, g] { return mean_shape(shapes, g); }});
     return embed_and_write(session, arguments.embedding, collection.topology,
                            {collection.points.front()}, targets, output);
 }

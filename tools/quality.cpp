@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/model_quality.h"
@@ -122,7 +123,7 @@ std::string draw(const ModelQuality& quality)
                       .curve = true,
                       .deviations = deviations};
         for (Eigen::Index k = 0; k < values.size(); ++k)
-            result.points.row(k) << quality.modes[static_cast<std::size_t>(k)], values[k];
+            result.points.row(k) << quality.modes[to_size(k)], values[k];
         return result;
     };
     const auto curve = [&](const char* name, const QualityCurve& measure) {

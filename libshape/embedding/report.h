@@ -5,6 +5,7 @@
 #include <string>
 
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/residual_field.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -47,6 +48,11 @@ struct EmbeddingReport
 /// iterations, converged, seconds, setup_seconds), which are left at their defaults.
 [[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                                 const ShapePoint& target);
+
+/// The same with edge_residuals() found before.
+[[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
+                                                const ShapePoint& target,
+                                                const EdgeResiduals& residuals);
 
 /// "exact", "approximate" or "infeasible".
 [[nodiscard]] const char* name(EmbeddingStatus status);

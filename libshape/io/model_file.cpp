@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file_parts.h"
 #include "libshape/mesh/dihedral_angles.h"
 

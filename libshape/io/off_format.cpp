@@ -4,6 +4,7 @@
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
@@ -153,7 +154,7 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
 std::string print_off(const Points& points, const Faces& faces)
 {
     std::string text = join("OFF\n", points.rows(), " ", faces.rows(), " 0\n");
-    text.reserve(static_cast<std::size_t>(points.rows() * 64 + faces.rows() * 24));
+    text.reserve(to_size(points.rows() * 64 + faces.rows() * 24));
     for (const auto& row : points.rowwise())
         append_line(text, "", row);
     for (const auto& row : faces.rowwise())

@@ -10,6 +10,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 
 namespace shape {
@@ -348,8 +349,7 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
             places.row(kept++) << x(series.points(i, 0)), y(series.points(i, 1));
             if (series.curve)
                 continue;
-            const std::string tip =
-                series.tips.empty() ? "" : series.tips[static_cast<std::size_t>(i)];
+            const std::string tip = series.tips.empty() ? "" : series.tips[to_size(i)];
             svg.marker(marker_of(s), places(kept - 1, 0), places(kept - 1, 1), size,
                        series.values.size() > 0 ? scale(series.values[i]) : colour_of(plot, s),
                        tip);

@@ -14,6 +14,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 
 namespace shape {
@@ -87,8 +88,7 @@ std::vector<Category> folded(std::vector<Category> all)
         return all;
     std::ranges::sort(sizes, std::greater());
     const std::size_t least = sizes[most_plot_groups - 2];
-    auto room = static_cast<std::size_t>(
-        std::count(sizes.begin(), sizes.begin() + most_plot_groups - 1, least));
+    auto room = to_size(std::count(sizes.begin(), sizes.begin() + most_plot_groups - 1, least));
     std::vector<Category> kept;
     Category rest{{}, {}, false};
     std::size_t others = 0;
@@ -169,7 +169,7 @@ Series series_of(const Category& category, const RowMatrix& shown,
                   .tips = {},
                   .curve = false};
     for (const Eigen::Index i : category.members) {
-        const auto mesh = static_cast<std::size_t>(i);
+        const auto mesh = to_size(i);
         const bool is_folded = !category.is_group && !values.empty() && !values[mesh].empty();
         series.tips.push_back(is_folded ? join(names[mesh], " (", values[mesh], ")") : names[mesh]);
     }
@@ -202,7 +202,7 @@ Plot score_plot(const RowMatrix& scores, const std::vector<std::string>& names,
                 const std::vector<std::string>& label_values, const Eigen::VectorXd& explained,
                 const ScorePlotOptions& options)
 {
-    const auto count = static_cast<std::size_t>(scores.rows());
+    const auto count = to_size(scores.rows());
     if (names.size() != count || (!label_values.empty() && label_values.size() != count))
         throw InvalidInput(join("scores has ", count, " rows, but there are ", names.size(),
                                 " names and ", label_values.size(), " label values"));

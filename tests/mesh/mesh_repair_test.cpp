@@ -4,11 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/seams.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using test::TestMesh;
@@ -181,8 +183,8 @@ TEST(MeshRepair, ScalesByRatiosOfUnitsAlone)
     const RepairedMeshes repaired = repair_meshes(std::move(meshes));
     EXPECT_EQ(repaired.changes.size(), 2U);
     for (int i : {0, 3})
-        EXPECT_TRUE(repaired.meshes[static_cast<std::size_t>(i)].points.isApprox(
-            spheres(5)[static_cast<std::size_t>(i)].points, 1e-12));
+        EXPECT_TRUE(
+            repaired.meshes[to_size(i)].points.isApprox(spheres(5)[to_size(i)].points, 1e-12));
     std::vector<NamedMesh> odd = spheres(5);
     odd[1].points *= 6.0;
     EXPECT_TRUE(repair_meshes(std::move(odd)).changes.empty());

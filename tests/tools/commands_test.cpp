@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
@@ -222,8 +223,8 @@ TEST_F(Commands, ProjectReproducesTheScoresOfTheModel)
     const ShapeModel model = read_model(folder_ / "model.h5");
     ASSERT_EQ(table.rows.size(), 3U);
     for (Eigen::Index i = 0; i < 3; ++i) {
-        const std::vector<std::string>& row = table.rows[static_cast<std::size_t>(i)];
-        EXPECT_EQ(row[0], model.names[static_cast<std::size_t>(i)]);
+        const std::vector<std::string>& row = table.rows[to_size(i)];
+        EXPECT_EQ(row[0], model.names[to_size(i)]);
         EXPECT_NEAR(parse_number(row[3], "size"), model.sizes[i], 1e-12 * model.sizes[i]);
         EXPECT_LT(parse_number(row[4], "residual"), 1e-12);
         EXPECT_NEAR(parse_number(row[5], "pc1"), model.scores(i, 0), 1e-12);

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/data.h"
 #include "tests/tools/program.h"
 
@@ -63,7 +64,7 @@ protected:
 TEST_F(HostileRun, RefusesListsThatAreNestedTooDeep)
 {
     for (const int depth : {65, 500'000}) {
-        const auto levels = static_cast<std::size_t>(depth);
+        const auto levels = to_size(depth);
         folder_.write("path.json",
                       "{\"at\": " + std::string(levels, '[') + std::string(levels, ']') + "}");
         expect_refusal(blend({"--path-file", "path.json"}), 3, "64");

@@ -75,6 +75,33 @@ struct DihedralEmbedder::State
     }
 };
 
+namespace {
+
+/// A target in the order of the renumbering, fit for the energy.
+ShapePoint target_of(const Renumbering& renumbering, const ShapePoint& point)
+{
+    const Topology& topology = renumbering.topology;
+    if (point.edge_lengths.size() != topology.edge_count() ||
+        point.dihedral_angles.size() != topology.edge_count())
+        throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
+                                point.dihedral_angles.size(), " dihedral angles, the topology ",
+                                topology.edge_count(), " edges"));
+    return {positive_lengths(renumbered(renumbering, point.edge_lengths)),
+            renumbered(renumbering, point.dihedral_angles)};
+}
+
+/// Vertices row by row in the order of the renumbering, in their own, about their centroid.
+Points result_of(const Renumbering& renumbering, const VectorXd& points)
+{
+    Points result = restored(
+        renumbering,
+        Eigen::Map<const Points>(points.data(), renumbering.topology.vertex_count(), 3));
+    result.rowwise() -= centroid(result);
+    return result;
+}
+
+} // namespace
+
 void check(const DihedralEmbeddingOptions& options)
 {
     require_positive(options.smoothness, "DihedralEmbeddingOptions.smoothness");
@@ -131,13 +158,7 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     check(options);
     State& s = *state_;
     const Topology& topology = s.renumbering.topology;
-    if (point.edge_lengths.size() != topology.edge_count() ||
-        point.dihedral_angles.size() != topology.edge_count())
-        throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
-                                point.dihedral_angles.size(), " dihedral angles, the topology ",
-                                topology.edge_count(), " edges"));
-    const ShapePoint target{positive_lengths(renumbered(s.renumbering, point.edge_lengths)),
-                            renumbered(s.renumbering, point.dihedral_angles)};
+    const ShapePoint target = target_of(s.renumbering, point);
     LengthDihedralEnergy energy(topology, target, options.smoothness);
     const auto start = s.starts.borrow();
     const Points& linear = start->points(target, options.local_global_steps);
@@ -181,9 +202,28 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
         descend_to(options.max_iterations);
     }
     result.back_substitutions += result.iterations;
-    const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
-    result.points = restored(s.renumbering, vertices);
-    result.points.rowwise() -= centroid(result.points);
+    result.points = result_of(s.renumbering, points);
+    return result;
+}
+
+DihedralEmbedding DihedralEmbedder::sweep(const ShapePoint& point, const Points& start,
+                                          int linear_steps, double smoothness) const
+{
+    const State& s = *state_;
+    const ShapePoint target = target_of(s.renumbering, point);
+    if (start.rows() != s.renumbering.topology.vertex_count())
+        throw InvalidInput(join("sweep: the start has ", start.rows(), " vertices, the topology ",
+                                s.renumbering.topology.vertex_count()));
+    LengthDihedralEnergy energy(s.renumbering.topology, target, smoothness);
+    Descender descender(energy, s.laplacian.single_precision());
+    const Descent descent =
+        descender.descend(renumbered(s.renumbering, start).reshaped<Eigen::RowMajor>(),
+                          {.max_linear_steps = linear_steps, .first_linear_steps = linear_steps});
+    DihedralEmbedding result;
+    result.points = result_of(s.renumbering, descent.points);
+    result.energy = descent.energy;
+    result.iterations = result.back_substitutions = descent.linear_steps;
+    result.converged = descent.converged;
     return result;
 }
 
