@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <new>
 #include <numeric>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/memory_limit.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/file/output_file.h"
@@ -340,6 +343,10 @@ void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content)
     const auto fail = [&](const std::string& cause) {
         throw FileError(join("cannot write ", path.string(), ": ", cause));
     };
+    // HDF5 crashes on some allocations that fail; its own buffers take a few MiB.
+    constexpr std::uint64_t room = std::uint64_t{24} << 20;
+    if (is_memory_limited() && address_space_left() < room)
+        throw std::bad_alloc();
     try {
         Image image;
         make_image(content, image);
