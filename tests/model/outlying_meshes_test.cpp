@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "tests/support/meshes.h"
 #include "tests/support/seams.h"
@@ -17,7 +18,7 @@ Collection spheres(std::size_t count)
     const test::TestMesh first = test::bumpy_sphere(3, 0.1, 0);
     Collection collection{first.topology, {}, {}, {}};
     for (std::size_t i = 0; i < count; ++i) {
-        collection.names.push_back("m" + std::to_string(i));
+        collection.names.push_back(join("m", i));
         collection.points.push_back(
             test::moved(test::bumpy_sphere(3, 0.1, static_cast<unsigned>(i)).points, 3));
     }

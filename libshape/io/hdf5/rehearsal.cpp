@@ -18,6 +18,7 @@
 #include <cstring>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <set>
 #include <string>
 
@@ -66,6 +67,8 @@ void lower_limit(__rlimit_resource resource, std::uint64_t value)
     setrlimit(resource, &limit);
 }
 
+constexpr int out_of_memory = 2; ///< Exit code of a rehearsal.
+
 /// Reads what there is; refusals are not of interest here, the second reading names them.
 [[noreturn]] void rehearse(const std::filesystem::path& path, std::uint64_t size)
 {
@@ -84,6 +87,8 @@ void lower_limit(__rlimit_resource resource, std::uint64_t value)
     alarm(static_cast<unsigned>(6 * seconds));
     try {
         read_everything(Hdf5File(path));
+    } catch (const std::bad_alloc&) { // before it came to what may crash
+        _exit(out_of_memory);
     } catch (const std::exception&) {
     }
     _exit(0);
@@ -131,6 +136,8 @@ void rehearse_apart(const std::filesystem::path& path, std::uint64_t size)
             " MiB of address space are left, ", room(size) >> 20, " MiB are needed (ulimit -v)"));
     if (WIFSIGNALED(status))
         fail(path, ending(WTERMSIG(status)));
+    if (WEXITSTATUS(status) == out_of_memory)
+        fail(path, "ran out of memory, more than a file of its size needs");
     if (WEXITSTATUS(status) != 0)
         fail(path, join("ended with exit code ", WEXITSTATUS(status)));
 }
