@@ -120,7 +120,7 @@ class Decoder
 {
 public:
     Decoder(const QualityOptions& options, const Progress& progress, int total)
-        : options_(options), progress_(progress), total_(total)
+        : options_(options), progress_(progress), total_(to_size(total))
     {
     }
 

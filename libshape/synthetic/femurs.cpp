@@ -3,10 +3,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
-#include <ranges>
+#include <span>
 #include <vector>
 
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/synthetic/generators.h"
 #include "libshape/synthetic/grids.h"
 #include "libshape/synthetic/profiles.h"
@@ -90,7 +91,7 @@ Collection make_femurs(const SyntheticOptions& options)
                                        {"femur_stout_short", "stout", stout(200.0)},
                                        {"femur_stout_long", "stout", stout(340.0)}};
     const int drawn = std::min(options.count, static_cast<int>(sketches.size()));
-    for (const Sketch& sketch : sketches | std::views::take(drawn))
+    for (const Sketch& sketch : std::span(sketches).first(to_size(drawn)))
         add(sketch.name, "sketch", sketch.ends, sketch.bone);
     Random random(options.seed);
     const auto around = [&](double mean, double spread) {
