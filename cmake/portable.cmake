@@ -30,15 +30,15 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/embedding/start/face_fit.cpp
     libshape/embedding/start/face_layout.cpp
     libshape/embedding/start/linear_start.cpp
-    libshape/embedding/start/local_frames.cpp
     libshape/embedding/start/patch_frames.cpp
     libshape/explore/model_block.cpp
     libshape/explore/model_decoder.cpp
+    libshape/linalg/added_rows.cpp
     libshape/linalg/eight_lane_solve.cpp
     libshape/linalg/factor_blocks.cpp
+    libshape/linalg/simplicial_cholesky.cpp
     libshape/linalg/single_precision_solve.cpp
     libshape/mesh/alignment.cpp
-    libshape/mesh/collection.cpp
     libshape/mesh/defects.cpp
     libshape/mesh/dihedral_angles.cpp
     libshape/mesh/edge_lengths.cpp

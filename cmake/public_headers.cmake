@@ -48,7 +48,7 @@ set(public_headers
     libshape/mesh/handedness.h
     libshape/mesh/keyframes.h
     libshape/mesh/labels.h
-    libshape/mesh/mending.h
+    libshape/mesh/mesh_repair.h
     libshape/mesh/oddities.h
     libshape/mesh/points.h
     libshape/mesh/topology.h
@@ -89,5 +89,6 @@ set(public_picture_headers
     libshape/report/pictures.h
     libshape/report/plot.h
     libshape/report/render.h
+    libshape/report/score_plot.h
     libshape/report/svg.h
 )

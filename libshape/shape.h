@@ -50,7 +50,7 @@
 #include "libshape/mesh/handedness.h"
 #include "libshape/mesh/keyframes.h"
 #include "libshape/mesh/labels.h"
-#include "libshape/mesh/mending.h"
+#include "libshape/mesh/mesh_repair.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"

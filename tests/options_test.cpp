@@ -270,7 +270,6 @@ TEST(Options, OfStatisticsAndModelsNameWhatBreaksARule)
                  InvalidInput);
     const DifferenceOptions difference{.pair_by = "id", .from_label = "a", .to_label = "a"};
     Fields<DifferenceOptions>("DifferenceOptions", difference)
-        .refuse<std::string>("pair_by", &DifferenceOptions::pair_by, {""})
         .refuse<std::string>("from_label", &DifferenceOptions::from_label, {""})
         .refuse<std::string>("to_label", &DifferenceOptions::to_label, {""});
 }
@@ -398,8 +397,8 @@ TEST(Options, AreCheckedByAllElse)
     const Grouping folds = groups_of_one(4);
     expect_named("QualityOptions.tests",
                  [&] { (void)measure_quality(collection, folds, {.modes = {1}, .tests = 0}); });
-    expect_named("DifferenceOptions.pair_by", [&] { (void)mean_difference(collection, {}); });
-    expect_named("DifferenceOptions.pair_by", [&] { (void)difference_effects(collection, {}); });
+    expect_named("DifferenceOptions.from_label", [&] { (void)mean_difference(collection, {}); });
+    expect_named("DifferenceOptions.from_label", [&] { (void)difference_effects(collection, {}); });
     const test::TemporaryDirectory directory;
     const ShapeModel model = fit_model(collection, {.modes = 1});
     expect_named("ModelOptions.variance",

@@ -16,7 +16,7 @@
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
-#include "libshape/mesh/mending.h"
+#include "libshape/mesh/mesh_repair.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/model/outlying_meshes.h"
 #include "tools/commands.h"
@@ -34,7 +34,7 @@ struct Arguments
     MeshInput meshes;
     std::int64_t limit = 20;
     bool verbose = false;
-    MeshOutputArguments fixed; ///< No path: nothing is mended.
+    MeshOutputArguments fixed; ///< No path: nothing is repaired.
     Components components = Components::KeepLargest;
 };
 
@@ -129,9 +129,12 @@ std::vector<Finding> find_all(const NamedMesh& mesh, const NamedMesh& reference,
     });
     if (has_triangles)
         append(findings, find_degenerate_geometry(mesh.faces, mesh.points, limit));
-    for (Finding& finding : findings)
-        if (finding.kind == kind_name(DefectKind::SeveralComponents))
-            finding.message += describe_coincident(mesh.points);
+    const auto split = std::ranges::find_if(findings, [](const Finding& finding) {
+        return finding.kind == kind_name(DefectKind::SeveralComponents) ||
+               finding.kind == kind_name(DefectKind::BowTie);
+    });
+    if (split != findings.end())
+        split->message += describe_coincident(mesh.points);
     if (findings.empty())
         append_boundaries(findings, mesh);
     const std::string difference = describe_correspondence_break(reference, mesh);
@@ -376,7 +379,7 @@ void read_polygons(Result& result)
     result.readable = std::move(readable);
 }
 
-/// Writes what can be mended; returns the figures.
+/// Writes what can be repaired; returns the figures.
 Json fix(const Session& session, const Arguments& arguments, Result& result)
 {
     const std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
@@ -388,12 +391,13 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
                 join("--fix: '", directory.string(), "' holds the input; name another directory"));
     }
     read_polygons(result);
-    MendedMeshes mended = mend(std::move(result.readable), {.components = arguments.components});
+    RepairedMeshes repaired =
+        repair_meshes(std::move(result.readable), {.components = arguments.components});
     if (!result.triangulated.empty()) {
         std::vector<std::size_t> all(result.triangulated.size());
         std::iota(all.begin(), all.end(), 0);
-        mended.changes.insert(mended.changes.begin(), join(list_names(result.triangulated, all),
-                                                           ": polygons split into triangles"));
+        repaired.changes.insert(repaired.changes.begin(), join(list_names(result.triangulated, all),
+                                                               ": polygons split into triangles"));
     }
     std::vector<std::string> names;
     std::vector<NamedMesh> sound;
@@ -401,9 +405,9 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
     std::string text;
     for (const auto& [name, why] : result.unreadable) {
         left.push_back({{"name", name}, {"written", false}, {"message", why}});
-        text += join("  left to mend: ", name, " (not written): ", why, "\n");
+        text += join("  left to repair: ", name, " (not written): ", why, "\n");
     }
-    for (NamedMesh& mesh : mended.meshes) {
+    for (NamedMesh& mesh : repaired.meshes) {
         const std::vector<Finding> findings =
             find_all(mesh, sound.empty() ? mesh : sound.front(), static_cast<int>(arguments.limit));
         const bool is_repeated = std::ranges::find(names, mesh.name) != names.end();
@@ -415,7 +419,7 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
                                         ? "repeated_name: another mesh has this name"
                                         : findings.front().kind + ": " + findings.front().message;
             left.push_back({{"name", mesh.name}, {"written", is_sound}, {"message", why}});
-            text += join("  left to mend: ", mesh.name,
+            text += join("  left to repair: ", mesh.name,
                          is_sound ? " (written): " : " (not written): ", why, "\n");
         }
         if (is_sound) {
@@ -424,7 +428,7 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
         }
     }
     std::string list;
-    for (const std::string& change : mended.changes)
+    for (const std::string& change : repaired.changes)
         list += join("  ", change, "\n");
     Json outputs = Json::array();
     if (!sound.empty()) {
@@ -437,9 +441,9 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
         outputs = output.paths();
     }
     session.message(join(directory.string(), ": ", counted(sound.size(), "mesh", "meshes"),
-                         " written, ", counted(mended.changes.size(), "change"),
-                         mended.changes.empty() ? "" : ":", "\n", list, text));
-    return {{"outputs", outputs}, {"changes", mended.changes}, {"left", left}};
+                         " written, ", counted(repaired.changes.size(), "change"),
+                         repaired.changes.empty() ? "" : ":", "\n", list, text));
+    return {{"outputs", outputs}, {"changes", repaired.changes}, {"left", left}};
 }
 
 void run(const Session& session, const Arguments& arguments)
@@ -452,22 +456,23 @@ void run(const Session& session, const Arguments& arguments)
              {"broken", broken},
              {"suspicious", count_suspicious(result)},
              {"warnings", figures(result.warnings)}};
-    bool is_mended = false;
+    bool is_repaired = false;
     if (!arguments.fixed.path.empty()) {
         all["fix"] = fix(session, arguments, result);
-        is_mended = all["fix"]["left"].empty();
+        is_repaired = all["fix"]["left"].empty();
     }
     session.print_figures(all);
-    if (broken == 0 || is_mended)
+    if (broken == 0 || is_repaired)
         return;
     const auto first = std::ranges::find_if(result.meshes, &CheckedMesh::is_broken);
     const std::string& message = first->findings.front().message;
     const bool names_file = message.starts_with(first->path);
-    throw InvalidInput(join(
-        broken, " of ", counted(result.meshes.size(), "mesh", "meshes"),
-        broken == 1 ? " is" : " are", " broken, first ", names_file ? "" : first->path + ": ",
-        message,
-        arguments.fixed.path.empty() ? "; --fix DIR writes mended copies where that is safe" : ""));
+    throw InvalidInput(join(broken, " of ", counted(result.meshes.size(), "mesh", "meshes"),
+                            broken == 1 ? " is" : " are", " broken, first ",
+                            names_file ? "" : first->path + ": ", message,
+                            arguments.fixed.path.empty() && first->is_readable
+                                ? "; --fix DIR writes repaired copies where that is safe"
+                                : ""));
 }
 
 } // namespace
@@ -481,12 +486,12 @@ Run set_up_check(CLI::App& command)
         "is seldom meant: seams (vertices that lie on one another), mirror images, surfaces that\n"
         "are inside out, sizes in other units, meshes far from all others. Says also whether\n"
         "`shape conformal` can map the surface to the sphere. Indices count from 0. The exit code\n"
-        "is 3 if anything is broken, with --fix if something is left to mend; warnings alone\n"
+        "is 3 if anything is broken, with --fix if something is left to repair; warnings alone\n"
         "leave it 0.");
     command.footer(
         "Examples:\n"
         "  shape check faces/ --verbose\n"
-        "  shape check faces/ --fix mended/");
+        "  shape check faces/ --fix repaired/");
     const auto arguments = std::make_shared<Arguments>();
     add_mesh_input(command, arguments->meshes);
     add_integer(command, "--limit", arguments->limit,
@@ -496,7 +501,7 @@ Run set_up_check(CLI::App& command)
     command
         .add_option(
             "--fix", arguments->fixed.path,
-            "Write mended copies of the meshes into this directory and list what was done:\n"
+            "Write repaired copies of the meshes into this directory and list what was done:\n"
             "polygons split, seams welded, repeated faces and vertices without a face taken\n"
             "away, faces turned, pieces chosen, mirror images and surfaces that are inside out\n"
             "turned back, units made one. Meshes in correspondence stay so")

@@ -7,9 +7,10 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
-#include "libshape/report/plot.h"
+#include "libshape/report/score_plot.h"
 #include "libshape/statistics/cross_validation.h"
 #include "libshape/statistics/discriminant_analysis.h"
 #include "libshape/statistics/inner_products.h"
@@ -18,6 +19,7 @@
 #include "tools/input/label_input.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/session.h"
@@ -37,6 +39,7 @@ struct Arguments
     std::string output;
     std::string predictions;
     std::string plot;
+    PointPlotArguments points; ///< Coloured by the groups.
     SpaceOptions space;
 };
 
@@ -62,10 +65,9 @@ Table prediction_table(const Collection& collection, const Grouping& groups, con
 {
     Table table{{"mesh", "left_out_with", "true", "predicted"}, {}};
     for (std::size_t i = 0; i < collection.size(); ++i)
-        table.rows.push_back({collection.names[i],
-                              folds.names[static_cast<std::size_t>(folds.group_of[i])],
-                              groups.names[static_cast<std::size_t>(groups.group_of[i])],
-                              groups.names[static_cast<std::size_t>(result.predicted[i])]});
+        table.rows.push_back({collection.names[i], folds.names[to_size(folds.group_of[i])],
+                              groups.names[to_size(groups.group_of[i])],
+                              groups.names[to_size(result.predicted[i])]});
     return table;
 }
 
@@ -91,7 +93,7 @@ std::string confusion_text(const Table& table)
 
 /// The first two canonical variates of all meshes; with two groups, which have but one, against the
 /// first mode.
-std::string draw_variates(const Collection& collection, const std::string& label,
+std::string draw_variates(const Collection& collection, const PointPlotArguments& points,
                           const Grouping& groups, const ShapeSpace& space, int modes)
 {
     const RowMatrix scores =
@@ -101,8 +103,8 @@ std::string draw_variates(const Collection& collection, const std::string& label
     const bool has_two = variates.cols() > 1;
     RowMatrix shown(variates.rows(), 2);
     shown << variates.col(0), has_two ? variates.col(1) : scores.col(0);
-    Plot plot =
-        score_plot(shown, collection.names, find_label(collection.labels, label).values, {});
+    Plot plot = score_plot(shown, collection.names, colouring_values(points, collection.labels), {},
+                           score_plot_options(points));
     plot.x_label = "canonical variate 1";
     plot.y_label = has_two ? "canonical variate 2" : "mode 1";
     return plot_svg(plot);
@@ -133,11 +135,13 @@ void check_outputs(const Session& session, const Arguments& arguments)
     check_ending("-o", arguments.output, ".csv");
     std::vector<std::filesystem::path> taken = input_files(arguments.input.meshes);
     check_output(session, arguments.output, taken);
-    for (const auto& [option, path, ending] :
-         {std::tuple{"--predictions", arguments.predictions, ".csv"},
-          std::tuple{"--plot", arguments.plot, ".svg"}})
+    if (!arguments.predictions.empty())
+        check_ending("--predictions", arguments.predictions, ".csv");
+    if (!arguments.plot.empty())
+        check_picture("--plot", arguments.plot);
+    for (const auto& [option, path] :
+         {std::pair{"--predictions", arguments.predictions}, std::pair{"--plot", arguments.plot}})
         if (!path.empty()) {
-            check_ending(option, path, ending);
             check_output(session, path, taken);
             check_different(option, path, "-o", arguments.output);
         }
@@ -161,9 +165,9 @@ void run(const Session& session, const Arguments& arguments)
     throw_if_interrupted();
 
     const Table confusion = confusion_table(arguments.by, groups, result);
-    const std::string plot = arguments.plot.empty()
-                                 ? std::string()
-                                 : draw_variates(collection, arguments.by, groups, space, modes);
+    const std::string plot =
+        arguments.plot.empty() ? std::string()
+                               : draw_variates(collection, arguments.points, groups, space, modes);
     std::vector<std::string> outputs{arguments.output};
     write_table(arguments.output, confusion);
     if (!arguments.predictions.empty()) {
@@ -171,7 +175,7 @@ void run(const Session& session, const Arguments& arguments)
         outputs.push_back(arguments.predictions);
     }
     if (!plot.empty()) {
-        write_file_atomically(arguments.plot, plot);
+        write_picture(arguments.plot, plot);
         outputs.push_back(arguments.plot);
     }
     const Eigen::VectorXi counts = result.confusion.rowwise().sum();
@@ -226,14 +230,19 @@ Run set_up_classify(CLI::App& command)
         .add_option("--predictions", arguments->predictions,
                     "CSV file to write: mesh, left_out_with, true, predicted")
         ->option_text("FILE");
-    command
-        .add_option(
-            "--plot", arguments->plot,
-            "Draw all meshes along the first two canonical variates (.svg), which are fitted\n"
-            "to all of them: groups look further apart than they are for new meshes")
-        ->option_text("FILE");
+    CLI::Option* plot =
+        command
+            .add_option("--plot", arguments->plot,
+                        "Draw all meshes along the first two canonical variates (.svg or .png),\n"
+                        "which are fitted to all of them: groups look further apart than they are\n"
+                        "for new meshes")
+            ->option_text("FILE");
+    add_point_plot(command, arguments->points, plot);
     add_space_options(command, arguments->space);
-    return [arguments](const Session& session) { run(session, *arguments); };
+    return [arguments](const Session& session) {
+        arguments->points.color_by = arguments->by;
+        run(session, *arguments);
+    };
 }
 
 } // namespace shape::tools

@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/conformal/conformal_morph.h"
 #include "libshape/embedding/path/path_follower.h"
 #include "libshape/io/table_file.h"
@@ -150,7 +151,7 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
     };
     std::vector<EmbeddingTarget> targets;
     Json frames = Json::array();
-    for (std::size_t i = 0; i < static_cast<std::size_t>(arguments.steps); ++i) {
+    for (std::size_t i = 0; i < to_size(arguments.steps); ++i) {
         const double k = parameter(i);
         const MorphFrame frame = morph_frame(morph, k);
         const std::string frame_name = numbered_name("frame", i);

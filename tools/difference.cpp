@@ -177,7 +177,6 @@ void run_found(const Session& session, const Arguments& arguments)
 {
     const std::pair<const char*, bool> required[] = {
         {"MESHES", !arguments.input.meshes.paths.empty()},
-        {"--pair-by", !arguments.pair_by.empty()},
         {"--from", !arguments.from.empty()},
         {"--to", !arguments.to.empty()},
         {"-o", !arguments.output.empty()}};
@@ -215,7 +214,10 @@ void run_found(const Session& session, const Arguments& arguments)
     figures["from_size"] = difference.from_size;
     figures["to_size"] = difference.to_size;
     session.message(
-        join(arguments.output, ": mean difference of ", counted(difference.pairs.size(), "pair")));
+        join(arguments.output, ": ",
+             difference.pairs.empty()
+                 ? "difference of the means of two groups without pairs"
+                 : join("mean difference of ", counted(difference.pairs.size(), "pair"))));
     if (effects)
         figures["effects"] = find_effects(session, arguments, difference, *effects);
     session.print_figures(figures);
@@ -226,8 +228,10 @@ void add_finding_options(CLI::App& command, Arguments& arguments)
     const std::string group = "To find a difference";
     add_labelled_input(command, arguments.input);
     command.get_option("MESHES")->required(false)->option_text("PATH ...");
-    add_label(command, "--pair-by", arguments.pair_by,
-              "Meshes with the same value of it are a pair")
+    add_label(
+        command, "--pair-by", arguments.pair_by,
+        "Meshes with the same value of it are a pair, others are left out (default: no pairs,\n"
+        "the means of all meshes of both groups are compared)")
         ->group(group);
     command.add_option("--from", arguments.from, "Where the difference starts")
         ->option_text("LABEL=VALUE")
@@ -302,7 +306,8 @@ Run set_up_difference(CLI::App& command)
 {
     command.description(
         "Find the mean difference of pairs of meshes in edge-length space (for example of the\n"
-        "same person with two expressions), and apply it, or several that were saved: to the mean\n"
+        "same person with two expressions), or of two groups without pairs, and apply it, or "
+        "several that were saved: to the mean\n"
         "of the meshes it starts from, or to any mesh (expression transfer). Meshes without a\n"
         "partner are left out. A difference of --scale unit changes the shape of a mesh of any\n"
         "size and keeps that size; one of --scale none adds lengths as they are.");
@@ -312,6 +317,7 @@ Run set_up_difference(CLI::App& command)
         "      --to expression=happy -o smile.h5 --apply --amount 1.5 --mesh smile.ply\n"
         "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"
         "      --to expression=happy -o smile.h5 --effects smile_effects.ply\n"
+        "  shape difference faces.h5 --from sex=f --to sex=m -o sex.h5 --effects sex_effects.ply\n"
         "  shape difference --load smile.h5 age.h5 --amounts 1,-0.5 --onto anna.ply \\\n"
         "      --mesh young_anna_smiles.ply");
     const auto arguments = std::make_shared<Arguments>();

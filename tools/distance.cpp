@@ -6,10 +6,11 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/model/shape_distances.h"
 #include "libshape/report/heat_map.h"
-#include "libshape/report/plot.h"
+#include "libshape/report/score_plot.h"
 #include "libshape/statistics/classical_scaling.h"
 #include "libshape/statistics/hierarchical_clustering.h"
 #include "tools/commands.h"
@@ -17,6 +18,7 @@
 #include "tools/input/space_arguments.h"
 #include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/session.h"
@@ -34,7 +36,7 @@ struct Arguments
     std::string plot;
     std::string clusters;
     std::string heat_map;
-    std::string color_by;
+    PointPlotArguments points;
 };
 
 /// The files that the run writes, by option; those not asked for are left out.
@@ -60,7 +62,7 @@ void check(const Session& session, const Arguments& arguments)
     for (std::size_t i = 0; i < files.size(); ++i) {
         const auto& [option, path] = files[i];
         if (option == "--plot" || option == "--heat-map")
-            check_ending(option, path, ".svg");
+            check_picture(option, path);
         for (std::size_t j = 0; j < i; ++j)
             check_different(option, path, files[j].first, files[j].second);
         check_output(session, path, inputs);
@@ -72,7 +74,7 @@ Table matrix_table(const Collection& collection, const Eigen::MatrixXd& distance
 {
     Table table = mesh_table(collection.names, {});
     for (Eigen::Index i = 0; i < distances.cols(); ++i)
-        add_column(table, collection.names[static_cast<std::size_t>(i)], distances.col(i));
+        add_column(table, collection.names[to_size(i)], distances.col(i));
     check_columns(table); // a mesh may be named `mesh`
     return table;
 }
@@ -87,9 +89,10 @@ Table scaling_table(const Collection& collection, const ClassicalScaling& scalin
 }
 
 std::string draw_scaling(const Collection& collection, const std::vector<std::string>& values,
-                         const ClassicalScaling& scaling)
+                         const ClassicalScaling& scaling, const PointPlotArguments& points)
 {
-    Plot plot = score_plot(scaling.points, collection.names, values, {});
+    Plot plot =
+        score_plot(scaling.points, collection.names, values, {}, score_plot_options(points));
     const auto axis = [&](Eigen::Index k) {
         const double share = // of equal meshes there is nothing to share
             scaling.total > 0.0 ? std::max(scaling.eigenvalues[k], 0.0) / scaling.total : 0.0;
@@ -108,7 +111,7 @@ Table cluster_table(const Collection& collection, const Clustering& clustering)
     Table table = mesh_table(collection.names, collection.labels);
     std::vector<std::vector<std::string>> ordered;
     for (const int mesh : clustering.order)
-        ordered.push_back(table.rows[static_cast<std::size_t>(mesh)]);
+        ordered.push_back(table.rows[to_size(mesh)]);
     table.rows = std::move(ordered);
     add_column(table, "joins_at", joining_heights(clustering));
     check_columns(table);
@@ -119,9 +122,7 @@ void run(const Session& session, const Arguments& arguments)
 {
     check(session, arguments);
     const Collection collection = read_labelled(session, arguments.input);
-    const std::vector<std::string> values =
-        arguments.color_by.empty() ? std::vector<std::string>()
-                                   : find_label(collection.labels, arguments.color_by).values;
+    const std::vector<std::string> values = colouring_values(arguments.points, collection.labels);
     const ShapeDistances distances = shape_distances(collection, arguments.space);
     warn_of_alignment(session, distances.space);
     throw_if_interrupted();
@@ -135,13 +136,13 @@ void run(const Session& session, const Arguments& arguments)
     Json written = Json::array();
     for (const auto& [option, path] : outputs(arguments)) {
         if (option == "--plot")
-            write_file_atomically(path, draw_scaling(collection, values, scaling));
+            write_picture(path, draw_scaling(collection, values, scaling, arguments.points));
         else if (option == "--heat-map")
-            write_file_atomically(path, heat_map_svg({.title = {},
-                                                      .names = collection.names,
-                                                      .label_values = values,
-                                                      .distances = distances.matrix,
-                                                      .clustering = clustering}));
+            write_picture(path, heat_map_svg({.title = {},
+                                              .names = collection.names,
+                                              .label_values = values,
+                                              .distances = distances.matrix,
+                                              .clustering = clustering}));
         else
             write_table(path, option == "-o" ? matrix : option == "--mds" ? scaled : clustered);
         written.push_back(path);
@@ -195,16 +196,19 @@ Run set_up_distance(CLI::App& command)
     add_file("--mds", arguments->scaling,
              "Points of the plane whose distances are nearest in the sense of classical scaling\n"
              "(CSV: mesh, labels, mds1, mds2)");
-    add_file("--plot", arguments->plot, "Draw those points, one a mesh (.svg)");
+    CLI::Option* plot =
+        add_file("--plot", arguments->plot, "Draw those points, one a mesh (.svg or .png)");
     add_file("--cluster", arguments->clusters,
              "The meshes in the order of the tree (CSV: mesh, labels, joins_at: the height at\n"
              "which a mesh is in one cluster with the one before)");
     add_file("--heat-map", arguments->heat_map,
-             "Draw the matrix in the order of the tree, and the tree (.svg)");
+             "Draw the matrix in the order of the tree, and the tree (.svg or .png)");
     command
-        .add_option("--color-by", arguments->color_by,
-                    "Label whose values get a colour each in the drawings")
+        .add_option("--color-by", arguments->points.color_by,
+                    "Label whose values get a colour each in the drawings; in the plot, numbers\n"
+                    "get a scale and of more than 12 values the smallest share grey")
         ->option_text("LABEL");
+    add_point_plot(command, arguments->points, plot);
     return [arguments, chosen](const Session& session) {
         if (*chosen) {
             arguments->space.kind = (*chosen)->kind;

@@ -8,10 +8,12 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "libshape/report/picture.h"
+#include "libshape/report/score_plot.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
 #include "tools/output/output_rules.h"
@@ -41,7 +43,7 @@ std::size_t column_of(const Table& table, const std::string& name, const std::st
     const auto found = std::find(table.columns.begin(), table.columns.end(), name);
     if (found == table.columns.end())
         throw InvalidInput(join(path, ": no column '", name, "'"));
-    return static_cast<std::size_t>(found - table.columns.begin());
+    return to_size(found - table.columns.begin());
 }
 
 /// The first two scores of the table that `shape project` writes. The shares of the variance are
@@ -59,20 +61,21 @@ Plot read_score_plot(const std::string& path, const std::string& color_by)
     std::vector<std::string> names;
     std::vector<std::string> values;
     for (Eigen::Index i = 0; i < count; ++i) {
-        const std::vector<std::string>& cells = table.rows[static_cast<std::size_t>(i)];
+        const std::vector<std::string>& cells = table.rows[to_size(i)];
         const std::string place = join(path, ", row ", i + 1);
         names.push_back(cells[mesh]);
         if (!color_by.empty())
             values.push_back(cells[column_of(table, color_by, path)]);
         residuals[i] = parse_number(cells[residual], place);
         for (Eigen::Index k = 0; k < scores.cols(); ++k)
-            scores(i, k) = parse_number(cells[first + static_cast<std::size_t>(k)], place);
+            scores(i, k) = parse_number(cells[first + to_size(k)], place);
     }
     const RowMatrix centred = scores.rowwise() - scores.colwise().mean();
     const Eigen::VectorXd squares = centred.colwise().squaredNorm();
     const double total = squares.sum() + residuals.squaredNorm();
     return score_plot(scores, names, values,
-                      total > 0.0 ? Eigen::VectorXd(squares / total) : Eigen::VectorXd());
+                      total > 0.0 ? Eigen::VectorXd(squares / total) : Eigen::VectorXd(),
+                      {.label_name = color_by});
 }
 
 /// One value a vertex for every mesh: a property in their PLY files.

@@ -7,26 +7,28 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
-#include "libshape/io/model_file.h"
+#include "libshape/explore/block_of_model.h"
+#include "libshape/explore/model_block.h"
 #include "libshape/io/file/output_file.h"
+#include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
-#include "libshape/explore/model_block.h"
 #include "libshape/report/base64.h"
 #include "libshape/report/page.h"
 #include "libshape/report/picture.h"
-#include "libshape/report/plot.h"
+#include "libshape/report/score_plot.h"
 #include "libshape/statistics/regression.h"
 #include "tools/commands.h"
-#include "tools/program/arguments.h"
-#include "tools/output/embedding_run.h"
+#include "tools/explore/page_frame.h"
 #include "tools/input/label_input.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/embedding_run.h"
 #include "tools/output/model_tables.h"
 #include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
 #include "tools/program/session.h"
-#include "tools/input/space_arguments.h"
-#include "tools/explore/page_frame.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -88,25 +90,23 @@ std::string stem(const std::string& path)
 void add_differences(const Arguments& arguments, const ShapeModel& model, Additions& to)
 {
     const auto count = static_cast<Eigen::Index>(arguments.differences.size());
-    to.directions = {FloatRows(count, model.topology.edge_count()),
-                     FloatRows(count, model.topology.edge_count())};
+    to.directions = {RowMatrix(count, model.topology.edge_count()),
+                     RowMatrix(count, model.topology.edge_count())};
     for (Eigen::Index i = 0; i < count; ++i) {
-        const std::string& file = arguments.differences[static_cast<std::size_t>(i)];
+        const std::string& file = arguments.differences[to_size(i)];
         const DifferenceVector difference = read_difference(file);
         if (!std::holds_alternative<EdgeSpace>(model.space))
             throw InvalidInput(join("--difference: ", arguments.model,
                                     " is a model of Procrustes space; differences are added in "
                                     "edge space"));
         if (!(difference.topology == model.topology))
-            throw InvalidInput(join("--difference: ", file, " has another triangulation than ",
-                                    arguments.model));
+            throw InvalidInput(
+                join("--difference: ", file, " has another triangulation than ", arguments.model));
         const double size = difference.scale == Scale::Unit ? model.mean_size() : 1.0;
-        to.directions.edge_lengths.row(i) =
-            (size * difference.edge_lengths).transpose().cast<float>();
-        to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose().cast<float>();
+        to.directions.edge_lengths.row(i) = size * difference.edge_lengths.transpose();
+        to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose();
         to.differences.push_back(
-            {{"name", stem(file)},
-             {"meaning", join(difference.pairs.size(), " pairs")}});
+            {{"name", stem(file)}, {"meaning", join(difference.pairs.size(), " pairs")}});
     }
 }
 
@@ -117,8 +117,8 @@ void add_regressions(const Arguments& arguments, const ShapeModel& model, Additi
         const LabelColumn& label = find_label(model.labels, name);
         Eigen::MatrixXd values(static_cast<Eigen::Index>(label.values.size()), 1);
         for (std::size_t i = 0; i < label.values.size(); ++i)
-            values(static_cast<Eigen::Index>(i), 0) = parse_number(
-                label.values[i], join("--regress ", name, ": mesh ", model.names[i]));
+            values(static_cast<Eigen::Index>(i), 0) =
+                parse_number(label.values[i], join("--regress ", name, ": mesh ", model.names[i]));
         const Regression regression = regress(model.scores, values);
         to.regressions.push_back({{"name", name},
                                   {"low", values.minCoeff()},
@@ -138,7 +138,7 @@ std::string draw_modes(const Session& session, const ShapeModel& model)
     Collection shown{.topology = model.topology, .names = {}, .points = {}, .labels = {}};
     const int modes = std::min(pictured_modes, model.mode_count());
     for (int mode = 0; mode < modes; ++mode) {
-        progress("embedding", static_cast<std::size_t>(mode), static_cast<std::size_t>(modes));
+        progress("embedding", to_size(mode), to_size(modes));
         const FeasibleRange range = feasible_range(model, mode, reach);
         for (const double sigma : {range.low, 0.0, range.high}) {
             Eigen::VectorXd scores = Eigen::VectorXd::Zero(mode + 1);
@@ -161,16 +161,17 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& argum
                                                           const ShapeModel& model)
 {
     const Json space = space_figures(model.space);
-    std::vector<std::pair<std::string, std::string>> facts{{"Model", arguments.model},
-            {"Meshes", join(model.names.size())},
-            {"Vertices", join(model.topology.vertex_count())},
-            {"Faces", join(model.topology.face_count())},
-            {"Space", join(space["space"].get<std::string>(), ", scale ",
-                           space["scale"].get<std::string>())},
-            {"Mean size", join(model.mean_size())},
-            {"Modes", join(model.mode_count())},
-            {"Embedding", join("dihedral, smoothness ", arguments.smoothness)},
-            {"Made by", join("shape ", version())}};
+    std::vector<std::pair<std::string, std::string>> facts{
+        {"Model", arguments.model},
+        {"Meshes", join(model.names.size())},
+        {"Vertices", join(model.topology.vertex_count())},
+        {"Faces", join(model.topology.face_count())},
+        {"Space",
+         join(space["space"].get<std::string>(), ", scale ", space["scale"].get<std::string>())},
+        {"Mean size", join(model.mean_size())},
+        {"Modes", join(model.mode_count())},
+        {"Embedding", join("dihedral, smoothness ", arguments.smoothness)},
+        {"Made by", join("shape ", version())}};
     if (!arguments.about.empty())
         facts.insert(facts.begin(), {"About", arguments.about});
     return facts;
@@ -258,8 +259,7 @@ Json model_json(const Arguments& arguments, const ShapeModel& model, int modes,
                                     model.topology.vertex_count()));
         json["effects"] = {{"name", join("effects of ", stem(arguments.effects))},
                            {"values", base64({reinterpret_cast<const char*>(values.data()),
-                                              sizeof(float) * static_cast<std::size_t>(
-                                                                  values.size())})}};
+                                              sizeof(float) * to_size(values.size())})}};
     }
     return json;
 }
@@ -295,8 +295,8 @@ void run(const Session& session, const Arguments& arguments)
               .drawings = {},
               .table = table_of(model),
               .model = json.dump(-1, ' ', false, Json::error_handler_t::replace),
-              .block = write_block(
-                  make_block(model, modes, std::move(additions.directions), arguments.smoothness))};
+              .block = write_block(make_block(model, modes, std::move(additions.directions),
+                                              arguments.smoothness, session.progress()))};
     if (model.mode_count() > 1)
         page.drawings.push_back(draw_scores(model, values));
     page.drawings.push_back(draw_variance(model));
@@ -327,11 +327,13 @@ Run set_up_explore(CLI::App& command)
         ->required()
         ->option_text("REQUIRED");
     add_output_file(command, arguments->output, "Page to write (.html)");
-    command.add_option("--title", arguments->title,
-                       "Title of the page (default: the number of meshes)")
+    command
+        .add_option("--title", arguments->title,
+                    "Title of the page (default: the number of meshes)")
         ->option_text("TEXT");
-    command.add_option("--about", arguments->about,
-                       "Where the meshes come from, whose they are: stands with the figures")
+    command
+        .add_option("--about", arguments->about,
+                    "Where the meshes come from, whose they are: stands with the figures")
         ->option_text("TEXT");
     add_label(command, "--color-by", arguments->color_by,
               "Label whose values get a colour each in the plot of the scores, and whose means\n"

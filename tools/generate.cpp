@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
@@ -141,13 +142,13 @@ std::vector<std::size_t> score_columns(const Table& table, const std::string& fi
         const auto found = std::find(table.columns.begin(), table.columns.end(), wanted);
         if (found == table.columns.end())
             break;
-        columns.push_back(static_cast<std::size_t>(found - table.columns.begin()));
+        columns.push_back(to_size(found - table.columns.begin()));
     }
     if (table.columns.front() != "mesh" || columns.empty())
         throw InvalidInput(join(file,
                                 ": the first column must be `mesh`, scores stand in the "
                                 "columns pc1, pc2, ..."));
-    if (columns.size() > static_cast<std::size_t>(modes))
+    if (columns.size() > to_size(modes))
         throw InvalidInput(
             join(file, ": scores for ", columns.size(), " modes, the model has ", modes));
     return columns;
@@ -160,7 +161,7 @@ std::vector<ModelPoint> points_of_file(const ShapeModel& model, const Arguments&
     const std::vector<std::size_t> columns = score_columns(table, file, model.mode_count());
     const auto size = std::find(table.columns.begin(), table.columns.end(), "size");
     const bool has_sizes = size != table.columns.end() && !arguments.size;
-    const auto size_column = static_cast<std::size_t>(size - table.columns.begin());
+    const auto size_column = to_size(size - table.columns.begin());
     std::vector<ModelPoint> points;
     for (const std::vector<std::string>& row : table.rows) {
         const std::string place = join(file, ": mesh ", row.front());
@@ -169,7 +170,7 @@ std::vector<ModelPoint> points_of_file(const ShapeModel& model, const Arguments&
         };
         Eigen::VectorXd scores(static_cast<Eigen::Index>(columns.size()));
         for (Eigen::Index k = 0; k < scores.size(); ++k)
-            scores[k] = number(columns[static_cast<std::size_t>(k)]);
+            scores[k] = number(columns[to_size(k)]);
         points.push_back(
             {row.front(), scores, has_sizes ? number(size_column) : size_of(model, arguments)});
         if (!(points.back().size > 0.0))
@@ -217,8 +218,7 @@ std::vector<ModelPoint> sampled_points(const ShapeModel& model, const Arguments&
             scores[k] = deviations[k] * random.normal();
         if (arguments.feasible)
             scores *= feasible_share(model, scores, size_of(model, arguments));
-        points.push_back({numbered_name("sample", static_cast<std::size_t>(i)), scores,
-                          size_of(model, arguments)});
+        points.push_back({numbered_name("sample", to_size(i)), scores, size_of(model, arguments)});
     }
     return points;
 }

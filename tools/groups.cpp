@@ -4,7 +4,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/group_means.h"
 #include "libshape/statistics/group_comparison.h"
@@ -44,6 +46,7 @@ struct Findings
     std::vector<std::vector<int>> members;
     GroupComparison comparison;
     GroupSpread spread;
+    LinearModelTest spread_test;
 };
 
 Json group_figures(const Findings& findings, const GroupedShapes& shapes)
@@ -63,8 +66,8 @@ Json pair_figures(const Findings& findings)
 {
     Json pairs = Json::array();
     for (const PairComparison& pair : findings.comparison.pairs) {
-        Json figures{{"first", findings.groups.names[static_cast<std::size_t>(pair.first)]},
-                     {"second", findings.groups.names[static_cast<std::size_t>(pair.second)]},
+        Json figures{{"first", findings.groups.names[to_size(pair.first)]},
+                     {"second", findings.groups.names[to_size(pair.second)]},
                      {"distance", pair.distance},
                      {"radius", findings.spread.distance_radii(pair.first, pair.second)}};
         figures.update(test_figures(pair.test));
@@ -90,9 +93,8 @@ Table comparison_table(const Findings& findings)
     };
     add({"", "", "", ""}, findings.comparison.overall, findings.comparison.overall.p_value);
     for (const PairComparison& pair : findings.comparison.pairs)
-        add({findings.groups.names[static_cast<std::size_t>(pair.first)],
-             findings.groups.names[static_cast<std::size_t>(pair.second)],
-             print_number(pair.distance),
+        add({findings.groups.names[to_size(pair.first)],
+             findings.groups.names[to_size(pair.second)], print_number(pair.distance),
              print_number(findings.spread.distance_radii(pair.first, pair.second))},
             pair.test, pair.adjusted_p);
     return table;
@@ -102,14 +104,21 @@ std::string summary(const Findings& findings)
 {
     std::string text = join("all ", findings.groups.group_count(),
                             " groups: ", describe(findings.comparison.overall), "\n");
+    text += join("spread of the groups: ", describe(findings.spread_test), "\n");
     constexpr std::size_t most_lines = 45; // ten groups
     if (findings.comparison.pairs.size() > most_lines)
         return text;
+    for (std::size_t g = 0; g < findings.members.size(); ++g)
+        text += join(findings.groups.names[g], ": ",
+                     counted(findings.members[g].size(), "mesh", "meshes"), ", variance ",
+                     findings.spread.variances[g],
+                     " (95 %: ", findings.spread.variance_intervals[g].low, " to ",
+                     findings.spread.variance_intervals[g].high, ")\n");
     for (const PairComparison& pair : findings.comparison.pairs)
-        text += join(findings.groups.names[static_cast<std::size_t>(pair.first)], " - ",
-                     findings.groups.names[static_cast<std::size_t>(pair.second)], ": distance ",
-                     pair.distance, " +- ", findings.spread.distance_radii(pair.first, pair.second),
-                     ", ", describe(pair.test), ", adjusted p = ", pair.adjusted_p, "\n");
+        text += join(findings.groups.names[to_size(pair.first)], " - ",
+                     findings.groups.names[to_size(pair.second)], ": distance ", pair.distance,
+                     " +- ", findings.spread.distance_radii(pair.first, pair.second), ", ",
+                     describe(pair.test), ", adjusted p = ", pair.adjusted_p, "\n");
     return text;
 }
 
@@ -119,8 +128,8 @@ Json write_means(const Session& session, const Arguments& arguments, const Colle
 {
     std::vector<EmbeddingTarget> targets;
     for (int g = 0; g < groups.group_count(); ++g)
-        targets.push_back({groups.names[static_cast<std::size_t>(g)],
-                           [&shapes, g] { return mean_shape(shapes, g); }});
+        targets.push_back(
+            {groups.names[to_size(g)], [&shapes, g] { return mean_shape(shapes, g); }});
     return embed_and_write(session, arguments.embedding, collection.topology,
                            {collection.points.front()}, targets, output);
 }
@@ -156,6 +165,9 @@ void run(const Session& session, const Arguments& arguments)
     findings.spread =
         group_spread(shapes.products, findings.groups, blocks,
                      {.replicates = static_cast<int>(arguments.replicates), .seed = seed});
+    findings.spread_test =
+        test_spread(shapes.products, findings.groups, blocks,
+                    {.permutations = static_cast<int>(arguments.permutations), .seed = seed});
     throw_if_interrupted();
 
     Json figures{{"outputs", Json::array()}};
@@ -168,6 +180,7 @@ void run(const Session& session, const Arguments& arguments)
     figures["design"] = findings.comparison.design == BlockDesign::Crossed ? "crossed" : "nested";
     figures["groups"] = group_figures(findings, shapes);
     figures["overall"] = test_figures(findings.comparison.overall);
+    figures["spread"] = test_figures(findings.spread_test);
     figures["pairs"] = pair_figures(findings);
     session.message(summary(findings));
     session.print_figures(figures);
@@ -179,7 +192,8 @@ Run set_up_groups(CLI::App& command)
 {
     command.description(
         "Compare groups of meshes: do their mean shapes differ, all at once and two at a time, by\n"
-        "how much, and how far do the members of each spread? Labels are permuted to see how much\n"
+        "how much, and do their members spread equally far (distances from the mean of the group,\n"
+        "Anderson 2006)? Labels are permuted to see how much\n"
         "chance would do (Procrustes ANOVA, PERMANOVA). With --within, labels that differ inside\n"
         "a block (a subject in several states) are permuted inside it; if every block lies in one\n"
         "group (repeated scans of a subject), the means of the blocks are compared instead.");

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/model_file.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -38,8 +39,7 @@ Description describe_collection(const std::string& file)
     const Collection collection = read_collection(file);
     Eigen::VectorXd sizes(static_cast<Eigen::Index>(collection.size()));
     for (Eigen::Index i = 0; i < sizes.size(); ++i)
-        sizes[i] =
-            edge_lengths(collection.topology, collection.points[static_cast<std::size_t>(i)]).sum();
+        sizes[i] = edge_lengths(collection.topology, collection.points[to_size(i)]).sum();
     Json figures{{"kind", "collection"}, {"meshes", collection.size()}};
     figures.update(topology_figures(collection.topology));
     figures["smallest_size"] = sizes.minCoeff();

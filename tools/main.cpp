@@ -22,6 +22,7 @@
 #include "tools/program/library_start.h"
 #include "tools/program/memory.h"
 #include "tools/program/session.h"
+#include "tools/program/spelling.h"
 #include "tools/program/standard_streams.h"
 
 namespace shape::tools {
@@ -105,47 +106,6 @@ void refuse_pipes(const CLI::App& command)
         }
 }
 
-/// How many letters must be put in, taken out, changed or swapped to make one word of the other.
-std::size_t edit_distance(const std::string& a, const std::string& b)
-{
-    std::vector<std::vector<std::size_t>> cost(a.size() + 1,
-                                               std::vector<std::size_t>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i)
-        for (std::size_t j = 0; j <= b.size(); ++j) {
-            if (i == 0 || j == 0) {
-                cost[i][j] = i + j;
-                continue;
-            }
-            cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1,
-                                   cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
-        }
-    return cost[a.size()][b.size()];
-}
-
-/// The known word that is spelled most like this one; empty if none is near.
-std::string nearest(const std::string& word, const std::vector<std::string>& known)
-{
-    constexpr std::size_t longest = 40;
-    std::string best;
-    if (word.size() > longest)
-        return best;
-    std::size_t least = 1 + std::max<std::size_t>(2, word.size() / 3);
-    for (const std::string& candidate : known)
-        if (const std::size_t distance = edit_distance(word, candidate); distance < least) {
-            least = distance;
-            best = candidate;
-        }
-    return best;
-}
-
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& known)
-{
-    const std::string best = nearest(word, known);
-    return best.empty() ? std::string() : join("; did you mean '", best, "'?");
-}
-
 std::vector<std::string> command_names()
 {
     std::vector<std::string> names{"help"};
@@ -160,6 +120,10 @@ std::vector<std::string> option_names(const CLI::App& app)
     for (const CLI::Option* option : app.get_options())
         for (const std::string& name : option->get_lnames())
             names.push_back("--" + name);
+    const auto is_group = [](const CLI::App* part) { return part->get_name().empty(); };
+    for (const CLI::App* group : app.get_subcommands(is_group)) // of which one is to be given
+        for (std::string& name : option_names(*group))
+            names.push_back(std::move(name));
     return names;
 }
 
@@ -193,17 +157,29 @@ void read_first_words(const CLI::App& program, std::vector<std::string>& argumen
                               "; `shape --help` lists them"));
 }
 
-/// The options of the command that are spelled like those it does not have.
-std::string suggestion(const CLI::App& command, const std::vector<std::string>& arguments)
+/// Whether an argument is no long option, or one of the command.
+bool is_known(const CLI::App& command, const std::string& argument)
 {
     const std::vector<std::string> options = option_names(command);
-    for (const std::string& argument : arguments) {
-        const std::string option = argument.substr(0, argument.find('='));
-        if (option.starts_with("--") && std::ranges::find(options, option) == options.end())
-            if (const std::string hint = did_you_mean(option, options); !hint.empty())
-                return hint;
-    }
-    return join("; `shape ", command.get_name(), " --help` explains its options");
+    return !argument.starts_with("--") || argument == "--" ||
+           std::ranges::find(options, argument.substr(0, argument.find('='))) != options.end();
+}
+
+/// What is wrong with arguments that do not go together: first of all an option that does not exist,
+/// for then the one that was meant is missing.
+std::string explain(const CLI::ParseError& error, const CLI::App& command,
+                    const std::vector<std::string>& arguments)
+{
+    for (const std::string& argument : arguments)
+        if (!is_known(command, argument)) {
+            const std::string option = argument.substr(0, argument.find('='));
+            const std::string hint = did_you_mean(option, option_names(command));
+            return join("no option '", option, "'",
+                        hint.empty()
+                            ? join("; `shape ", command.get_name(), " --help` explains its options")
+                            : hint);
+        }
+    return error.what();
 }
 
 int run(std::vector<std::string> arguments, std::optional<StandardStreams>& streams)
@@ -230,12 +206,15 @@ int run(std::vector<std::string> arguments, std::optional<StandardStreams>& stre
                                           streams->arguments().rend());
         try {
             program.parse(reversed);
-        } catch (const CLI::ExtrasError& error) {
+        } catch (const CLI::Success&) {
+            throw; // help and version
+        } catch (const CLI::ParseError& error) {
             if (command == std::end(commands))
                 throw;
-            throw UsageError(error.what() + suggestion(*program.get_subcommand(command->name),
-                                                       streams->arguments()));
+            throw UsageError(
+                explain(error, *program.get_subcommand(command->name), streams->arguments()));
         }
+        session.readable = [&streams](const std::string& text) { return streams->readable(text); };
         if (session.threads > 0)
             set_thread_count(static_cast<int>(session.threads));
         const CLI::App* chosen = program.get_subcommands().front();

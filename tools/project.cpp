@@ -10,11 +10,12 @@
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/shape_model.h"
-#include "libshape/report/plot.h"
+#include "libshape/report/score_plot.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/session.h"
@@ -29,7 +30,9 @@ struct Arguments
     LabelledInput input;
     std::string output;
     std::string plot;
-    std::string color_by;
+    std::string axes = "1,2";
+    bool equal_scales = false;
+    PointPlotArguments points;
 };
 
 /// Columns `mesh`, the labels, `size`, `residual`, `pc1`, `pc2`, ...
@@ -44,17 +47,31 @@ Table score_table(const Projection& projection)
     return table;
 }
 
-/// The first two scores as an SVG document, coloured by a label if one is named.
+/// The two modes of --axes, from 0.
+std::pair<int, int> axes_of(const Arguments& arguments, int modes)
+{
+    const std::vector<double> axes = read_numbers(arguments.axes, "--axes");
+    const auto is_mode = [&](double axis) {
+        return axis >= 1.0 && axis <= modes && axis == std::floor(axis);
+    };
+    if (axes.size() != 2 || !std::ranges::all_of(axes, is_mode) || axes[0] == axes[1])
+        throw UsageError(join("--axes: '", arguments.axes, "' must be two different modes in [1, ",
+                              modes, "], such as 2,3"));
+    return {static_cast<int>(axes[0]) - 1, static_cast<int>(axes[1]) - 1};
+}
+
+/// Two scores as an SVG document, coloured by a label if one is named.
 std::string draw_scores(const Arguments& arguments, const ShapeModel& model,
                         const Projection& projection)
 {
     if (model.mode_count() < 2)
         throw InvalidInput(join("--plot needs two modes, ", arguments.model, " has one"));
-    const std::vector<std::string> values =
-        arguments.color_by.empty() ? std::vector<std::string>()
-                                   : find_label(projection.labels, arguments.color_by).values;
-    return plot_svg(score_plot(projection.scores, projection.names, values,
-                               model.variances / model.total_variance));
+    ScorePlotOptions options = score_plot_options(arguments.points);
+    std::tie(options.mode_x, options.mode_y) = axes_of(arguments, model.mode_count());
+    options.equal_axes = arguments.equal_scales;
+    return plot_svg(score_plot(projection.scores, projection.names,
+                               colouring_values(arguments.points, projection.labels),
+                               model.variances / model.total_variance, options));
 }
 
 void check_outputs(const Session& session, const Arguments& arguments)
@@ -64,7 +81,7 @@ void check_outputs(const Session& session, const Arguments& arguments)
     check_output(session, arguments.output, inputs);
     if (arguments.plot.empty())
         return;
-    check_ending("--plot", arguments.plot, ".svg");
+    check_picture("--plot", arguments.plot);
     check_output(session, arguments.plot, inputs);
     check_different("--plot", arguments.plot, "-o", arguments.output);
 }
@@ -81,7 +98,7 @@ void run(const Session& session, const Arguments& arguments)
     throw_if_interrupted();
     write_table(arguments.output, table);
     if (!plot.empty()) {
-        write_file_atomically(arguments.plot, plot);
+        write_picture(arguments.plot, plot);
         outputs.push_back(arguments.plot);
     }
     session.message(join(arguments.output, ": scores of ",
@@ -117,13 +134,25 @@ Run set_up_project(CLI::App& command)
                     "CSV file to write: mesh, labels, size, residual, pc1, pc2, ...");
     CLI::Option* plot = command
                             .add_option("--plot", arguments->plot,
-                                        "Draw the first two scores, one point a mesh (.svg)")
+                                        "Draw two scores, one point a mesh (.svg or .png)")
                             ->option_text("FILE");
     command
-        .add_option("--color-by", arguments->color_by,
-                    "Label whose values get a colour each in the plot")
+        .add_option(
+            "--color-by", arguments->points.color_by,
+            "Label that colours the plot: numbers by a scale; other values by a colour and\n"
+            "a mark each, of more than 12 values the 11 largest, the rest in grey")
         ->option_text("LABEL")
         ->needs(plot);
+    command
+        .add_option("--axes", arguments->axes,
+                    "The modes that go to the right and up (default: 1,2)")
+        ->option_text("K,L")
+        ->needs(plot);
+    command
+        .add_flag("--equal-scales", arguments->equal_scales,
+                  "A unit is as long to the right as up, so that distances can be compared")
+        ->needs(plot);
+    add_point_plot(command, arguments->points, plot);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/model_quality.h"
@@ -17,6 +18,7 @@
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/session.h"
@@ -109,15 +111,23 @@ Table quality_table(const ModelQuality& quality)
     return table;
 }
 
-/// Three plots side by side: variance, distances of vertices, differences of lengths.
+/// Three plots side by side: variance, distances of vertices, differences of lengths; these with the
+/// standard deviations over the meshes.
 std::string draw(const ModelQuality& quality)
 {
-    const auto series = [&](const char* name, const Eigen::VectorXd& values) {
-        Series result{
-            .name = name, .points = Eigen::MatrixX2d(values.size(), 2), .tips = {}, .curve = true};
+    const auto series = [&](const char* name, const Eigen::VectorXd& values,
+                            const Eigen::VectorXd& deviations = {}) {
+        Series result{.name = name,
+                      .points = Eigen::MatrixX2d(values.size(), 2),
+                      .tips = {},
+                      .curve = true,
+                      .deviations = deviations};
         for (Eigen::Index k = 0; k < values.size(); ++k)
-            result.points.row(k) << quality.modes[static_cast<std::size_t>(k)], values[k];
+            result.points.row(k) << quality.modes[to_size(k)], values[k];
         return result;
+    };
+    const auto curve = [&](const char* name, const QualityCurve& measure) {
+        return series(name, measure.mean, measure.deviation);
     };
     const auto plot = [&](const char* title, const char* unit, std::vector<Series> all) {
         // A curve starts at 0 of its axis to show how far it falls.
@@ -137,12 +147,12 @@ std::string draw(const ModelQuality& quality)
               plot("Compactness", "share of variance", {series("", quality.compactness)}));
     draw_plot(svg, {width, 0.0, width, height},
               plot("Aligned vertices", "RMS distance [unit of the input]",
-                   {series("generalisation", quality.generalisation_vertex.mean),
-                    series("specificity", quality.specificity_vertex.mean)}));
+                   {curve("generalisation", quality.generalisation_vertex),
+                    curve("specificity", quality.specificity_vertex)}));
     draw_plot(svg, {2.0 * width, 0.0, width, height},
               plot("Edge lengths", "RMS difference / mean length",
-                   {series("generalisation", quality.generalisation_edge.mean),
-                    series("specificity", quality.specificity_edge.mean)}));
+                   {curve("generalisation", quality.generalisation_edge),
+                    curve("specificity", quality.specificity_edge)}));
     return svg.document();
 }
 
@@ -170,7 +180,7 @@ void check_outputs(const Session& session, const Arguments& arguments)
     check_output(session, arguments.output, inputs);
     if (arguments.plot.empty())
         return;
-    check_ending("--plot", arguments.plot, ".svg");
+    check_picture("--plot", arguments.plot);
     check_different("--plot", arguments.plot, "-o", arguments.output);
     check_output(session, arguments.plot, inputs);
 }
@@ -198,7 +208,7 @@ void run(const Session& session, const Arguments& arguments)
     std::vector<std::string> outputs{arguments.output};
     write_table(arguments.output, quality_table(quality));
     if (!drawing.empty()) {
-        write_file_atomically(arguments.plot, drawing);
+        write_picture(arguments.plot, drawing);
         outputs.push_back(arguments.plot);
     }
     session.message(text_of(quality));
@@ -216,8 +226,10 @@ void run(const Session& session, const Arguments& arguments)
                  {"infeasible", quality.infeasible},
                  {"modes", quality.modes},
                  {"compactness", quality.compactness}};
-    for (const auto& [name, curve] : curves(quality))
+    for (const auto& [name, curve] : curves(quality)) {
         figures[name] = curve->mean;
+        figures[name + "_sd"] = curve->deviation;
+    }
     session.print_figures(figures);
 }
 
@@ -240,7 +252,10 @@ Run set_up_quality(CLI::App& command)
     add_output_file(command, arguments->output,
                     "CSV file to write: modes, compactness, then mean and standard deviation of\n"
                     "generalisation and specificity in vertices and edges");
-    command.add_option("--plot", arguments->plot, "Draw the curves (.svg)")->option_text("FILE");
+    command
+        .add_option("--plot", arguments->plot,
+                    "Draw the curves, with standard deviations over the meshes (.svg or .png)")
+        ->option_text("FILE");
     command
         .add_option("--modes", arguments->modes,
                     "Numbers of modes to measure at, ascending (default: 1,2,5,10,20,50 as far as\n"

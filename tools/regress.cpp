@@ -18,6 +18,7 @@
 #include "tools/output/embedding_run.h"
 #include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/plot_output.h"
 #include "tools/output/test_tables.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
@@ -123,6 +124,22 @@ std::vector<std::pair<std::string, double>> places(const Arguments& arguments)
     return result;
 }
 
+/// Warns of values of --at beyond those that were measured: there the line is a guess.
+void warn_of_extrapolation(const Session& session, const Arguments& arguments,
+                           const Findings& findings)
+{
+    const double low = findings.covariates.col(0).minCoeff();
+    const double high = findings.covariates.col(0).maxCoeff();
+    for (const auto& [text, value] : places(arguments))
+        if (value < low || value > high)
+            session.warn(
+                join("--at ", text, " is outside the data: ", arguments.on.front(),
+                     " is measured from ", low, " to ", high, ", and this lies ",
+                     value < low ? (low - value) / (high - low) : (value - high) / (high - low),
+                     " times that range beyond it; the expected shape is an "
+                     "extrapolation that no mesh supports"));
+}
+
 /// The shapes expected at values of the one covariate; with their mean size, or that value of it.
 std::vector<EmbeddingTarget> expected_targets(const Arguments& arguments, const Findings& findings)
 {
@@ -204,7 +221,7 @@ void check_outputs(const Session& session, const Arguments& arguments)
     check_ending("-o", arguments.output, ".csv");
     check_output(session, arguments.output, inputs);
     if (!arguments.plot.empty()) {
-        check_ending("--plot", arguments.plot, ".svg");
+        check_picture("--plot", arguments.plot);
         check_output(session, arguments.plot, inputs);
     }
     if (!arguments.expected.path.empty() && !arguments.corrected.path.empty())
@@ -222,6 +239,7 @@ void run(const Session& session, const Arguments& arguments)
     const Collection collection = read_labelled(session, arguments.input);
     const Findings findings = find(session, arguments, collection);
     const Table scores = score_table(collection, arguments, findings);
+    warn_of_extrapolation(session, arguments, findings);
     const std::vector<EmbeddingTarget> expected = expected_targets(arguments, findings);
     const std::vector<EmbeddingTarget> corrected = corrected_targets(collection, findings);
     const auto expected_output = mesh_output(session, arguments, arguments.expected.path, expected);
@@ -241,8 +259,7 @@ void run(const Session& session, const Arguments& arguments)
     write_table(arguments.output, scores);
     figures["outputs"].push_back(arguments.output);
     if (!arguments.plot.empty()) {
-        write_file_atomically(arguments.plot,
-                              draw_scores(collection, arguments.on.front(), findings));
+        write_picture(arguments.plot, draw_scores(collection, arguments.on.front(), findings));
         figures["outputs"].push_back(arguments.plot);
     }
     figures["meshes"] = collection.size();
@@ -287,7 +304,7 @@ Run set_up_regress(CLI::App& command)
         "the slope of the first covariate, in its unit");
     command
         .add_option("--plot", arguments->plot,
-                    "Draw the score of every mesh against its first covariate (.svg)")
+                    "Draw the score of every mesh against its first covariate (.svg or .png)")
         ->option_text("FILE");
     add_permutations(command, arguments->permutations);
     CLI::Option* expected =

@@ -44,6 +44,39 @@ RowMatrix wide_scores(const Collection& collection, const ShapeModel& model)
     return scores.cols() > model.mode_count() ? scores : model.scores;
 }
 
+/// "mode 3" or "modes 3, 4 and 7 to 9".
+std::string list_modes(const std::vector<std::size_t>& modes)
+{
+    std::string text;
+    for (std::size_t i = 0; i < modes.size();) {
+        std::size_t last = i;
+        while (last + 1 < modes.size() && modes[last + 1] == modes[last] + 1)
+            ++last;
+        text += join(i > 0 ? ", " : "", modes[i]);
+        if (last > i)
+            text += join(last > i + 1 ? " to " : ", ", modes[last]);
+        i = last + 1;
+    }
+    return join(modes.size() == 1 ? "mode " : "modes ", text);
+}
+
+/// Says of which modes the estimate lies outside its own interval, and why.
+void explain_outside(const Session& session, const std::vector<std::size_t>& below,
+                     const std::vector<std::size_t>& above)
+{
+    if (!above.empty())
+        session.warn(
+            join("the variance of ", list_modes(above),
+                 " lies above its interval: a resampled collection repeats some meshes and "
+                 "lacks about a third of the others, so its later modes hold less; such an "
+                 "interval says how the estimate scatters, not where the true value lies"));
+    if (!below.empty())
+        session.warn(join("the variance of ", list_modes(below),
+                          " lies below its interval: the largest variances of few meshes are too "
+                          "large by chance, and resampling adds as much again; the true value is "
+                          "likely smaller, not larger"));
+}
+
 /// The modes of the model and, if they are asked for, 95 % intervals of their variances.
 Json figures_of_modes(const Session& session, const Arguments& arguments,
                       const Collection& collection, const ShapeModel& model)
@@ -56,12 +89,26 @@ Json figures_of_modes(const Session& session, const Arguments& arguments,
         {group_by_label_or_each(collection, arguments.within), one_group(model.scores.rows())},
         {.replicates = static_cast<int>(arguments.replicates),
          .seed = static_cast<std::uint64_t>(session.seed)});
+    std::vector<std::size_t> below;
+    std::vector<std::size_t> above;
     for (std::size_t k = 0; k < intervals.size(); ++k) {
+        const double estimate = model.variances[static_cast<Eigen::Index>(k)];
         modes[k]["variance_low"] = intervals[k].low;
         modes[k]["variance_high"] = intervals[k].high;
-        session.message(join("mode ", k + 1, ": variance ", intervals[k].low, " to ",
-                             intervals[k].high, " (95 %)"));
+        const bool is_below = estimate < intervals[k].low;
+        const bool is_above = estimate > intervals[k].high;
+        modes[k]["variance_outside"] = is_below ? "below" : is_above ? "above" : "no";
+        if (is_below)
+            below.push_back(k + 1);
+        if (is_above)
+            above.push_back(k + 1);
+        session.message(join("mode ", k + 1, ": variance ", estimate, ", 95 %: ", intervals[k].low,
+                             " to ", intervals[k].high,
+                             is_below   ? " (below its interval)"
+                             : is_above ? " (above its interval)"
+                                        : ""));
     }
+    explain_outside(session, below, above);
     return modes;
 }
 

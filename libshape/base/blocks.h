@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector3.h"
 
 namespace shape::internal {
@@ -34,7 +35,7 @@ template <class Work>
 void for_blocks(int total, const Work& work)
 {
     constexpr std::size_t grain = 8 * block_size;
-    parallel_for(static_cast<std::size_t>(total), grain, [&](std::size_t begin, std::size_t end) {
+    parallel_for(to_size(total), grain, [&](std::size_t begin, std::size_t end) {
         for (int i = static_cast<int>(begin); i < static_cast<int>(end); i += block_size)
             work(i, std::min(block_size, static_cast<int>(end) - i));
     });

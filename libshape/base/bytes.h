@@ -13,6 +13,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 
@@ -41,7 +42,7 @@ public:
     template <class Items>
     void array(const Items& items)
     {
-        array(items.data(), static_cast<std::size_t>(items.size()));
+        array(items.data(), to_size(items.size()));
     }
 
     [[nodiscard]] const std::vector<unsigned char>& bytes() const { return bytes_; }
@@ -92,9 +93,9 @@ public:
     {
         using Item = typename Matrix::Scalar;
         const std::size_t count = count_of(sizeof(Item));
-        if (count != static_cast<std::size_t>(matrix.size()))
-            throw InvalidInput(join("bytes: an array has ", count, " items, must have ",
-                                    matrix.size()));
+        if (count != to_size(matrix.size()))
+            throw InvalidInput(
+                join("bytes: an array has ", count, " items, must have ", matrix.size()));
         if (count > 0)
             std::memcpy(matrix.data(), take(count * sizeof(Item)), count * sizeof(Item));
     }
@@ -107,13 +108,13 @@ private:
         if (count > (bytes_.size() - place_) / item_size)
             throw InvalidInput(join("bytes: an array of ", count, " items of ", item_size,
                                     " bytes, ", bytes_.size() - place_, " bytes are left"));
-        return static_cast<std::size_t>(count);
+        return to_size(count);
     }
     const unsigned char* take(std::size_t size)
     {
         if (size > bytes_.size() - place_)
-            throw InvalidInput(join("bytes: ", size, " wanted, ", bytes_.size() - place_,
-                                    " are left"));
+            throw InvalidInput(
+                join("bytes: ", size, " wanted, ", bytes_.size() - place_, " are left"));
         const unsigned char* const at = bytes_.data() + place_;
         place_ += size;
         return at;

@@ -14,6 +14,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -138,7 +139,7 @@ private:
             return;
         tried_ = wanted;
         try {
-            threads_.reserve(static_cast<std::size_t>(wanted));
+            threads_.reserve(to_size(wanted));
             while (static_cast<int>(threads_.size()) < wanted - 1)
                 threads_.emplace_back([this] { help(); });
         } catch (const std::system_error&) {

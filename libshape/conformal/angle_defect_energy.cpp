@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -102,8 +103,7 @@ std::array<double, 3> scaled_sides(const IntrinsicTriangulation& t, const Eigen:
     std::array<double, 3> sides;
     for (int c = 0; c < 3; ++c) {
         const int h = 3 * face + c;
-        sides[static_cast<std::size_t>(c)] =
-            t.log_lengths()[t.edge(h)] + 0.5 * (u[t.source(h)] + u[t.target(h)]);
+        sides[to_size(c)] = t.log_lengths()[t.edge(h)] + 0.5 * (u[t.source(h)] + u[t.target(h)]);
     }
     return sides;
 }
@@ -111,7 +111,7 @@ std::array<double, 3> scaled_sides(const IntrinsicTriangulation& t, const Eigen:
 double angle_defect_energy(const IntrinsicTriangulation& t, const Eigen::VectorXd& u,
                            int removed_vertex)
 {
-    const auto face_count = static_cast<std::size_t>(t.face_count());
+    const auto face_count = to_size(t.face_count());
     const double of_faces = parallel_sum(face_count, 4096, [&](std::size_t begin, std::size_t end) {
         double sum = 0.0;
         for (auto f = static_cast<int>(begin); f < static_cast<int>(end); ++f) {
@@ -134,7 +134,7 @@ double angle_defect_energy(const IntrinsicTriangulation& t, const Eigen::VectorX
 AngleDefects measure_angle_defects(const IntrinsicTriangulation& t, const Eigen::VectorXd& u,
                                    int removed_vertex)
 {
-    std::vector<TriangleAngles> faces(static_cast<std::size_t>(t.face_count()));
+    std::vector<TriangleAngles> faces(to_size(t.face_count()));
     parallel_for(faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f)
             if (!has_vertex(t, static_cast<int>(f), removed_vertex))
@@ -144,14 +144,13 @@ AngleDefects measure_angle_defects(const IntrinsicTriangulation& t, const Eigen:
                         Eigen::VectorXd::Zero(t.edge_count()),
                         {}};
     for (int f = 0; f < t.face_count(); ++f) {
-        const TriangleAngles& face = faces[static_cast<std::size_t>(f)];
+        const TriangleAngles& face = faces[to_size(f)];
         for (int c = 0; c < 3; ++c) {
             // The corner opposite half-edge c is the source of the one before it.
             const int h = 3 * f + c;
-            result.defects[t.source(Topology::previous(h))] -=
-                face.angles[static_cast<std::size_t>(c)];
+            result.defects[t.source(Topology::previous(h))] -= face.angles[to_size(c)];
             result.edge_weights[t.edge(h)] +=
-                face.broken ? broken_weight : face.weights[static_cast<std::size_t>(c)];
+                face.broken ? broken_weight : face.weights[to_size(c)];
         }
         if (face.broken)
             result.broken_faces.push_back(f);

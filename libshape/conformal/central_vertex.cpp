@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape::internal {
@@ -84,7 +85,7 @@ int central_vertex(const Topology& topology, const Eigen::VectorXd& lengths)
 {
     const Eigen::VectorXd eccentricity = eccentricities(topology, lengths);
     const Points angles = corner_angles(topology, lengths);
-    std::vector<int> order(static_cast<std::size_t>(topology.vertex_count()));
+    std::vector<int> order(to_size(topology.vertex_count()));
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(), [&](int a, int b) {
         return std::pair(eccentricity[a], a) < std::pair(eccentricity[b], b);

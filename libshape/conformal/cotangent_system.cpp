@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/linalg/sparse_cholesky.h"
 
 namespace shape::internal {
@@ -25,13 +26,13 @@ CotangentSystem::CotangentSystem(const IntrinsicTriangulation& t, std::vector<ch
     : state_(std::make_unique<State>())
 {
     State& s = *state_;
-    s.rows.assign(static_cast<std::size_t>(t.vertex_count()), -1);
+    s.rows.assign(to_size(t.vertex_count()), -1);
     for (int v = 0; v < t.vertex_count(); ++v)
-        if (is_free[static_cast<std::size_t>(v)]) {
-            s.rows[static_cast<std::size_t>(v)] = static_cast<int>(s.vertices.size());
+        if (is_free[to_size(v)]) {
+            s.rows[to_size(v)] = static_cast<int>(s.vertices.size());
             s.vertices.push_back(v);
         }
-    const auto row = [&](int v) { return s.rows[static_cast<std::size_t>(v)]; };
+    const auto row = [&](int v) { return s.rows[to_size(v)]; };
 
     s.edge_vertices.resize(t.edge_count(), 2);
     std::vector<Eigen::Triplet<double, int>> entries;
@@ -81,9 +82,9 @@ void CotangentSystem::factor(const Eigen::VectorXd& edge_weights)
         if (a == b)
             continue;
         for (const int v : {a, b})
-            if (const int r = s.rows[static_cast<std::size_t>(v)]; r >= 0)
-                values[s.diagonal_entries[static_cast<std::size_t>(r)]] += edge_weights[e];
-        if (const int entry = s.edge_entries[static_cast<std::size_t>(e)]; entry >= 0)
+            if (const int r = s.rows[to_size(v)]; r >= 0)
+                values[s.diagonal_entries[to_size(r)]] += edge_weights[e];
+        if (const int entry = s.edge_entries[to_size(e)]; entry >= 0)
             values[entry] -= edge_weights[e];
     }
     if (s.vertices.empty())
@@ -112,13 +113,13 @@ Eigen::MatrixXd CotangentSystem::solve(const Eigen::MatrixXd& rhs) const
     const auto size = static_cast<Eigen::Index>(s.vertices.size());
     Eigen::MatrixXd b(size, rhs.cols());
     for (Eigen::Index r = 0; r < size; ++r)
-        b.row(r) = rhs.row(s.vertices[static_cast<std::size_t>(r)]);
+        b.row(r) = rhs.row(s.vertices[to_size(r)]);
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rhs.rows(), rhs.cols());
     if (size == 0)
         return result;
     const Eigen::MatrixXd x = s.factor->solve(b);
     for (Eigen::Index r = 0; r < size; ++r)
-        result.row(s.vertices[static_cast<std::size_t>(r)]) = x.row(r);
+        result.row(s.vertices[to_size(r)]) = x.row(r);
     return result;
 }
 

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/conformal/angle_defect_energy.h"
 #include "libshape/conformal/layout.h"
 #include "libshape/conformal/scale_factors.h"
@@ -48,14 +49,14 @@ public:
           t_(std::move(t)),
           u_(factors),
           removed_(removed_vertex),
-          released_(static_cast<std::size_t>(t_.edge_count()), 0)
+          released_(to_size(t_.edge_count()), 0)
     {
         fix_boundary();
         double mean = 0.0;
         for (const int h : boundary_)
             mean += u_[t_.source(h)] / static_cast<double>(boundary_.size());
         for (int v = 0; v < t_.vertex_count(); ++v)
-            if (problem_.is_free[static_cast<std::size_t>(v)])
+            if (problem_.is_free[to_size(v)])
                 u_[v] = mean;
     }
 
@@ -97,7 +98,7 @@ private:
         boundary_.clear();
         const std::vector<int> first = t_.first_halfedges();
         if (removed_ >= 0) {
-            star_ = t_.ring(first[static_cast<std::size_t>(removed_)]);
+            star_ = t_.ring(first[to_size(removed_)]);
             for (const int h : star_)
                 boundary_.push_back(t_.opposite(Topology::next(h)));
             std::reverse(boundary_.begin(), boundary_.end());
@@ -108,7 +109,7 @@ private:
             ++start;
         for (int h = start; boundary_.empty() || h != start;) {
             boundary_.push_back(h);
-            h = t_.ring(first[static_cast<std::size_t>(t_.target(h))]).front();
+            h = t_.ring(first[to_size(t_.target(h))]).front();
         }
     }
 
@@ -117,17 +118,17 @@ private:
     {
         find_boundary();
         problem_.removed_vertex = removed_;
-        problem_.is_free.assign(static_cast<std::size_t>(t_.vertex_count()), 1);
+        problem_.is_free.assign(to_size(t_.vertex_count()), 1);
         problem_.may_flip = released_;
         if (removed_ >= 0)
-            problem_.is_free[static_cast<std::size_t>(removed_)] = 0;
+            problem_.is_free[to_size(removed_)] = 0;
         for (const int h : star_) {
             u_[t_.target(h)] = -2.0 * t_.log_lengths()[t_.edge(h)];
-            problem_.may_flip[static_cast<std::size_t>(t_.edge(h))] = 0;
+            problem_.may_flip[to_size(t_.edge(h))] = 0;
         }
         for (const int h : boundary_) {
-            problem_.is_free[static_cast<std::size_t>(t_.source(h))] = 0;
-            problem_.may_flip[static_cast<std::size_t>(t_.edge(h))] = 0;
+            problem_.is_free[to_size(t_.source(h))] = 0;
+            problem_.may_flip[to_size(t_.edge(h))] = 0;
         }
     }
 
@@ -152,16 +153,15 @@ private:
             const int e = t_.edge(3 * f + static_cast<int>(longest));
             if (is_boundary(e))
                 link_edges.push_back(e);
-            else if (!released_[static_cast<std::size_t>(e)])
-                released_[static_cast<std::size_t>(e)] = 1;
+            else if (!released_[to_size(e)])
+                released_[to_size(e)] = 1;
             else
                 release_around(f);
         }
         // Reflex vertices leave the link if they may, vertices that break a link edge join it.
         const Eigen::VectorXd defects = measure_angle_defects(t_, u_, removed_).defects;
         for (const int h : star_)
-            if (released_[static_cast<std::size_t>(t_.edge(h))] &&
-                defects[t_.target(h)] < std::numbers::pi - 1e-9)
+            if (released_[to_size(t_.edge(h))] && defects[t_.target(h)] < std::numbers::pi - 1e-9)
                 flipped |= flip_within_complex(t_, t_.edge(h));
         if (removed_ >= 0)
             for (const int e : link_edges)
@@ -193,7 +193,7 @@ private:
         for (int c = 0; c < 3; ++c)
             for (const int h : t_.ring(3 * face + c))
                 for (const int side : {h, Topology::next(h), Topology::previous(h)})
-                    released_[static_cast<std::size_t>(t_.edge(side))] = 1;
+                    released_[to_size(t_.edge(side))] = 1;
     }
 
     TriangulationRepairOptions options_;

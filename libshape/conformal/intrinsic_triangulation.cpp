@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 
@@ -25,12 +26,12 @@ IntrinsicTriangulation::IntrinsicTriangulation(const Topology& topology,
                                     topology.edges()(e, 1), ") is ", lengths[e],
                                     ", must be finite and > 0"));
     log_lengths_ = lengths.array().log();
-    halfedge_.resize(static_cast<std::size_t>(topology.edge_count()));
+    halfedge_.resize(to_size(topology.edge_count()));
     for (int e = 0; e < topology.edge_count(); ++e)
-        halfedge_[static_cast<std::size_t>(e)] = topology.edge_halfedges()(e, 0);
-    opposite_.resize(static_cast<std::size_t>(topology.halfedge_count()));
+        halfedge_[to_size(e)] = topology.edge_halfedges()(e, 0);
+    opposite_.resize(to_size(topology.halfedge_count()));
     for (int h = 0; h < topology.halfedge_count(); ++h)
-        opposite_[static_cast<std::size_t>(h)] = topology.opposite(h);
+        opposite_[to_size(h)] = topology.opposite(h);
 }
 
 std::vector<int> IntrinsicTriangulation::ring(int start) const
@@ -53,9 +54,9 @@ std::vector<int> IntrinsicTriangulation::ring(int start) const
 
 std::vector<int> IntrinsicTriangulation::first_halfedges() const
 {
-    std::vector<int> first(static_cast<std::size_t>(vertex_count_), -1);
+    std::vector<int> first(to_size(vertex_count_), -1);
     for (int h = 3 * face_count() - 1; h >= 0; --h)
-        first[static_cast<std::size_t>(source(h))] = h;
+        first[to_size(source(h))] = h;
     return first;
 }
 
@@ -79,10 +80,10 @@ void IntrinsicTriangulation::set_halfedge(int halfedge, int source, int edge, in
 {
     faces_(halfedge / 3, halfedge % 3) = source;
     edges_(halfedge / 3, halfedge % 3) = edge;
-    halfedge_[static_cast<std::size_t>(edge)] = halfedge;
-    opposite_[static_cast<std::size_t>(halfedge)] = opposite;
+    halfedge_[to_size(edge)] = halfedge;
+    opposite_[to_size(halfedge)] = opposite;
     if (opposite >= 0)
-        opposite_[static_cast<std::size_t>(opposite)] = halfedge;
+        opposite_[to_size(opposite)] = halfedge;
 }
 
 void IntrinsicTriangulation::flip(int e)

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -32,10 +33,10 @@ public:
     [[nodiscard]] int edge(int halfedge) const { return edges_(halfedge / 3, halfedge % 3); }
     [[nodiscard]] int opposite(int halfedge) const ///< -1 on the boundary.
     {
-        return opposite_[static_cast<std::size_t>(halfedge)];
+        return opposite_[to_size(halfedge)];
     }
     /// One half-edge of an edge.
-    [[nodiscard]] int halfedge(int edge) const { return halfedge_[static_cast<std::size_t>(edge)]; }
+    [[nodiscard]] int halfedge(int edge) const { return halfedge_[to_size(edge)]; }
 
     /// Half-edges that leave a vertex, counter-clockwise; at a boundary vertex the first runs along
     /// the boundary. `start` leaves the vertex. Cost: the degree.

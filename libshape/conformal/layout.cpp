@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "libshape/base/to_size.h"
 #include "libshape/conformal/angle_defect_energy.h"
 
 namespace shape::internal {
@@ -23,7 +24,7 @@ double boundary_angle(const IntrinsicTriangulation& t, const Eigen::VectorXd& u,
     double angle = 0.0;
     for (int h = halfedge;;) {
         const int before = Topology::previous(h);
-        const auto opposite_corner = static_cast<std::size_t>(Topology::next(h) % 3);
+        const auto opposite_corner = to_size(Topology::next(h) % 3);
         angle += triangle_angles(scaled_sides(t, u, Topology::face(h))).angles[opposite_corner];
         if (before == previous_halfedge)
             return angle;
@@ -68,6 +69,8 @@ void refine(const IntrinsicTriangulation& t, const Eigen::VectorXd& u,
     const auto ends = [&](int e) {
         return std::pair(t.source(t.halfedge(e)), t.target(t.halfedge(e)));
     };
+    // Changes fall from step to step until they are the rounding of the solve, where they no longer
+    // halve; below 1e-15 of an edge there is nothing left to change.
     double change = std::numeric_limits<double>::infinity();
     for (int step = 0; step < 10 && change > 1e-15; ++step) {
         Eigen::MatrixXd residual = Eigen::MatrixXd::Zero(t.vertex_count(), 2);

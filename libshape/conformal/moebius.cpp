@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "libshape/base/to_size.h"
+
 namespace shape::internal {
 namespace {
 
@@ -112,19 +114,21 @@ MoebiusBalance balance_on_sphere(const Eigen::VectorXcd& positions, const Eigen:
     Eigen::Matrix3d hessian;
     problem.derivatives(result.frame, mean, hessian);
     result.residual = mean.norm();
+    // The residual is the mean of points on the unit sphere: 1e-15 is its rounding. Steps of at
+    // most 0.9 keep the frame inside the ball.
     while (result.residual > 1e-15 && result.iterations < 100) {
         Eigen::Vector3d step = hessian.ldlt().solve(mean);
         step *= std::min(1.0, 0.9 / step.norm());
         const double energy = problem.energy(result.frame);
         StereographicFrame frame = moved(result.frame, step);
-        // Near the minimum the energy is flat to rounding, and full steps are good.
+        // Near the minimum (1e-6 squared is rounding beside 1) the energy is flat, and full steps are good.
         while (result.residual > 1e-6 && problem.energy(frame) > energy && step.norm() > 1e-12) {
             step *= 0.5;
             frame = moved(result.frame, step);
         }
         problem.derivatives(frame, mean, hessian);
         ++result.iterations;
-        if (result.residual < 1e-12 && mean.norm() >= result.residual)
+        if (result.residual < 1e-12 && mean.norm() >= result.residual) // rounding: it falls no more
             break;
         result.frame = frame;
         result.residual = mean.norm();
@@ -148,7 +152,7 @@ SpherePoints project_to_sphere(const PlanarLayout& layout, const StereographicFr
         const std::array<Quad, 3> p{2 * x / (1 + norm), 2 * y / (1 + norm),
                                     (1 - norm) / (1 + norm)};
         for (int k = 0; k < 3; ++k) {
-            const Quad coordinate = p[static_cast<std::size_t>(k)];
+            const Quad coordinate = p[to_size(k)];
             sphere.points(v, k) = static_cast<double>(coordinate);
             sphere.remainders(v, k) = static_cast<double>(coordinate - sphere.points(v, k));
         }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "libshape/base/require.h"
+#include "libshape/base/to_size.h"
 #include "libshape/conformal/angle_defect_energy.h"
 
 namespace shape::internal {
@@ -42,7 +43,7 @@ bool make_delaunay(IntrinsicTriangulation& t, const Eigen::VectorXd& u,
 {
     std::vector<int> stack;
     for (int e = 0; e < t.edge_count(); ++e)
-        if (may_flip[static_cast<std::size_t>(e)])
+        if (may_flip[to_size(e)])
             stack.push_back(e);
     bool any = false;
     while (!stack.empty()) {
@@ -54,7 +55,7 @@ bool make_delaunay(IntrinsicTriangulation& t, const Eigen::VectorXd& u,
         any = true;
         for (const int h : {t.halfedge(e), t.opposite(t.halfedge(e))})
             for (const int side : {Topology::next(h), Topology::previous(h)})
-                if (may_flip[static_cast<std::size_t>(t.edge(side))])
+                if (may_flip[to_size(t.edge(side))])
                     stack.push_back(t.edge(side));
     }
     return any;
@@ -76,7 +77,7 @@ Place go_to(const IntrinsicTriangulation& t, Eigen::VectorXd u, const ScaleFacto
     place.flipped = make_delaunay(place.triangulation, place.u, problem.may_flip);
     place.angles = measure_angle_defects(place.triangulation, place.u, problem.removed_vertex);
     for (Eigen::Index v = 0; v < place.u.size(); ++v)
-        if (!problem.is_free[static_cast<std::size_t>(v)])
+        if (!problem.is_free[to_size(v)])
             place.angles.defects[v] = 0.0;
     place.residual = place.angles.defects.lpNorm<Eigen::Infinity>();
     return place;
@@ -106,7 +107,8 @@ ScaleFactors solve_scale_factors(const IntrinsicTriangulation& triangulation,
         const double slope = place.angles.defects.dot(step);
         ++iterations;
         // The energy is convex: where its slope along the step is still negative it has only
-        // fallen. A small overshoot is let through, else the last steps would be halved.
+        // fallen. An overshoot to a tenth of the slope is let through, else the last steps would be
+        // halved. Within 1e-10 [rad] of flat, rounding decides: a step that does not halve is the last.
         double length = std::min(1.0, largest_step / step.lpNorm<Eigen::Infinity>());
         Place next = go_to(place.triangulation, place.u + length * step, problem);
         while (next.angles.defects.dot(step) > 0.1 * std::abs(slope) && length > 1e-10) {

@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
@@ -116,7 +117,7 @@ Admissibility check_admissibility(const Topology& topology, const Eigen::VectorX
 {
     check_size(topology, lengths, "lengths");
     Admissibility result;
-    std::vector<char> broken(static_cast<std::size_t>(topology.vertex_count()), 0);
+    std::vector<char> broken(to_size(topology.vertex_count()), 0);
     for (int f = 0; f < topology.face_count(); ++f) {
         const Eigen::Vector3d side = sides(topology, lengths, f);
         const double longest = side.maxCoeff();
@@ -126,11 +127,11 @@ Admissibility check_admissibility(const Topology& topology, const Eigen::VectorX
         result.triangles.push_back(
             {f, others > 0.0 ? longest / others - 1.0 : std::numeric_limits<double>::infinity()});
         for (const int v : topology.faces().row(f))
-            broken[static_cast<std::size_t>(v)] = 1;
+            broken[to_size(v)] = 1;
     }
     const Points angles = corner_angles(topology, lengths);
     for (int v = 0; v < topology.vertex_count(); ++v) {
-        if (topology.is_boundary_vertex(v) || broken[static_cast<std::size_t>(v)])
+        if (topology.is_boundary_vertex(v) || broken[to_size(v)])
             continue;
         double largest = 0.0;
         double sum = 0.0;

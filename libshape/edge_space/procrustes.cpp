@@ -8,6 +8,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/rotation_fit.h"
 
 namespace shape {
@@ -98,15 +99,14 @@ ProcrustesMean procrustes_mean(const std::vector<Points>& meshes, const Procrust
                 rotations[i] = turn_towards(mean.points, meshes[i], placements[i], rotations[i]);
         });
         Points next = Points::Zero(mean.points.rows(), 3);
-        parallel_for(
-            static_cast<std::size_t>(next.rows()), 512, [&](std::size_t begin, std::size_t end) {
-                const auto first = static_cast<Eigen::Index>(begin);
-                const auto rows = static_cast<Eigen::Index>(end - begin);
-                for (std::size_t i = 0; i < count; ++i)
-                    next.middleRows(first, rows) +=
-                        (meshes[i].middleRows(first, rows).rowwise() - placements[i].centre) *
-                        (placements[i].factor * rotations[i].transpose());
-            });
+        parallel_for(to_size(next.rows()), 512, [&](std::size_t begin, std::size_t end) {
+            const auto first = static_cast<Eigen::Index>(begin);
+            const auto rows = static_cast<Eigen::Index>(end - begin);
+            for (std::size_t i = 0; i < count; ++i)
+                next.middleRows(first, rows) +=
+                    (meshes[i].middleRows(first, rows).rowwise() - placements[i].centre) *
+                    (placements[i].factor * rotations[i].transpose());
+        });
         next /= static_cast<double>(count);
         mean.converged = (next - mean.points).norm() <= options.tolerance * mean.points.norm();
         mean.points = std::move(next);

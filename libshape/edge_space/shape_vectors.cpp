@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/patch_turns.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -80,17 +81,16 @@ RowMatrix unify_branches(RowMatrix angles)
 {
     if (angles.rows() == 0)
         return angles;
-    parallel_for(static_cast<std::size_t>(angles.cols()), 256,
-                 [&](std::size_t begin, std::size_t end) {
-                     const auto first = static_cast<Index>(begin);
-                     const auto count = static_cast<Index>(end - begin);
-                     // Most edges are nowhere near the fold: leave them before any sine is taken.
-                     const Eigen::RowVectorXd sharpest =
-                         angles.middleCols(first, count).cwiseAbs().colwise().maxCoeff();
-                     for (Index e = 0; e < count; ++e)
-                         if (is_near_fold(sharpest[e]))
-                             unify_column(angles.col(first + e));
-                 });
+    parallel_for(to_size(angles.cols()), 256, [&](std::size_t begin, std::size_t end) {
+        const auto first = static_cast<Index>(begin);
+        const auto count = static_cast<Index>(end - begin);
+        // Most edges are nowhere near the fold: leave them before any sine is taken.
+        const Eigen::RowVectorXd sharpest =
+            angles.middleCols(first, count).cwiseAbs().colwise().maxCoeff();
+        for (Index e = 0; e < count; ++e)
+            if (is_near_fold(sharpest[e]))
+                unify_column(angles.col(first + e));
+    });
     return angles;
 }
 

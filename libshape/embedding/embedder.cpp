@@ -11,6 +11,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/closure/closure_embedding.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/finished_embedding.h"
@@ -56,10 +57,12 @@ struct Embedder::State
     EmbeddingOptions options;
 
     // What prepare() makes.
-    std::once_flag prepared;
+    std::once_flag dihedral_prepared;
+    std::once_flag multiscale_prepared;
     std::optional<DihedralEmbedder> dihedral;
     std::optional<MultiscaleEmbedder> multiscale;
-    double setup_seconds = 0.0;
+    double dihedral_seconds = 0.0;
+    double multiscale_seconds = 0.0;
 
     // What make_tree() makes, for reports alone.
     std::once_flag tree_made;
@@ -103,16 +106,32 @@ struct Embedder::State
             static_cast<int>(std::count_if(pairs.begin(), pairs.end(), is_new));
     }
 
-    void prepare()
+    void prepare(EmbeddingMethod method)
     {
-        std::call_once(prepared, [this] {
-            const auto start = std::chrono::steady_clock::now();
-            if (options.method == EmbeddingMethod::Multiscale)
+        const auto start = std::chrono::steady_clock::now();
+        if (method == EmbeddingMethod::Multiscale)
+            std::call_once(multiscale_prepared, [&] {
                 multiscale.emplace(topology, references.front(), multiscale_options());
-            if (options.method == EmbeddingMethod::Dihedral)
+                multiscale_seconds = seconds_since(start);
+            });
+        if (method == EmbeddingMethod::Dihedral)
+            std::call_once(dihedral_prepared, [&] {
                 dihedral.emplace(topology, references);
-            setup_seconds = seconds_since(start);
-        });
+                dihedral_seconds = seconds_since(start);
+            });
+    }
+
+    [[nodiscard]] double setup_seconds(EmbeddingMethod method) const
+    {
+        switch (method) {
+            case EmbeddingMethod::Dihedral:
+                return dihedral_seconds;
+            case EmbeddingMethod::Multiscale:
+                return multiscale_seconds;
+            case EmbeddingMethod::Closure:
+                break;
+        }
+        return 0.0;
     }
 };
 
@@ -125,6 +144,17 @@ void check_size(double largest, const char* what)
     if (!(largest >= 1.0 / limit && largest <= limit))
         throw InvalidInput(join("the longest edge of ", what, " is ", largest, ", must be in [",
                                 1.0 / limit, ", ", limit, "]; choose another unit"));
+}
+
+/// Methods that glue triangles together cannot start where one has sides that no triangle has.
+EmbeddingMethod method_for(EmbeddingMethod chosen, const Topology& topology,
+                           const ShapePoint& target)
+{
+    if (chosen == EmbeddingMethod::Dihedral ||
+        target.edge_lengths.size() != topology.edge_count() || !target.edge_lengths.allFinite() ||
+        check_admissibility(topology, target.edge_lengths).triangles.empty())
+        return chosen;
+    return EmbeddingMethod::Dihedral;
 }
 
 } // namespace
@@ -156,11 +186,12 @@ Embedding Embedder::embed(const ShapePoint& target) const
     State& s = *state_;
     if (target.edge_lengths.size() > 0)
         check_size(target.edge_lengths.cwiseAbs().maxCoeff(), "the target");
-    s.prepare();
+    const EmbeddingMethod method = method_for(s.options.method, s.topology, target);
+    s.prepare(method);
     const Clock::time_point start = Clock::now();
     const Points& reference = s.references.front();
     Embedding embedding;
-    switch (s.options.method) {
+    switch (method) {
         case EmbeddingMethod::Dihedral: {
             DihedralEmbeddingOptions options;
             if (s.options.quality == EmbeddingQuality::Preview)
@@ -186,7 +217,9 @@ Embedding Embedder::embed(const ShapePoint& target) const
             break;
         }
     }
-    embedding.report.setup_seconds = s.setup_seconds;
+    if (method != s.options.method)
+        embedding.instead = method;
+    embedding.report.setup_seconds = s.setup_seconds(method);
     s.count_crossings(embedding);
     return embedding;
 }

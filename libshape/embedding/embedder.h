@@ -71,6 +71,8 @@ struct Embedding
     Points points; ///< #V by 3 [length], centroid at 0.
     EmbeddingReport report;
     std::optional<MultiscaleTimes> multiscale = {}; ///< Set by that method alone.
+    /// The method that made it where the chosen one cannot start; see Embedder::embed().
+    std::optional<EmbeddingMethod> instead = {};
 };
 
 /// A mesh that needs no embedding, as one: its targets are its own lengths and angles. The centroid
@@ -93,9 +95,10 @@ public:
     Embedder(Embedder&&) noexcept;
     Embedder& operator=(Embedder&&) noexcept;
 
+    /// The mesh of the target by the chosen method. Published methods cannot start where a target
+    /// breaks a triangle inequality; there Dihedral makes the nearest mesh.
     /// @throws InvalidInput if target has other sizes or a value that is not finite.
-    /// @throws NumericalError if the method cannot start: published methods on a target that
-    ///     breaks a triangle inequality, or a factorisation that breaks down.
+    /// @throws NumericalError if a factorisation breaks down.
     /// Safe to call concurrently.
     [[nodiscard]] Embedding embed(const ShapePoint& target) const;
 

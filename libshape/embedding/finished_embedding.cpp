@@ -35,12 +35,15 @@ Embedding as_embedding(const Topology& topology, Points points)
 
 Embedding internal::finished_embedding(const Topology& topology, const Points& points,
                                        const Points& reference, const ShapePoint& target,
-                                       Clock::time_point start)
+                                       Clock::time_point start, EdgeResiduals* residuals)
 {
     Embedding embedding{best_rigid_motion(points, reference)(points), {}};
     embedding.points.rowwise() -= centroid(embedding.points);
     const std::chrono::duration<double> time = Clock::now() - start;
-    embedding.report = measure_embedding(topology, embedding.points, target);
+    EdgeResiduals found = edge_residuals(topology, embedding.points, target);
+    embedding.report = measure_embedding(topology, embedding.points, target, found);
+    if (residuals != nullptr)
+        *residuals = std::move(found);
     embedding.report.closure_energy = closure_energy_of(topology, target);
     embedding.report.seconds = time.count();
     return embedding;
@@ -48,11 +51,13 @@ Embedding internal::finished_embedding(const Topology& topology, const Points& p
 
 Embedding internal::embed_by_dihedrals(const DihedralEmbedder& embedder, const Topology& topology,
                                        const Points& reference, const ShapePoint& target,
-                                       const DihedralEmbeddingOptions& options)
+                                       const DihedralEmbeddingOptions& options,
+                                       EdgeResiduals* residuals)
 {
     const Clock::time_point start = Clock::now();
     const DihedralEmbedding nearest = embedder.embed(target, options);
-    Embedding embedding = finished_embedding(topology, nearest.points, reference, target, start);
+    Embedding embedding =
+        finished_embedding(topology, nearest.points, reference, target, start, residuals);
     if (nearest.companion.rows() > 0)
         embedding.report.companion_rms =
             100.0 * relative_distance(

@@ -18,15 +18,18 @@ using Clock = std::chrono::steady_clock;
 /// and measured against the target; what the solver alone knows is left open, closure_energy is that of
 /// the target.
 /// @param start  When the embedding began; its `seconds` end before it is measured.
+/// @param residuals  Become those of the embedding, if given.
 [[nodiscard]] Embedding finished_embedding(const Topology& topology, const Points& points,
                                            const Points& reference, const ShapePoint& target,
-                                           Clock::time_point start);
+                                           Clock::time_point start,
+                                           EdgeResiduals* residuals = nullptr);
 
 /// EmbeddingMethod::Dihedral from beginning to end.
 /// @throws as DihedralEmbedder::embed().
 [[nodiscard]] Embedding embed_by_dihedrals(const DihedralEmbedder& embedder,
                                            const Topology& topology, const Points& reference,
                                            const ShapePoint& target,
-                                           const DihedralEmbeddingOptions& options);
+                                           const DihedralEmbeddingOptions& options,
+                                           EdgeResiduals* residuals = nullptr);
 
 } // namespace shape::internal

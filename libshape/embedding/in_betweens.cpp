@@ -9,7 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/edge_space/admissibility.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/paths.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -92,7 +92,7 @@ Embedding InBetweens::embed(double time, const ShapePoint& target) const
     if (found == keyframes_.end() || !(time >= keyframes_.front().time))
         throw InvalidInput(join("time ", time, " is outside that of the keyframes, [",
                                 keyframes_.front().time, ", ", keyframes_.back().time, "]"));
-    const auto after = static_cast<std::size_t>(found - keyframes_.begin());
+    const auto after = to_size(found - keyframes_.begin());
     Embedding result;
     if (found->time == time)
         result.points = found->points;
@@ -120,13 +120,7 @@ Embedding InBetweens::fill(std::size_t before, double time, const ShapePoint& ta
     const double share = eased((time - a.time) / (b.time - a.time));
     const ShapePoint shifted =
         sum(sum(target, 1.0 - share, differences_[before]), share, differences_[before + 1]);
-    // The corrections can break a triangle inequality where the target keeps all; methods that glue
-    // triangles stop there, the nearest mesh can be had all the same.
-    const bool is_broken = !check_admissibility(topology_, shifted.edge_lengths).triangles.empty();
-    Embedding result = is_broken ? Embedder(topology_, {a.points, b.points},
-                                            {.quality = EmbeddingQuality::Preview})
-                                       .embed(shifted)
-                                 : filler_->embed(shifted);
+    Embedding result = filler_->embed(shifted);
     result.points = place_between(result.points, a.points, b.points, share);
     return result;
 }
@@ -136,7 +130,7 @@ Points InBetweens::move(std::size_t before, double time) const
     const auto count = static_cast<Eigen::Index>(keyframes_.size());
     Eigen::VectorXd times(count);
     for (Eigen::Index i = 0; i < count; ++i)
-        times[i] = keyframes_[static_cast<std::size_t>(i)].time;
+        times[i] = keyframes_[to_size(i)].time;
     const auto first = static_cast<Eigen::Index>(before);
     const Eigen::VectorXd weights =
         motion_ == KeyframeMotion::Spline
@@ -146,7 +140,7 @@ Points InBetweens::move(std::size_t before, double time) const
     Points points = Points::Zero(topology_.vertex_count(), 3);
     for (Eigen::Index i = 0; i < weights.size(); ++i)
         if (weights[i] != 0.0)
-            points += weights[i] * keyframes_[offset + static_cast<std::size_t>(i)].points;
+            points += weights[i] * keyframes_[offset + to_size(i)].points;
     return points;
 }
 

@@ -33,8 +33,8 @@ public:
     /// A keyframe differs from its target in lengths and angles. These differences are added to the
     /// targets around it, fading from one keyframe to the next with level ends. So the target at a
     /// keyframe is that of a mesh, which every method gives back, and none jumps or bends
-    /// there. Where a corrected target breaks a triangle inequality, the method dihedral gives the
-    /// mesh nearest to it. Each result is turned and placed between its best fits to the two keyframes.
+    /// there. Where a corrected target breaks a triangle inequality, though the target itself keeps all, the
+    /// mesh nearest to it comes out (Embedder::embed()). Each result is turned and placed between its best fits to the two keyframes.
     /// @param references  As Embedder takes them.
     /// @throws InvalidInput if there are fewer than two keyframes, their times do not increase or a
     ///     size does not fit; or as Embedder does.

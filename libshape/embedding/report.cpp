@@ -6,12 +6,13 @@
 #include <cmath>
 #include <vector>
 
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
-#include "libshape/embedding/residual_field.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// The smallest value that at least share * #values are not above.
@@ -31,16 +32,21 @@ double quantile(std::vector<double> values, double share)
 EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                   const ShapePoint& target)
 {
+    return measure_embedding(topology, points, target, edge_residuals(topology, points, target));
+}
+
+EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
+                                  const ShapePoint& target, const EdgeResiduals& residuals)
+{
     constexpr double fold = 150.0;       // [deg]
     constexpr double exact_limit = 1e-6; // [1]
-    const EdgeResiduals residuals = edge_residuals(topology, points, target);
     EmbeddingReport report;
     report.edge_rms =
         std::sqrt((edge_lengths(topology, points) - target.edge_lengths).array().square().mean()) /
         target.edge_lengths.mean();
     std::vector<double> relative(residuals.edge_error.begin(), residuals.edge_error.end());
     std::vector<double> drift;
-    std::vector<char> inverted(static_cast<std::size_t>(topology.face_count()), 0);
+    std::vector<char> inverted(to_size(topology.face_count()), 0);
     double drift_squares = 0.0;
     for (int e = 0; e < topology.edge_count(); ++e) {
         if (topology.is_boundary_edge(e))
@@ -49,12 +55,12 @@ EmbeddingReport measure_embedding(const Topology& topology, const Points& points
         drift_squares += drift.back() * drift.back();
         if (drift.back() > fold)
             for (const int h : {topology.edge_halfedges()(e, 0), topology.edge_halfedges()(e, 1)})
-                inverted[static_cast<std::size_t>(h / 3)] = 1;
+                inverted[to_size(h / 3)] = 1;
     }
     for (const Defect& defect :
          find_degenerate_geometry(topology.faces(), points, topology.face_count()))
         if (defect.face >= 0)
-            inverted[static_cast<std::size_t>(defect.face)] = 1;
+            inverted[to_size(defect.face)] = 1;
     report.inverted_faces = static_cast<int>(std::count(inverted.begin(), inverted.end(), 1));
     report.edge_max = *std::max_element(relative.begin(), relative.end());
     report.edge_p999 = quantile(relative, 0.999);

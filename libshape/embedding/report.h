@@ -7,6 +7,7 @@
 #include <string>
 
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/residual_field.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -58,6 +59,11 @@ struct EmbeddingReport
 /// self_intersections, new_self_intersections), which are left at their defaults.
 [[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                                 const ShapePoint& target);
+
+/// The same with edge_residuals() found before.
+[[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
+                                                const ShapePoint& target,
+                                                const EdgeResiduals& residuals);
 
 /// "exact", "approximate" or "infeasible".
 [[nodiscard]] const char* name(EmbeddingStatus status);

@@ -40,7 +40,11 @@ EdgeResiduals edge_residuals(const Topology& topology, const Points& points,
 ResidualField residual_field(const Topology& topology, const Points& points,
                              const ShapePoint& target)
 {
-    const EdgeResiduals residuals = edge_residuals(topology, points, target);
+    return residual_field(topology, edge_residuals(topology, points, target));
+}
+
+ResidualField residual_field(const Topology& topology, const EdgeResiduals& residuals)
+{
     ResidualField field{Eigen::VectorXd::Zero(topology.vertex_count()),
                         Eigen::VectorXd::Zero(topology.vertex_count())};
     for (int e = 0; e < topology.edge_count(); ++e)

@@ -29,6 +29,9 @@ struct ResidualField
     Eigen::VectorXd dihedral_drift; ///< #V [deg].
 };
 
+[[nodiscard]] ResidualField residual_field(const Topology& topology,
+                                           const EdgeResiduals& residuals);
+
 /// @throws InvalidInput if points or target do not fit the topology.
 [[nodiscard]] ResidualField residual_field(const Topology& topology, const Points& points,
                                            const ShapePoint& target);

@@ -7,7 +7,6 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/embedding/dihedral/dihedral_embedding.h"
 
 namespace shape::internal {
 namespace {
@@ -16,23 +15,25 @@ using Eigen::Index;
 
 constexpr std::uint64_t magic = 0x316b636f6c425348; // "HSBlock1"
 
-void write_rows(const FloatRows& rows, ByteWriter& to)
+template <class Rows>
+void write_rows(const Rows& rows, ByteWriter& to)
 {
     to.number(static_cast<std::uint32_t>(rows.rows()));
     to.number(static_cast<std::uint32_t>(rows.cols()));
     to.array(rows);
 }
 
-FloatRows read_rows(ByteReader& from)
+template <class Rows>
+Rows read_rows(ByteReader& from)
 {
     const auto rows = from.number<std::uint32_t>();
     const auto columns = from.number<std::uint32_t>();
-    const std::vector<float> values = from.array<float>();
+    const auto values = from.array<typename Rows::Scalar>();
     if (values.size() != static_cast<std::uint64_t>(rows) * columns)
         throw InvalidInput(join("model block: ", values.size(), " numbers for ", rows, " rows of ",
                                 columns));
-    return Eigen::Map<const FloatRows>(values.data(), static_cast<Index>(rows),
-                                       static_cast<Index>(columns));
+    return Eigen::Map<const Rows>(values.data(), static_cast<Index>(rows),
+                                  static_cast<Index>(columns));
 }
 
 Eigen::VectorXd read_vector(ByteReader& from)
@@ -78,36 +79,6 @@ ShapeSpace read_space(ByteReader& from, Index vertices)
 
 } // namespace
 
-ModelBlock make_block(const ShapeModel& model, int modes, AddedDirections directions,
-                      double smoothness)
-{
-    const bool embeds = std::holds_alternative<EdgeSpace>(model.space);
-    const Index edges = model.topology.edge_count();
-    if (modes < 0 || modes > model.mode_count())
-        throw InvalidInput(join("model block: modes is ", modes, ", must be in [0, ",
-                                model.mode_count(), "]"));
-    if (directions.edge_lengths.rows() != directions.dihedral_angles.rows() ||
-        (directions.edge_lengths.rows() > 0 &&
-         (!embeds || directions.edge_lengths.cols() != edges ||
-          directions.dihedral_angles.cols() != edges)))
-        throw InvalidInput("model block: directions need a model of edge space and its edges");
-    ModelBlock block{.topology = model.topology,
-                     .reference_points = model.reference_points,
-                     .space = model.space,
-                     .mean = model.mean,
-                     .mean_dihedral_angles = model.mean_dihedral_angles,
-                     .modes = model.modes.topRows(modes).cast<float>(),
-                     .mode_dihedral_angles =
-                         model.mode_dihedral_angles.topRows(modes).cast<float>(),
-                     .directions = std::move(directions),
-                     .smoothness = smoothness,
-                     .factor = {}};
-    if (embeds)
-        block.factor.push_back(
-            DihedralEmbedder(model.topology, {model.reference_points}).factor());
-    return block;
-}
-
 std::vector<unsigned char> write_block(const ModelBlock& block)
 {
     ByteWriter to;
@@ -125,6 +96,10 @@ std::vector<unsigned char> write_block(const ModelBlock& block)
     to.number(static_cast<std::uint32_t>(block.factor.size()));
     for (const SinglePrecisionSolve& factor : block.factor)
         factor.write(to);
+    to.array(block.linear.mean);
+    write_rows(block.linear.modes, to);
+    write_rows(block.linear.directions, to);
+    to.number(block.linear.size);
     return to.bytes();
 }
 
@@ -141,18 +116,23 @@ ModelBlock read_block(std::span<const unsigned char> bytes)
                      .space = std::move(space),
                      .mean = read_vector(from),
                      .mean_dihedral_angles = read_vector(from),
-                     .modes = read_rows(from),
-                     .mode_dihedral_angles = read_rows(from),
-                     .directions = {.edge_lengths = read_rows(from),
-                                    .dihedral_angles = read_rows(from)},
+                     .modes = read_rows<RowMatrix>(from),
+                     .mode_dihedral_angles = read_rows<RowMatrix>(from),
+                     .directions = {.edge_lengths = read_rows<RowMatrix>(from),
+                                    .dihedral_angles = read_rows<RowMatrix>(from)},
                      .smoothness = from.number<double>(),
-                     .factor = {}};
+                     .factor = {},
+                     .linear = {}};
     if (block.modes.cols() != block.mean.size() ||
         block.mode_dihedral_angles.rows() != block.modes.rows() ||
         block.mode_dihedral_angles.cols() != block.mean_dihedral_angles.size())
         throw InvalidInput("model block: the modes do not fit the mean");
     for (auto left = from.number<std::uint32_t>(); left > 0; --left)
         block.factor.emplace_back(from);
+    block.linear = {.mean = read_triples<Points>(from),
+                    .modes = read_rows<FloatRows>(from),
+                    .directions = read_rows<FloatRows>(from),
+                    .size = from.number<double>()};
     return block;
 }
 

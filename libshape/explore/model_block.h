@@ -8,26 +8,37 @@
 
 #include "libshape/base/bytes.h"
 #include "libshape/edge_space/shape_space.h"
+#include "libshape/linalg/dense.h"
 #include "libshape/linalg/single_precision_solve.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
-#include "libshape/model/shape_model.h"
 
 namespace shape::internal {
-
-/// Row-major in single precision: a row is one mode.
-using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Something that is added to a decoded point of edge space, such as a difference vector: so much per
 /// unit of its amount.
 struct AddedDirections
 {
-    FloatRows edge_lengths;    ///< M by #E [length].
-    FloatRows dihedral_angles; ///< M by #E [rad].
+    RowMatrix edge_lengths;    ///< M by #E [length].
+    RowMatrix dihedral_angles; ///< M by #E [rad].
 };
 
-/// A model as it travels to where its points are decoded: what a decoder needs and no more, modes
-/// in single precision, and the factor of the Laplacian, so that nothing is factorised there.
+/// Row-major in single precision: a row is a mesh, x y z of one vertex after the other.
+using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Where vertices are to first order, from which drafts start: no digits are asked of it.
+struct LinearVertices
+{
+    Points mean;          ///< #V by 3 [length]: the mean at the mean size.
+    FloatRows modes;      ///< Change per unit of the score, of the first min(K, most_linear_modes).
+    FloatRows directions; ///< M by 3 #V; the same per unit of the amount.
+    double size = 1.0;    ///< The mean size; 1 where sizes are not free.
+};
+
+/// A model as it travels to where its points are decoded: what a decoder needs and no more, and the
+/// factor of the Laplacian, so that nothing is factorised there. Modes stay in double precision: a descent
+/// that is cut off before it converges ends elsewhere, by a hundredth in its worst edge, if its target differs in
+/// the digits of a float.
 struct ModelBlock
 {
     Topology topology;
@@ -35,18 +46,13 @@ struct ModelBlock
     ShapeSpace space;        ///< As decode() needs it.
     Eigen::VectorXd mean;
     Eigen::VectorXd mean_dihedral_angles;
-    FloatRows modes;                          ///< K by D.
-    FloatRows mode_dihedral_angles;           ///< K by #E, or K by 0.
+    RowMatrix modes;                          ///< K by D.
+    RowMatrix mode_dihedral_angles;           ///< K by #E, or K by 0.
     AddedDirections directions;               ///< None in Procrustes space.
     double smoothness = 5e-3;                 ///< Angles weigh this much (dihedral_embedding.h).
-    std::vector<SinglePrecisionSolve> factor; ///< One; none in Procrustes space.
+    std::vector<SinglePrecisionSolve> factor; ///< One; none in Procrustes space, as the next.
+    LinearVertices linear;
 };
-
-/// @param modes  How many of the model's, from the first on; at most K.
-/// @throws InvalidInput if there are directions in Procrustes space, or of another size.
-/// Cost: that of a DihedralEmbedder.
-[[nodiscard]] ModelBlock make_block(const ShapeModel& model, int modes,
-                                    AddedDirections directions = {}, double smoothness = 5e-3);
 
 /// The layout is told in docs/formats.md.
 [[nodiscard]] std::vector<unsigned char> write_block(const ModelBlock& block);

@@ -7,20 +7,15 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/residual_field.h"
+#include "libshape/linalg/added_rows.h"
+#include "libshape/mesh/alignment.h"
 
 namespace shape::internal {
 namespace {
 
 using Eigen::VectorXd;
-
-/// to += sum of weights times rows.
-void add_rows(const FloatRows& rows, const VectorXd& weights, VectorXd& to)
-{
-    for (Eigen::Index k = 0; k < weights.size(); ++k)
-        if (weights[k] != 0.0)
-            to += weights[k] * rows.row(k).transpose().cast<double>();
-}
 
 void check_count(const char* name, const VectorXd& values, Eigen::Index most)
 {
@@ -32,12 +27,12 @@ void check_count(const char* name, const VectorXd& values, Eigen::Index most)
 
 std::vector<char> broken_faces(const Topology& topology, const VectorXd& lengths)
 {
-    std::vector<char> broken(static_cast<std::size_t>(topology.face_count()), 0);
+    std::vector<char> broken(to_size(topology.face_count()), 0);
     for (int f = 0; f < topology.face_count(); ++f) {
         const auto edges = topology.face_edges().row(f);
         const Eigen::Array3d sides(lengths[edges[0]], lengths[edges[1]], lengths[edges[2]]);
         const double longest = sides.maxCoeff();
-        broken[static_cast<std::size_t>(f)] = !(longest < sides.sum() - longest);
+        broken[to_size(f)] = !(longest < sides.sum() - longest);
     }
     return broken;
 }
@@ -49,6 +44,11 @@ ModelDecoder::ModelDecoder(ModelBlock block) : block_(std::move(block))
     if (std::holds_alternative<EdgeSpace>(block_.space)) {
         if (block_.factor.size() != 1)
             throw InvalidInput("decoder: a model of edge space needs its factor");
+        const Eigen::Index vertices = 3 * block_.topology.vertex_count();
+        if (block_.linear.mean.size() != vertices || block_.linear.modes.cols() != vertices ||
+            block_.linear.directions.rows() != block_.directions.edge_lengths.rows() ||
+            (block_.linear.directions.rows() > 0 && block_.linear.directions.cols() != vertices))
+            throw InvalidInput("decoder: the linear vertices do not fit the mesh");
         embedder_.emplace(block_.topology, std::vector<Points>{block_.reference_points},
                           std::move(block_.factor.front()));
     }
@@ -59,14 +59,14 @@ DecodedShape ModelDecoder::point(const VectorXd& scores, const VectorXd& amounts
 {
     check_count("scores", scores, block_.modes.rows());
     check_count("amounts", amounts, block_.directions.edge_lengths.rows());
-    VectorXd coordinates = block_.mean;
-    VectorXd companion = block_.mean_dihedral_angles;
-    add_rows(block_.modes, scores, coordinates);
-    add_rows(block_.mode_dihedral_angles, scores, companion);
-    DecodedShape shape = shape::decode(block_.space, coordinates, companion, size);
+    const auto& [lengths, angles] = block_.directions;
+    DecodedShape shape = shape::decode(
+        block_.space, with_rows_added(block_.mean, block_.modes, scores),
+        with_rows_added(block_.mean_dihedral_angles, block_.mode_dihedral_angles, scores), size);
     if (ShapePoint* const target = std::get_if<ShapePoint>(&shape)) {
-        add_rows(block_.directions.edge_lengths, amounts, target->edge_lengths);
-        add_rows(block_.directions.dihedral_angles, amounts, target->dihedral_angles);
+        target->edge_lengths = with_rows_added(std::move(target->edge_lengths), lengths, amounts);
+        target->dihedral_angles =
+            with_rows_added(std::move(target->dihedral_angles), angles, amounts);
     }
     return shape;
 }
@@ -85,23 +85,76 @@ DecodedModelPoint ModelDecoder::decode(const VectorXd& scores, const VectorXd& a
                                        DihedralEmbeddingOptions options) const
 {
     DecodedShape shape = point(scores, amounts, size);
-    const Topology& topology = block_.topology;
-    DecodedModelPoint result;
-    if (Points* const points = std::get_if<Points>(&shape)) {
-        result.embedding = as_embedding(topology, std::move(*points));
-        result.edge_error = result.dihedral_drift = Eigen::VectorXf::Zero(topology.vertex_count());
-        result.broken_faces.assign(static_cast<std::size_t>(topology.face_count()), 0);
-        return result;
-    }
+    if (Points* const points = std::get_if<Points>(&shape))
+        return linear(std::move(*points));
     const ShapePoint& target = std::get<ShapePoint>(shape);
     options.smoothness = block_.smoothness;
-    result.embedding =
-        embed_by_dihedrals(*embedder_, topology, block_.reference_points, target, options);
-    const ResidualField field = residual_field(topology, result.embedding.points, target);
-    result.edge_error = field.edge_error.cast<float>();
-    result.dihedral_drift = field.dihedral_drift.cast<float>();
-    result.broken_faces = broken_faces(topology, target.edge_lengths);
+    DecodedModelPoint result;
+    EdgeResiduals residuals;
+    result.embedding = embed_by_dihedrals(*embedder_, block_.topology, block_.reference_points,
+                                          target, options, &residuals);
+    add_fields(target, residuals, result);
     return result;
+}
+
+DecodedModelPoint ModelDecoder::draft(const VectorXd& scores, const VectorXd& amounts,
+                                      double size) const
+{
+    DecodedShape shape = point(scores, amounts, size);
+    if (Points* const points = std::get_if<Points>(&shape))
+        return linear(std::move(*points));
+    const ShapePoint& target = std::get<ShapePoint>(shape);
+    // Where a linear step costs as much as looking at all vertices, few of them; they do most.
+    const int linear_steps = block_.topology.vertex_count() > 50000 ? 3 : 9;
+    const DihedralEmbedding swept = embedder_->sweep(target, first_order(scores, amounts, size),
+                                                     linear_steps, block_.smoothness);
+    DecodedModelPoint result;
+    Points& points = result.embedding.points;
+    points = best_rigid_motion(swept.points, block_.reference_points)(swept.points);
+    points.rowwise() -= centroid(points);
+    const EdgeResiduals residuals = edge_residuals(block_.topology, points, target);
+    result.embedding.report = measure_embedding(block_.topology, points, target, residuals);
+    result.embedding.report.iterations = swept.iterations;
+    result.embedding.report.converged = swept.converged;
+    add_fields(target, residuals, result);
+    return result;
+}
+
+/// Of Procrustes space, where nothing is solved.
+DecodedModelPoint ModelDecoder::linear(Points points) const
+{
+    const Topology& topology = block_.topology;
+    DecodedModelPoint result;
+    result.embedding = as_embedding(topology, std::move(points));
+    result.edge_error = result.dihedral_drift = Eigen::VectorXf::Zero(topology.vertex_count());
+    result.broken_faces.assign(to_size(topology.face_count()), 0);
+    return result;
+}
+
+Points ModelDecoder::first_order(const VectorXd& scores, const VectorXd& amounts, double size) const
+{
+    const LinearVertices& known = block_.linear;
+    Points points = known.mean;
+    Eigen::Map<VectorXd> values(points.data(), points.size());
+    const auto add = [&](const FloatRows& rows, const VectorXd& weights) {
+        for (Eigen::Index k = 0; k < std::min(rows.rows(), weights.size()); ++k)
+            if (weights[k] != 0.0)
+                values += weights[k] * rows.row(k).transpose().cast<double>();
+    };
+    add(known.modes, scores);
+    if (scale_of(block_.space) == Scale::Unit)
+        points *= size / known.size;
+    add(known.directions, amounts);
+    return points;
+}
+
+void ModelDecoder::add_fields(const ShapePoint& target, const EdgeResiduals& residuals,
+                              DecodedModelPoint& to) const
+{
+    const ResidualField field = residual_field(block_.topology, residuals);
+    to.edge_error = field.edge_error.cast<float>();
+    to.dihedral_drift = field.dihedral_drift.cast<float>();
+    to.broken_faces = broken_faces(block_.topology, target.edge_lengths);
 }
 
 } // namespace shape::internal

@@ -36,6 +36,11 @@ public:
                                            const Eigen::VectorXd& amounts, double size,
                                            DihedralEmbeddingOptions options) const;
 
+    /// The same to begin with where vertices are to first order, swept once (DihedralEmbedder::sweep()); exact
+    /// in Procrustes space. The closure energy is left out. Costs a quarter of a preview.
+    [[nodiscard]] DecodedModelPoint draft(const Eigen::VectorXd& scores,
+                                          const Eigen::VectorXd& amounts, double size) const;
+
     /// Whether the wanted lengths keep every triangle inequality, strictly; always in Procrustes space.
     /// Arguments as above. Cost: that of the point; nothing is embedded.
     [[nodiscard]] bool is_feasible(const Eigen::VectorXd& scores, const Eigen::VectorXd& amounts,
@@ -46,6 +51,12 @@ public:
 private:
     [[nodiscard]] DecodedShape point(const Eigen::VectorXd& scores, const Eigen::VectorXd& amounts,
                                      double size) const;
+
+    [[nodiscard]] DecodedModelPoint linear(Points points) const;
+    [[nodiscard]] Points first_order(const Eigen::VectorXd& scores, const Eigen::VectorXd& amounts,
+                                     double size) const;
+    void add_fields(const ShapePoint& target, const EdgeResiduals& residuals,
+                    DecodedModelPoint& to) const;
 
     ModelBlock block_;
     std::optional<DihedralEmbedder> embedder_;

@@ -8,6 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file_parts.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -32,7 +33,7 @@ void write_collection(const std::filesystem::path& path, const Collection& colle
     const Topology& topology = collection.topology;
     const auto count = static_cast<Eigen::Index>(collection.size());
     const auto mesh = [&](Eigen::Index i) -> const Points& {
-        return collection.points[static_cast<std::size_t>(i)];
+        return collection.points[to_size(i)];
     };
     for_each_mesh(collection.size(), [&](Eigen::Index i) {
         if (!mesh(i).allFinite() || !(edge_lengths(topology, mesh(i)).minCoeff() > 0.0))
@@ -73,17 +74,16 @@ Collection read_collection(const std::filesystem::path& path)
         read_topology(file, vertex_count), read_names(file, count), {}, read_labels(file, count)};
     const Topology& topology = collection.topology;
     // One dataset at a time in memory beside the meshes.
-    collection.points.resize(static_cast<std::size_t>(count));
+    collection.points.resize(to_size(count));
     for_each_mesh(collection.size(), [&](Eigen::Index i) {
-        collection.points[static_cast<std::size_t>(i)] =
+        collection.points[to_size(i)] =
             Eigen::Map<const Points>(points.row(i).data(), vertex_count, 3);
     });
     points.resize(0, 0);
     {
         const RowMatrix lengths = file.numbers("/edge_lengths", {count, topology.edge_count()});
         for_each_mesh(collection.size(), [&](Eigen::Index i) {
-            const Eigen::VectorXd measured =
-                edge_lengths(topology, collection.points[static_cast<std::size_t>(i)]);
+            const Eigen::VectorXd measured = edge_lengths(topology, collection.points[to_size(i)]);
             for (Eigen::Index e = 0; e < measured.size(); ++e)
                 if (!(measured[e] > 0.0) ||
                     !(std::abs(lengths(i, e) - measured[e]) <= 1e-9 * measured[e]))
@@ -94,8 +94,7 @@ Collection read_collection(const std::filesystem::path& path)
     }
     const RowMatrix angles = file.numbers("/dihedral_angles", {count, topology.edge_count()});
     for_each_mesh(collection.size(), [&](Eigen::Index i) {
-        const Eigen::VectorXd measured =
-            dihedral_angles(topology, collection.points[static_cast<std::size_t>(i)]);
+        const Eigen::VectorXd measured = dihedral_angles(topology, collection.points[to_size(i)]);
         for (Eigen::Index e = 0; e < measured.size(); ++e)
             if (!(std::abs(wrapped_angle(angles(i, e) - measured[e])) <= 1e-6))
                 file.fail("/dihedral_angles",

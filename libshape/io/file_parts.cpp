@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
 #include "libshape/io/label_file.h"
 
@@ -78,10 +79,9 @@ std::int64_t checksum(const Faces& faces)
 void add_topology(Hdf5Content& content, const Topology& topology)
 {
     const auto add = [&](const char* name, const auto& matrix) {
-        content.datasets.push_back(
-            {name,
-             {matrix.rows(), matrix.cols()},
-             std::span<const int>(matrix.data(), static_cast<std::size_t>(matrix.size()))});
+        content.datasets.push_back({name,
+                                    {matrix.rows(), matrix.cols()},
+                                    std::span<const int>(matrix.data(), to_size(matrix.size()))});
     };
     add("/topology/faces", topology.faces());
     add("/topology/edges", topology.edges());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/io/hdf5/reader.h"
 #include "libshape/io/hdf5/writer.h"
@@ -55,9 +56,8 @@ void add_numbers(Hdf5Content& content, std::string name, Extents extents, const 
 {
     if (!values.allFinite())
         throw InvalidInput(name + ": a value is not finite");
-    content.datasets.push_back(
-        {std::move(name), std::move(extents),
-         std::span<const double>(values.data(), static_cast<std::size_t>(values.size()))});
+    content.datasets.push_back({std::move(name), std::move(extents),
+                                std::span<const double>(values.data(), to_size(values.size()))});
 }
 
 } // namespace shape::internal

@@ -12,6 +12,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_formats.h"
@@ -52,7 +53,7 @@ struct Asset
     {
         static_assert(sizeof(array(0)) == 4 && std::endian::native == std::endian::little,
                       "what is appended is aligned, and its bytes are those of the file");
-        const auto size = static_cast<std::size_t>(array.size()) * sizeof(array(0));
+        const auto size = to_size(array.size()) * sizeof(array(0));
         Json view{{"buffer", 0}, {"byteOffset", buffer.size()}, {"byteLength", size}};
         if (target != 0)
             view["target"] = target;
@@ -177,7 +178,7 @@ void animate(Asset& asset, const std::vector<Points>& frames, const Faces& faces
     Eigen::VectorXf times(count);
     Eigen::MatrixXf weights = Eigen::MatrixXf::Zero(count - 1, count); // a column a keyframe
     for (Eigen::Index k = 0; k < count; ++k) {
-        const std::size_t frame = keyframes[static_cast<std::size_t>(k)];
+        const std::size_t frame = keyframes[to_size(k)];
         times[k] = static_cast<float>(static_cast<double>(frame) / frames_per_second);
         if (k == 0)
             continue;

@@ -12,6 +12,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/table_file.h"
 
@@ -20,7 +21,7 @@ using namespace internal;
 namespace {
 
 /// Stands for a key that several meshes have.
-constexpr std::size_t ambiguous = static_cast<std::size_t>(-1);
+constexpr std::size_t ambiguous = to_size(-1);
 
 std::string lower_case(std::string_view text)
 {
@@ -63,8 +64,7 @@ std::string composed(std::string_view text)
                      static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
     const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(composed, &std::free);
     return length < 0 ? std::string(text)
-                      : std::string(reinterpret_cast<const char*>(composed),
-                                    static_cast<std::size_t>(length));
+                      : std::string(reinterpret_cast<const char*>(composed), to_size(length));
 }
 
 /// What names of one mesh have in common.

@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 
 namespace shape::internal {
@@ -51,8 +52,8 @@ void MeshBuilder::reserve(std::int64_t vertices, std::int64_t faces)
 {
     check_limit("vertices", vertices, vertex_limit);
     check_limit("faces", faces, face_limit);
-    coordinates_.reserve(static_cast<std::size_t>(3 * vertices));
-    corners_.reserve(static_cast<std::size_t>(3 * faces));
+    coordinates_.reserve(to_size(3 * vertices));
+    corners_.reserve(to_size(3 * faces));
 }
 
 void MeshBuilder::add_vertex(double x, double y, double z)

@@ -9,8 +9,9 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file_parts.h"
-#include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/dihedral_angles.h"
 
 namespace shape {
 using namespace internal;
@@ -184,17 +185,57 @@ Points read_reference_points(const Hdf5File& file)
     return file.numbers("/reference_points", {any_length, 3});
 }
 
-/// The reference is the first mesh.
-void check_first_size(const Hdf5File& file, const ShapeModel& model)
+/// Scores along a mode have mean 0 and its variance.
+void check_scores(const Hdf5File& file, const ShapeModel& model)
 {
-    if (!std::holds_alternative<EdgeSpace>(model.space))
-        return;
-    const double size = edge_lengths(model.topology, model.reference_points).sum();
-    if (!(std::abs(model.sizes[0] - size) <= 1e-9 * size))
-        file.fail("/sizes", join("value 0 is ", model.sizes[0],
-                                 ", the edges of /reference_points sum "
-                                 "to ",
-                                 size));
+    const auto count = static_cast<double>(model.scores.rows());
+    const double unit = std::sqrt(model.variances.size() > 0 ? model.variances[0] : 0.0);
+    for (Eigen::Index k = 0; k < model.scores.cols(); ++k) {
+        const double mean = model.scores.col(k).mean();
+        if (!(std::abs(mean) <= 1e-6 * unit))
+            file.fail("/scores", join("column ", k, " has the mean ", mean, ", must have 0"));
+        const double deviation =
+            std::sqrt(model.scores.col(k).squaredNorm() / std::max(count - 1.0, 1.0));
+        if (!(std::abs(deviation - std::sqrt(model.variances[k])) <= 1e-6 * unit))
+            file.fail("/scores", join("column ", k, " has the standard deviation ", deviation,
+                                      ", /variances give ", std::sqrt(model.variances[k])));
+    }
+}
+
+/// The angles of a mesh that lies in the span of the modes are those of the model there, up to whole
+/// turns.
+void check_first_angles(const Hdf5File& file, const ShapeModel& model)
+{
+    const Eigen::VectorXd made =
+        model.mean_dihedral_angles +
+        model.mode_dihedral_angles.transpose() * model.scores.row(0).transpose();
+    const Eigen::VectorXd angles = dihedral_angles(model.topology, model.reference_points);
+    Eigen::Index edge = 0;
+    const double gap = (made - angles).unaryExpr(&wrapped_angle).cwiseAbs().maxCoeff(&edge);
+    if (!(gap <= 1e-4))
+        file.fail("/modes/dihedral_angles",
+                  join("with /mean/dihedral_angles and /scores they give ", made[edge], " at edge ",
+                       edge, " of the first mesh, /reference_points give ", angles[edge]));
+}
+
+/// The reference is the first mesh: its size and scores follow from mean and modes, and where the
+/// modes span it, its angles too.
+void check_first_mesh(const Hdf5File& file, const ShapeModel& model)
+{
+    const Projection first =
+        project(model, Collection{model.topology, {"first"}, {model.reference_points}, {}});
+    if (!(std::abs(model.sizes[0] - first.sizes[0]) <= 1e-9 * first.sizes[0]))
+        file.fail("/sizes",
+                  join("value 0 is ", model.sizes[0], ", /reference_points give ", first.sizes[0]));
+    const double unit = std::sqrt(model.variances[0]);
+    Eigen::Index mode = 0;
+    const double gap = (model.scores.row(0) - first.scores.row(0)).cwiseAbs().maxCoeff(&mode);
+    if (!(gap <= 1e-6 * unit))
+        file.fail("/scores",
+                  join("value (0, ", mode, ") is ", model.scores(0, mode),
+                       ", mean, modes and /reference_points give ", first.scores(0, mode)));
+    if (has_companions(model.space) && first.residuals[0] <= 1e-8 * unit)
+        check_first_angles(file, model);
 }
 
 double read_number(const Hdf5File& file, const std::string& name)
@@ -276,7 +317,8 @@ ShapeModel read_model(const std::filesystem::path& path)
                               model.mean_dihedral_angles.transpose());
         check_boundary_angles(file, "/modes/dihedral_angles", topology, model.mode_dihedral_angles);
     }
-    check_first_size(file, model);
+    check_scores(file, model);
+    check_first_mesh(file, model);
     return model;
 }
 
@@ -302,8 +344,9 @@ void write_difference(const std::filesystem::path& path, const DifferenceVector&
     add_numbers(content, "/difference/dihedral_angles", {edges}, difference.dihedral_angles);
     add_numbers(content, "/from_size", {}, from_size);
     add_numbers(content, "/to_size", {}, to_size);
-    add_strings(content, "/pairs", static_cast<Eigen::Index>(difference.pairs.size()),
-                difference.pairs);
+    if (!difference.pairs.empty())
+        add_strings(content, "/pairs", static_cast<Eigen::Index>(difference.pairs.size()),
+                    difference.pairs);
     write_hdf5(path, content);
 }
 
@@ -324,7 +367,8 @@ DifferenceVector read_difference(const std::filesystem::path& path)
         .dihedral_angles = file.numbers("/difference/dihedral_angles", {edges}),
         .from_size = read_number(file, "/from_size"),
         .to_size = read_number(file, "/to_size"),
-        .pairs = file.strings("/pairs", any_length),
+        .pairs =
+            file.has("/pairs") ? file.strings("/pairs", any_length) : std::vector<std::string>(),
     };
     check_difference(difference, file.path());
     check_boundary_angles(file, "/mean/dihedral_angles", topology,

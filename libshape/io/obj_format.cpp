@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
@@ -138,7 +139,7 @@ NamedMesh parse_obj(std::string_view content, const std::filesystem::path& path,
 std::string print_obj(const Points& points, const Faces& faces)
 {
     std::string text;
-    text.reserve(static_cast<std::size_t>(points.rows() * 64 + faces.rows() * 24));
+    text.reserve(to_size(points.rows() * 64 + faces.rows() * 24));
     for (const auto& row : points.rowwise())
         append_line(text, "v", row);
     for (const auto& row : faces.rowwise())

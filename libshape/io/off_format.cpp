@@ -4,6 +4,7 @@
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
@@ -51,7 +52,7 @@ Variant parse_variant(const LineReader& reader, std::string_view word)
     take("ST", 2, 2);
     take("C", 3, 4); // with or without alpha
     take("N", 3, 3);
-    if (rest.starts_with("4") || rest.starts_with("n"))
+    if (rest.starts_with("4OFF") || rest.starts_with("4nOFF") || rest.starts_with("nOFF"))
         reader.fail(join("starts with ", in_quotes(word),
                          ": points of other dimensions; export OFF with three coordinates"));
     if (!rest.starts_with("OFF"))
@@ -153,7 +154,7 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
 std::string print_off(const Points& points, const Faces& faces)
 {
     std::string text = join("OFF\n", points.rows(), " ", faces.rows(), " 0\n");
-    text.reserve(static_cast<std::size_t>(points.rows() * 64 + faces.rows() * 24));
+    text.reserve(to_size(points.rows() * 64 + faces.rows() * 24));
     for (const auto& row : points.rowwise())
         append_line(text, "", row);
     for (const auto& row : faces.rowwise())

@@ -12,6 +12,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/file/output_file.h"
@@ -337,7 +338,7 @@ public:
     {
         if (count > remaining() / size_of(type))
             fail("the file ends within an element");
-        offset_ += static_cast<std::size_t>(count * size_of(type));
+        offset_ += to_size(count * size_of(type));
     }
     void end() {}
     void finish() const
@@ -421,8 +422,7 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScala
                 if (count < 0)
                     body.fail(join("a list has ", count, " entries"));
                 if (property.coordinate >= 0) {
-                    point[static_cast<std::size_t>(property.coordinate)] =
-                        body.number(property.type);
+                    point[to_size(property.coordinate)] = body.number(property.type);
                 } else if (scalar != nullptr && scalar->is(element, property)) {
                     value = body.number(property.type);
                     if (!std::isfinite(*value))
@@ -432,7 +432,7 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScala
                     if (count > MeshBuilder::corner_limit)
                         body.fail(join("a face has ", count, " corners; the limit is ",
                                        MeshBuilder::corner_limit));
-                    corners.resize(static_cast<std::size_t>(count));
+                    corners.resize(to_size(count));
                     for (std::int64_t& corner : corners)
                         corner = body.integer(property.type);
                 } else {
@@ -445,9 +445,7 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScala
                 mesh.add_polygon(corners);
             if (value)
                 scalar->values.resize(
-                    static_cast<std::size_t>(element.is_vertex() ? mesh.vertex_count()
-                                                                 : mesh.face_count()),
-                    *value);
+                    to_size(element.is_vertex() ? mesh.vertex_count() : mesh.face_count()), *value);
             body.end();
         }
     body.finish();
@@ -484,8 +482,7 @@ std::string print(const Points& points, const Faces& faces,
         text.append(static_cast<const char*>(bytes), size);
     };
     const auto vertex_size = static_cast<Eigen::Index>(sizeof(double) * (3 + scalars.size()));
-    text.reserve(text.size() +
-                 static_cast<std::size_t>(points.rows() * vertex_size + faces.rows() * 13));
+    text.reserve(text.size() + to_size(points.rows() * vertex_size + faces.rows() * 13));
     for (Eigen::Index v = 0; v < points.rows(); ++v) {
         append_bytes(points.data() + 3 * v, 3 * sizeof(double));
         for (const VertexScalar& scalar : scalars)

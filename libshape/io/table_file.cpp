@@ -9,6 +9,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/file/output_file.h"
@@ -91,7 +92,7 @@ private:
                 break;
             cell += '"';
         }
-        next_line_ += static_cast<std::size_t>(std::count(cell.begin(), cell.end(), '\n'));
+        next_line_ += to_size(std::count(cell.begin(), cell.end(), '\n'));
         return cell;
     }
 

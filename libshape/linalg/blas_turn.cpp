@@ -4,21 +4,15 @@
 
 #include <cblas.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 
 #include <array>
 #include <cstddef>
 #include <new>
 
+#include "libshape/base/memory_limit.h"
+
 namespace shape::internal {
 namespace {
-
-bool is_limited(int resource)
-{
-    rlimit limit{};
-    return getrlimit(static_cast<__rlimit_resource>(resource), &limit) == 0 &&
-           limit.rlim_cur != RLIM_INFINITY;
-}
 
 /// Whether the system would give this much now.
 bool has_room(std::size_t size)
@@ -45,7 +39,7 @@ void make_buffer()
 
 BlasTurn::BlasTurn()
 {
-    if (!is_limited(RLIMIT_AS) && !is_limited(RLIMIT_DATA))
+    if (!is_memory_limited())
         return;
     static std::mutex mutex;
     static bool has_buffer = false;

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape::internal {
@@ -48,10 +49,10 @@ EightLaneSolve::EightLaneSolve(const SparseMatrix& matrix)
     if (cholesky.info() != Eigen::Success)
         throw NumericalError(join("Cholesky factorisation of a matrix of size ", matrix.rows(),
                                   ": it is not positive definite"));
-    const auto size = static_cast<std::size_t>(matrix.rows());
+    const auto size = to_size(matrix.rows());
     order_.resize(size);
     for (std::size_t i = 0; i < size; ++i)
-        order_[static_cast<std::size_t>(cholesky.permutationP().indices()[static_cast<int>(i)])] =
+        order_[to_size(cholesky.permutationP().indices()[static_cast<int>(i)])] =
             static_cast<int>(i);
     const SparseMatrix factor = cholesky.matrixL();
     for (int j = 0; j < matrix.cols(); ++j) {
@@ -61,7 +62,7 @@ EightLaneSolve::EightLaneSolve(const SparseMatrix& matrix)
             if (entry.row() == j) {
                 inverse_pivots_.push_back(1.0F / value);
             } else {
-                rows_.push_back(order_[static_cast<std::size_t>(entry.row())]);
+                rows_.push_back(order_[to_size(entry.row())]);
                 values_.push_back(value);
             }
         }

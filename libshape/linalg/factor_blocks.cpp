@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "libshape/base/bits.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape::internal {
@@ -253,7 +254,7 @@ Bfloat16 upper_half(double value)
 void round_to_halves(MatrixXd& matrix)
 {
     const Eigen::VectorXd sizes = matrix.rowwise().squaredNorm();
-    std::vector<Index> order(static_cast<std::size_t>(matrix.rows()));
+    std::vector<Index> order(to_size(matrix.rows()));
     std::iota(order.begin(), order.end(), Index{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](Index a, Index b) { return sizes[a] > sizes[b]; });

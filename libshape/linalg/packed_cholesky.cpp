@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -23,11 +24,6 @@ namespace {
 // cost more than the solve. solve() works on four right-hand sides, a point and 1, in one
 // register of AVX (Eigen::Vector4d).
 
-std::size_t at(int i)
-{
-    return static_cast<std::size_t>(i);
-}
-
 /// The entries of a lower triangle, row by row.
 struct Rows
 {
@@ -36,15 +32,15 @@ struct Rows
     std::vector<double> values;
 
     Rows(int size, std::span<const SymmetricEntry> entries)
-        : begins(at(size) + 1, 0), columns(entries.size()), values(entries.size())
+        : begins(to_size(size) + 1, 0), columns(entries.size()), values(entries.size())
     {
         for (const SymmetricEntry& entry : entries)
-            ++begins[at(entry.row) + 1];
+            ++begins[to_size(entry.row) + 1];
         for (std::size_t i = 1; i < begins.size(); ++i)
             begins[i] += begins[i - 1];
         std::vector<int> cursor(begins.begin(), begins.end() - 1);
         for (const SymmetricEntry& entry : entries) {
-            const std::size_t place = at(cursor[at(entry.row)]++);
+            const std::size_t place = to_size(cursor[to_size(entry.row)]++);
             columns[place] = entry.column;
             values[place] = entry.value;
         }
@@ -62,15 +58,15 @@ std::size_t PackedCholesky::add(const Eigen::VectorXd& diagonal,
 
     // Row k of L has entries at all nodes of the elimination tree that lie between a column of
     // row k of A and k. One walk finds the tree and the length of every column.
-    std::vector<int> parent(at(size), -1), visited(at(size), -1), ends(at(size), 0);
+    std::vector<int> parent(to_size(size), -1), visited(to_size(size), -1), ends(to_size(size), 0);
     for (int k = 0; k < size; ++k) {
-        visited[at(k)] = k;
-        for (int p = a.begins[at(k)]; p < a.begins[at(k) + 1]; ++p)
-            for (int i = a.columns[at(p)]; visited[at(i)] != k; i = parent[at(i)]) {
-                if (parent[at(i)] < 0)
-                    parent[at(i)] = k;
-                ++ends[at(i)];
-                visited[at(i)] = k;
+        visited[to_size(k)] = k;
+        for (int p = a.begins[to_size(k)]; p < a.begins[to_size(k) + 1]; ++p)
+            for (int i = a.columns[to_size(p)]; visited[to_size(i)] != k; i = parent[to_size(i)]) {
+                if (parent[to_size(i)] < 0)
+                    parent[to_size(i)] = k;
+                ++ends[to_size(i)];
+                visited[to_size(i)] = k;
             }
     }
     int total = 0;
@@ -79,38 +75,38 @@ std::size_t PackedCholesky::add(const Eigen::VectorXd& diagonal,
         end = total; // the column's begin: filled one by one below, it becomes its end
         total += count;
     }
-    rows_.resize(factor.entries + at(total));
+    rows_.resize(factor.entries + to_size(total));
     values_.resize(rows_.size());
-    inverse_pivots_.resize(factor.columns + at(size));
+    inverse_pivots_.resize(factor.columns + to_size(size));
     int* rows = rows_.data() + factor.entries;
     double* values = values_.data() + factor.entries;
     double* inverse_pivots = inverse_pivots_.data() + factor.columns;
 
     // Each row in turn is the solution of a triangular system with the rows before it.
     const std::vector<int> begins = ends;
-    std::vector<double> row(at(size), 0.0);
-    std::vector<int> pattern(at(size)), path(at(size));
+    std::vector<double> row(to_size(size), 0.0);
+    std::vector<int> pattern(to_size(size)), path(to_size(size));
     std::fill(visited.begin(), visited.end(), -1);
     for (int k = 0; k < size; ++k) {
-        visited[at(k)] = k;
+        visited[to_size(k)] = k;
         int top = size; // the pattern in topological order is [top, size)
-        for (int p = a.begins[at(k)]; p < a.begins[at(k) + 1]; ++p) {
-            row[at(a.columns[at(p)])] = a.values[at(p)];
+        for (int p = a.begins[to_size(k)]; p < a.begins[to_size(k) + 1]; ++p) {
+            row[to_size(a.columns[to_size(p)])] = a.values[to_size(p)];
             int length = 0;
-            for (int i = a.columns[at(p)]; visited[at(i)] != k; i = parent[at(i)]) {
-                path[at(length++)] = i;
-                visited[at(i)] = k;
+            for (int i = a.columns[to_size(p)]; visited[to_size(i)] != k; i = parent[to_size(i)]) {
+                path[to_size(length++)] = i;
+                visited[to_size(i)] = k;
             }
             while (length > 0)
-                pattern[at(--top)] = path[at(--length)];
+                pattern[to_size(--top)] = path[to_size(--length)];
         }
         double pivot = diagonal[k];
         for (; top < size; ++top) {
-            const std::size_t i = at(pattern[at(top)]);
+            const std::size_t i = to_size(pattern[to_size(top)]);
             const double value = row[i];
             row[i] = 0.0;
             for (int q = begins[i]; q < ends[i]; ++q)
-                row[at(rows[q])] -= values[q] * value;
+                row[to_size(rows[q])] -= values[q] * value;
             const double scaled = value * inverse_pivots[i];
             pivot -= scaled * value;
             rows[ends[i]] = k;

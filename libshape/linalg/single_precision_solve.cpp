@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -34,11 +35,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-std::size_t index(int i)
-{
-    return static_cast<std::size_t>(i);
-}
-
 /// Parts of the elimination tree, the lower tiers first: each a subtree less the parts below.
 struct Cut
 {
@@ -60,7 +56,7 @@ Cut cut(const SupernodalFactor& f)
                   supernode_of.begin() + f.first_columns[s + 1], s);
     for (std::size_t s = 0; s < count; ++s) {
         const int next = f.first_rows[s] + f.first_columns[s + 1] - f.first_columns[s];
-        above[s] = next == f.first_rows[s + 1] ? s : supernode_of[index(f.rows[index(next)])];
+        above[s] = next == f.first_rows[s + 1] ? s : supernode_of[to_size(f.rows[to_size(next)])];
         entries[s] += f.first_values[s + 1] - f.first_values[s];
         if (above[s] != s)
             entries[above[s]] += entries[s];
@@ -85,7 +81,7 @@ Cut cut(const SupernodalFactor& f)
     Cut cut;
     std::vector<std::size_t> part(count);
     std::vector<std::size_t> tops; // of the parts
-    for (const std::size_t t : {0, 1}) {
+    for (std::size_t t = 0; t < 2; ++t) {
         for (std::size_t s = 0; s < count; ++s)
             if (tier(s) == t && (above[s] == s || tier(above[s]) != t)) {
                 part[s] = tops.size();
@@ -116,7 +112,7 @@ SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
     // Entries of inverses of about 1, by a power of two: the same bits in any unit that is one.
     scale_ = std::ldexp(1.0F, -2 * std::ilogb(f.values[0]));
     const Cut parts = cut(f);
-    const auto part_of = [&](int column) { return parts.part_of_column[index(column)]; };
+    const auto part_of = [&](int column) { return parts.part_of_column[to_size(column)]; };
     tiers_ = parts.tiers;
     parts_.resize(tiers_.back());
 
@@ -131,8 +127,8 @@ SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
         for (int c = f.first_columns[s]; c < f.first_columns[s + 1]; ++c)
             columns[p].push_back(c);
         for (int k = f.first_rows[s]; k < f.first_rows[s + 1]; ++k)
-            if (part_of(f.rows[index(k)]) != p)
-                reached[p].push_back(f.rows[index(k)]);
+            if (part_of(f.rows[to_size(k)]) != p)
+                reached[p].push_back(f.rows[to_size(k)]);
     }
     const auto number = [&](std::size_t p, int column) {
         const auto place = [&](const std::vector<int>& sorted) {
@@ -146,8 +142,8 @@ SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
         std::sort(reached[p].begin(), reached[p].end());
         reached[p].erase(std::unique(reached[p].begin(), reached[p].end()), reached[p].end());
     }
-    values_.reserve(index(f.first_values.back()));
-    halves_.reserve(index(f.first_values.back()));
+    values_.reserve(to_size(f.first_values.back()));
+    halves_.reserve(to_size(f.first_values.back()));
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         Part& part = parts_[p];
         part.parent = parts.parent[p];
@@ -159,7 +155,7 @@ SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
         part.place = places_;
         places_ += part.columns + part.reached;
         for (const int c : columns[p])
-            permutation_.push_back(f.permutation[index(c)]);
+            permutation_.push_back(f.permutation[to_size(c)]);
         part.above = reached_rows_.size();
         for (const int row : reached[p])
             reached_rows_.push_back(number(part.parent, row));
@@ -175,8 +171,11 @@ SinglePrecisionSolve::SinglePrecisionSolve(const SparseCholesky& cholesky)
 }
 
 SinglePrecisionSolve::SinglePrecisionSolve(ByteReader& from)
-    : permutation_(from.array<int>()), blocks_(from.array<FactorBlock>()), rows_(from.array<int>()),
-      reached_rows_(from.array<int>()), values_(from.array<float>()),
+    : permutation_(from.array<int>()),
+      blocks_(from.array<FactorBlock>()),
+      rows_(from.array<int>()),
+      reached_rows_(from.array<int>()),
+      values_(from.array<float>()),
       halves_(from.array<Bfloat16>())
 {
     for (std::size_t& end : tiers_)
@@ -228,7 +227,7 @@ void SinglePrecisionSolve::check() const
     require(!parts_.empty() && tiers_[0] <= tiers_[1] && tiers_[1] <= tiers_[2] &&
             tiers_[2] == parts_.size() && halves_.size() == values_.size());
     for (const int row : permutation_)
-        require(row >= 0 && index(row) < size);
+        require(row >= 0 && to_size(row) < size);
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         const Part& part = parts_[p];
         const Part& above = parts_[part.parent];
@@ -240,19 +239,21 @@ void SinglePrecisionSolve::check() const
                 part.first_value <= part.end_value && part.end_value <= values_.size());
         for (std::size_t i = part.above; i < part.above + part.reached; ++i)
             require(reached_rows_[i] >= 0 &&
-                    index(reached_rows_[i]) < above.columns + above.reached);
+                    to_size(reached_rows_[i]) < above.columns + above.reached);
         for (std::size_t i = part.first_row; i < part.end_row; ++i)
-            require(rows_[i] >= 0 && index(rows_[i]) < vectors);
+            require(rows_[i] >= 0 && to_size(rows_[i]) < vectors);
         std::size_t rows = 0;
         std::size_t values = 0;
         for (std::size_t b = part.first_block; b < part.end_block; ++b) {
             const FactorBlock& block = blocks_[b];
             require(block.columns > 0 && block.columns <= widest_block && block.rows >= 0 &&
-                    block.first_column >= 0 && index(block.first_column + block.columns) <= vectors);
-            rows += index(block.rows);
-            values += index(stored_triangle(block.columns) + block.columns * block.rows);
+                    block.first_column >= 0 &&
+                    to_size(block.first_column + block.columns) <= vectors);
+            rows += to_size(block.rows);
+            values += to_size(stored_triangle(block.columns) + block.columns * block.rows);
         }
-        require(rows == part.end_row - part.first_row && values == part.end_value - part.first_value);
+        require(rows == part.end_row - part.first_row &&
+                values == part.end_value - part.first_value);
     }
 }
 
@@ -365,9 +366,9 @@ double SinglePrecisionSolve::solve(const Entry* values, const LaneVectors& rhs,
         parallel_for(tiers_[t] - first, 1,
                      [&](std::size_t begin, std::size_t) { body(first + begin); });
     };
-    for (const std::size_t t : {0, 1, 2})
+    for (std::size_t t = 0; t < 3; ++t)
         for_tier(t, [&](std::size_t p) { forward(parts_[p], values, b, work); });
-    for (const std::size_t t : {2, 1, 0})
+    for (std::size_t t = 3; t-- > 0;)
         for_tier(t, [&](std::size_t p) { sums[p] = backward(parts_[p], values, b, work, x); });
     return std::accumulate(sums.begin(), sums.end(), 0.0);
 }

@@ -6,10 +6,13 @@
 #include <cholmod.h>
 
 #include <new>
+#include <optional>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/linalg/blas_turn.h"
+#include "libshape/linalg/simplicial_cholesky.h"
 
 extern "C" void openblas_set_num_threads(
     int);                                   // cblas.h of OpenBLAS declares it, that of others not
@@ -23,9 +26,9 @@ namespace {
 cholmod_dense dense_view(const Eigen::MatrixXd& matrix)
 {
     cholmod_dense view{};
-    view.nrow = static_cast<std::size_t>(matrix.rows());
-    view.ncol = static_cast<std::size_t>(matrix.cols());
-    view.nzmax = static_cast<std::size_t>(matrix.size());
+    view.nrow = to_size(matrix.rows());
+    view.ncol = to_size(matrix.cols());
+    view.nzmax = to_size(matrix.size());
     view.d = view.nrow;
     view.x = const_cast<double*>(matrix.data());
     view.xtype = CHOLMOD_REAL;
@@ -74,6 +77,7 @@ struct SparseCholesky::Factor
 {
     cholmod_common common{};
     cholmod_factor* factor = nullptr;
+    std::optional<SimplicialCholesky> simplicial; // in its place, of a small matrix
     Eigen::Index size = 0;
     Eigen::Index entries = 0;
 
@@ -97,9 +101,9 @@ struct SparseCholesky::Factor
     static cholmod_sparse view(const SparseMatrix& matrix)
     {
         cholmod_sparse view{};
-        view.nrow = static_cast<std::size_t>(matrix.rows());
-        view.ncol = static_cast<std::size_t>(matrix.cols());
-        view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
+        view.nrow = to_size(matrix.rows());
+        view.ncol = to_size(matrix.cols());
+        view.nzmax = to_size(matrix.nonZeros());
         view.p = const_cast<int*>(matrix.outerIndexPtr());
         view.i = const_cast<int*>(matrix.innerIndexPtr());
         view.x = const_cast<double*>(matrix.valuePtr());
@@ -141,8 +145,10 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, Ordering ordering)
     f.common.nmethods = 1;
     f.common.method[0].ordering = ordering == Ordering::MinimumDegree ? CHOLMOD_AMD : CHOLMOD_METIS;
     constexpr Eigen::Index small = 3000; // waking CHOLMOD's threads would cost more than the work
-    if (ordering == Ordering::MinimumDegree && f.size < small)
-        f.common.supernodal = CHOLMOD_SIMPLICIAL;
+    if (ordering == Ordering::MinimumDegree && f.size < small) {
+        f.simplicial.emplace(matrix);
+        return;
+    }
     cholmod_sparse a = Factor::view(matrix);
     f.factor = cholmod_analyze(&a, &f.common);
     check(f.common, "sparse Cholesky analysis");
@@ -160,7 +166,10 @@ void SparseCholesky::refactor(const SparseMatrix& matrix)
         throw InvalidInput(join("refactor: the matrix has ", matrix.rows(), " rows and ",
                                 matrix.nonZeros(), " entries, the pattern has ", factor_->size,
                                 " and ", factor_->entries));
-    factor_->factorise(matrix);
+    if (factor_->simplicial)
+        factor_->simplicial->refactor(matrix);
+    else
+        factor_->factorise(matrix);
 }
 
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& rhs) const
@@ -169,6 +178,8 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& rhs) const
     if (rhs.rows() != f.size)
         throw InvalidInput(
             join("solve: the right-hand side has ", rhs.rows(), " rows, the matrix ", f.size));
+    if (f.simplicial)
+        return f.simplicial->solve(rhs);
     if (f.factor->minor < f.factor->n)
         throw NumericalError("solve: the last factorisation failed");
     Eigen::MatrixXd solution(rhs.rows(), rhs.cols());
@@ -192,9 +203,9 @@ Eigen::Index SparseCholesky::size() const
 
 SupernodalFactor SparseCholesky::factor() const
 {
-    const cholmod_factor& f = *factor_->factor;
-    if (!f.is_super)
+    if (factor_->simplicial)
         throw InvalidInput("the factor of a small matrix in MinimumDegree has no supernodes");
+    const cholmod_factor& f = *factor_->factor;
     const auto view = [](const void* data, std::size_t count) {
         return std::span(static_cast<const int*>(data), count);
     };
@@ -208,7 +219,8 @@ SupernodalFactor SparseCholesky::factor() const
 
 std::size_t SparseCholesky::nonzeros() const
 {
-    return static_cast<std::size_t>(factor_->common.lnz);
+    return factor_->simplicial ? factor_->simplicial->nonzeros()
+                               : static_cast<std::size_t>(factor_->common.lnz);
 }
 
 } // namespace shape::internal

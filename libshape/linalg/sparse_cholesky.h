@@ -33,7 +33,8 @@ struct SupernodalFactor
     const double* values = nullptr;
 };
 
-/// Kept factorisation A = L L^T of a symmetric positive definite matrix (supernodal, CHOLMOD).
+/// Kept factorisation A = L L^T of a symmetric positive definite matrix (supernodal, CHOLMOD; small ones
+/// in MinimumDegree by SimplicialCholesky).
 ///
 /// The pattern is analysed once; refactor() takes other values on the same pattern. Same bits for
 /// any thread count: BLAS runs in one thread.

@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/partition.h"
 
 namespace shape {
@@ -41,9 +42,7 @@ std::vector<VertexGroup> groups_among(const VertexGroup& vertices, const Points&
     for (const int v : vertices)
         order.emplace_back(points.row(v) * direction, static_cast<int>(order.size()));
     std::sort(order.begin(), order.end());
-    const auto point = [&](int entry) {
-        return points.row(vertices[static_cast<std::size_t>(entry)]);
-    };
+    const auto point = [&](int entry) { return points.row(vertices[to_size(entry)]); };
     Partition partition(vertices.size());
     for (std::size_t i = 0; i < order.size(); ++i)
         for (std::size_t j = i + 1;
@@ -54,8 +53,7 @@ std::vector<VertexGroup> groups_among(const VertexGroup& vertices, const Points&
             }
     std::vector<VertexGroup> groups(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i)
-        groups[static_cast<std::size_t>(partition.root(static_cast<int>(i)))].push_back(
-            vertices[i]);
+        groups[to_size(partition.root(static_cast<int>(i)))].push_back(vertices[i]);
     std::erase_if(groups, [](const VertexGroup& group) { return group.size() < 2; });
     return groups;
 }
@@ -83,10 +81,9 @@ VertexChoice renamed(const Faces& faces, const std::vector<int>& target,
     choice.faces.resize(count, 3);
     Eigen::Index next = 0;
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
-        if (kept_faces[static_cast<std::size_t>(f)])
-            choice.faces.row(next++) = faces.row(f).unaryExpr([&](int v) {
-                return number[static_cast<std::size_t>(target[static_cast<std::size_t>(v)])];
-            });
+        if (kept_faces[to_size(f)])
+            choice.faces.row(next++) =
+                faces.row(f).unaryExpr([&](int v) { return number[to_size(target[to_size(v)])]; });
     return choice;
 }
 
@@ -96,7 +93,7 @@ std::vector<VertexGroup> coincident_vertices(std::span<const Points> meshes)
 {
     check(meshes);
     std::vector<VertexGroup> groups(1);
-    groups.front().resize(static_cast<std::size_t>(meshes.front().rows()));
+    groups.front().resize(to_size(meshes.front().rows()));
     std::iota(groups.front().begin(), groups.front().end(), 0);
     for (const Points& points : meshes) {
         const double tolerance = tolerance_of(points);
@@ -128,19 +125,19 @@ VertexChoice weld(const Faces& faces, int vertex_count, const std::vector<Vertex
 {
     for (const int v : faces.reshaped())
         check_index(v, vertex_count, "faces");
-    std::vector<int> target(static_cast<std::size_t>(vertex_count));
+    std::vector<int> target(to_size(vertex_count));
     std::iota(target.begin(), target.end(), 0);
     std::vector<bool> kept_vertices(target.size(), true);
     for (const VertexGroup& group : groups)
         for (const int v : group) {
             check_index(v, vertex_count, "groups");
-            target[static_cast<std::size_t>(v)] = group.front();
-            kept_vertices[static_cast<std::size_t>(v)] = v == group.front();
+            target[to_size(v)] = group.front();
+            kept_vertices[to_size(v)] = v == group.front();
         }
-    std::vector<bool> kept_faces(static_cast<std::size_t>(faces.rows()));
+    std::vector<bool> kept_faces(to_size(faces.rows()));
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        const auto corner = [&](int c) { return target[static_cast<std::size_t>(faces(f, c))]; };
-        kept_faces[static_cast<std::size_t>(f)] =
+        const auto corner = [&](int c) { return target[to_size(faces(f, c))]; };
+        kept_faces[to_size(f)] =
             corner(0) != corner(1) && corner(1) != corner(2) && corner(2) != corner(0);
     }
     return renamed(faces, target, kept_vertices, kept_faces);
@@ -151,14 +148,14 @@ VertexChoice keep_faces(const Faces& faces, int vertex_count, const std::vector<
     if (std::ssize(kept) != faces.rows())
         throw InvalidInput(join("kept has ", kept.size(), " entries, must have one for each of ",
                                 faces.rows(), " faces"));
-    std::vector<int> target(static_cast<std::size_t>(vertex_count));
+    std::vector<int> target(to_size(vertex_count));
     std::iota(target.begin(), target.end(), 0);
     std::vector<bool> kept_vertices(target.size(), false);
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
-        if (kept[static_cast<std::size_t>(f)])
+        if (kept[to_size(f)])
             for (const int v : faces.row(f)) {
                 check_index(v, vertex_count, "faces");
-                kept_vertices[static_cast<std::size_t>(v)] = true;
+                kept_vertices[to_size(v)] = true;
             }
     return renamed(faces, target, kept_vertices, kept);
 }

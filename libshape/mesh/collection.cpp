@@ -9,6 +9,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/handedness.h"
@@ -43,10 +44,10 @@ std::multiset<Triple> face_set(const Faces& faces)
 
 std::vector<int> sorted_degrees(const Faces& faces, Eigen::Index vertex_count)
 {
-    std::vector<int> degree(static_cast<std::size_t>(vertex_count), 0);
+    std::vector<int> degree(to_size(vertex_count), 0);
     for (const int v : faces.reshaped())
         if (v >= 0 && v < vertex_count)
-            ++degree[static_cast<std::size_t>(v)];
+            ++degree[to_size(v)];
     std::sort(degree.begin(), degree.end());
     return degree;
 }

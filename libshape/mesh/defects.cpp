@@ -9,6 +9,7 @@
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/partition.h"
 
 namespace shape {
@@ -47,7 +48,7 @@ struct Side
 std::vector<Side> sorted_sides(const Faces& faces)
 {
     std::vector<Side> sides;
-    sides.reserve(static_cast<std::size_t>(3 * faces.rows()));
+    sides.reserve(to_size(3 * faces.rows()));
     for (int f = 0; f < faces.rows(); ++f)
         for (int c = 0; c < 3; ++c) {
             const int a = faces(f, c);
@@ -63,7 +64,7 @@ std::vector<Side> sorted_sides(const Faces& faces)
 void find_duplicate_faces(const Faces& faces, DefectList& list)
 {
     std::vector<std::array<int, 4>> keys;
-    keys.reserve(static_cast<std::size_t>(faces.rows()));
+    keys.reserve(to_size(faces.rows()));
     for (int f = 0; f < faces.rows(); ++f) {
         std::array<int, 4> key{faces(f, 0), faces(f, 1), faces(f, 2), f};
         std::sort(key.begin(), key.begin() + 3);
@@ -106,8 +107,8 @@ void find_edge_defects(const std::vector<Side>& sides, DefectList& list)
 void find_fans_and_components(const Faces& faces, int vertex_count, const std::vector<Side>& sides,
                               DefectList& list)
 {
-    Partition corners(static_cast<std::size_t>(3 * faces.rows()));
-    Partition components(static_cast<std::size_t>(faces.rows()));
+    Partition corners(to_size(3 * faces.rows()));
+    Partition components(to_size(faces.rows()));
     const auto corner = [&](int face, int vertex) {
         const int c = faces(face, 0) == vertex ? 0 : faces(face, 1) == vertex ? 1 : 2;
         return 3 * face + c;
@@ -121,10 +122,10 @@ void find_fans_and_components(const Faces& faces, int vertex_count, const std::v
         corners.unite(corner(a.face, a.high), corner(b.face, a.high));
         components.unite(a.face, b.face);
     }
-    std::vector<int> fan(static_cast<std::size_t>(vertex_count), -1);
-    std::vector<char> reported(static_cast<std::size_t>(vertex_count), 0);
+    std::vector<int> fan(to_size(vertex_count), -1);
+    std::vector<char> reported(to_size(vertex_count), 0);
     for (int h = 0; h < 3 * faces.rows(); ++h) {
-        const auto v = static_cast<std::size_t>(faces(h / 3, h % 3));
+        const auto v = to_size(faces(h / 3, h % 3));
         const int root = corners.root(h);
         if (fan[v] < 0)
             fan[v] = root;
@@ -136,14 +137,14 @@ void find_fans_and_components(const Faces& faces, int vertex_count, const std::v
         }
     }
     for (int v = 0; v < vertex_count; ++v)
-        if (fan[static_cast<std::size_t>(v)] < 0)
+        if (fan[to_size(v)] < 0)
             list.add(DefectKind::IsolatedVertex, -1, v,
                      join("vertex ", v, " belongs to no face; remove it"));
 
     // A bow-tie joins components through a vertex only: those are counted apart as well.
-    std::vector<int> size(static_cast<std::size_t>(faces.rows()), 0);
+    std::vector<int> size(to_size(faces.rows()), 0);
     for (int f = 0; f < faces.rows(); ++f)
-        ++size[static_cast<std::size_t>(components.root(f))];
+        ++size[to_size(components.root(f))];
     const auto count = std::count_if(size.begin(), size.end(), [](int s) { return s > 0; });
     if (count > 1) {
         int first_outside = 0;

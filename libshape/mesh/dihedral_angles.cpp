@@ -5,18 +5,29 @@
 #include <cmath>
 #include <numbers>
 
+#include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
+#include "libshape/base/vector_math.h"
+#include "libshape/base/vectorised.h"
 #include "libshape/mesh/hinge.h"
 
 namespace shape {
 using namespace internal;
 namespace {
 
-double turning_angle(const Vector3<double>& edge, const Vector3<double>& left,
-                     const Vector3<double>& right)
+/// Vectors in the direction of the angles of hinges, from edges and normals.
+SHAPE_VECTORISED void hinge_angles(int count, const VectorRows& edges, const VectorRows& left,
+                                   const VectorRows& right, double* __restrict sines,
+                                   double* __restrict cosines)
 {
-    return angle_of(hinge_angle(edge, std::sqrt(dot(edge, edge)), left, right));
+    for (int i = 0; i < count; ++i) {
+        const Vector3<double> edge = edges[i];
+        const auto angle = hinge_angle(edge, std::sqrt(dot(edge, edge)), left[i], right[i]);
+        sines[i] = angle.sine;
+        cosines[i] = angle.cosine;
+    }
 }
 
 } // namespace
@@ -28,7 +39,7 @@ double dihedral_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const 
     const Vector3<double> edge = vector3(b.data()) - from;
     const auto [left, right] =
         hinge_normals(edge, vector3(c.data()) - from, vector3(d.data()) - from);
-    return turning_angle(edge, left, right);
+    return angle_of(hinge_angle(edge, std::sqrt(dot(edge, edge)), left, right));
 }
 
 Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points)
@@ -46,18 +57,32 @@ Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points)
     }
     const Edges& edges = topology.edges();
     const Edges& halfedges = topology.edge_halfedges();
-    Eigen::VectorXd angles = Eigen::VectorXd::Zero(edges.rows());
-    for (Eigen::Index e = 0; e < edges.rows(); ++e)
-        if (halfedges(e, 1) >= 0)
-            angles[e] =
-                turning_angle(point(edges(e, 1)) - point(edges(e, 0)),
-                              vector3(normals.data() + 3 * Topology::face(halfedges(e, 0))),
-                              vector3(normals.data() + 3 * Topology::face(halfedges(e, 1))));
+    Eigen::VectorXd angles(edges.rows());
+    for_blocks(topology.edge_count(), [&](int first, int count) {
+        VectorRows along{}, left{}, right{};
+        Row sines, cosines;
+        for (int i = 0; i < count; ++i) {
+            const int e = first + i;
+            const int other = halfedges(e, halfedges(e, 1) < 0 ? 0 : 1); // the boundary is flat
+            along.set(i, point(edges(e, 1)) - point(edges(e, 0)));
+            left.set(i, vector3(normals.data() + 3 * Topology::face(halfedges(e, 0))));
+            right.set(i, vector3(normals.data() + 3 * Topology::face(other)));
+        }
+        hinge_angles(count, along, left, right, sines, cosines);
+        vector_angles(sines, cosines, to_size(count), angles.data() + first);
+        for (int e = first; e < first + count; ++e)
+            if (halfedges(e, 1) < 0)
+                angles[e] = 0.0;
+            else if (angles[e] <= -std::numbers::pi)
+                angles[e] = std::numbers::pi;
+    });
     return angles;
 }
 
 double wrapped_angle(double angle)
 {
+    if (std::abs(angle) < std::numbers::pi)
+        return angle;
     const double wrapped = std::remainder(angle, 2.0 * std::numbers::pi);
     return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
 }

@@ -5,26 +5,32 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
+#include "libshape/base/vector_math.h"
+#include "libshape/base/vectorised.h"
 
 namespace shape {
 using namespace internal;
 namespace {
 
-/// Angle between sides a and b of the triangle with the third side c. Kahan's form of the law of
-/// cosines: accurate for needles too.
-double angle_between(double a, double b, double c)
+/// Vectors in the direction of half the angles between sides a and b of triangles with the third side c.
+/// Kahan's form of the law of cosines: accurate for needles too.
+SHAPE_VECTORISED void half_angles(int count, const double* a, const double* b, const double* c,
+                                  double* __restrict sines, double* __restrict cosines)
 {
-    const double high = std::max(a, b);
-    const double low = std::min(a, b);
-    const double s = c <= low ? c - (high - low) : low - (high - c);
-    const double numerator = ((high - low) + c) * s;
-    const double denominator = (high + (low + c)) * ((high - c) + low);
-    if (denominator <= 0.0) // c >= a + b
-        return M_PI;
-    return 2.0 * std::atan(std::sqrt(std::max(0.0, numerator) / denominator));
+    for (int i = 0; i < count; ++i) {
+        const double high = a[i] < b[i] ? b[i] : a[i];
+        const double low = a[i] < b[i] ? a[i] : b[i];
+        const double s = c[i] <= low ? c[i] - (high - low) : low - (high - c[i]);
+        const double numerator = ((high - low) + c[i]) * s;
+        const double denominator = (high + (low + c[i])) * ((high - c[i]) + low);
+        const bool is_flat = denominator <= 0.0; // c >= a + b
+        sines[i] = is_flat ? 1.0 : std::sqrt(numerator > 0.0 ? numerator : 0.0);
+        cosines[i] = is_flat ? 0.0 : std::sqrt(denominator);
+    }
 }
 
 } // namespace
@@ -48,18 +54,19 @@ Points corner_angles(const Topology& topology, const Eigen::VectorXd& lengths)
                                 topology.edge_count(), " edges"));
     const Faces& face_edges = topology.face_edges();
     Points angles(face_edges.rows(), 3);
-    parallel_for(static_cast<std::size_t>(face_edges.rows()), 4096,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (auto f = static_cast<Eigen::Index>(begin);
-                          f < static_cast<Eigen::Index>(end); ++f) {
-                         const double l0 = lengths[face_edges(f, 0)];
-                         const double l1 = lengths[face_edges(f, 1)];
-                         const double l2 = lengths[face_edges(f, 2)];
-                         angles(f, 0) = angle_between(l2, l0, l1);
-                         angles(f, 1) = angle_between(l0, l1, l2);
-                         angles(f, 2) = angle_between(l1, l2, l0);
-                     }
-                 });
+    for_blocks(topology.face_count(), [&](int first, int count) {
+        Row sides[3]{};
+        for (int i = 0; i < count; ++i)
+            for (int k = 0; k < 3; ++k)
+                sides[k][i] = lengths[face_edges(first + i, k)];
+        for (int k = 0; k < 3; ++k) {
+            Row sines, cosines, halves;
+            half_angles(count, sides[(k + 2) % 3], sides[k], sides[(k + 1) % 3], sines, cosines);
+            vector_angles(sines, cosines, to_size(count), halves);
+            for (int i = 0; i < count; ++i)
+                angles(first + i, k) = 2.0 * halves[i];
+        }
+    });
     return angles;
 }
 

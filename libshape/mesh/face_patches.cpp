@@ -6,13 +6,10 @@
 #include <deque>
 #include <utility>
 
+#include "libshape/base/to_size.h"
+
 namespace shape::internal {
 namespace {
-
-std::size_t index(int i)
-{
-    return static_cast<std::size_t>(i);
-}
 
 /// Patches of faces in a row: entry p of `begins` is the first of patch p in `faces`, the last entry
 /// their end.
@@ -26,11 +23,11 @@ struct Rows
 Rows discs(const Topology& topology, int faces_per_patch)
 {
     Rows rows;
-    rows.patch_of.assign(index(topology.face_count()), -1);
+    rows.patch_of.assign(to_size(topology.face_count()), -1);
     std::deque<int> seeds{0};
-    const auto is_taken = [&](int face) { return rows.patch_of[index(face)] >= 0; };
+    const auto is_taken = [&](int face) { return rows.patch_of[to_size(face)] >= 0; };
     const auto take = [&](int face) {
-        rows.patch_of[index(face)] = static_cast<int>(rows.begins.size()) - 1;
+        rows.patch_of[to_size(face)] = static_cast<int>(rows.begins.size()) - 1;
         rows.faces.push_back(face);
     };
     while (!seeds.empty()) {
@@ -40,7 +37,7 @@ Rows discs(const Topology& topology, int faces_per_patch)
             continue;
         rows.begins.push_back(static_cast<int>(rows.faces.size()));
         take(seed);
-        for (std::size_t i = index(rows.begins.back()); i < rows.faces.size(); ++i)
+        for (std::size_t i = to_size(rows.begins.back()); i < rows.faces.size(); ++i)
             for (int h = 3 * rows.faces[i], end = h + 3; h < end; ++h) {
                 const int opposite = topology.opposite(h);
                 if (opposite < 0 || is_taken(opposite / 3))
@@ -59,35 +56,36 @@ Rows discs(const Topology& topology, int faces_per_patch)
 Rows without_crumbs(const Topology& topology, const Rows& rows, int least)
 {
     const int count = static_cast<int>(rows.begins.size()) - 1;
-    const auto size = [&](int p) { return rows.begins[index(p) + 1] - rows.begins[index(p)]; };
+    const auto size = [&](int p) { return rows.begins[to_size(p) + 1] - rows.begins[to_size(p)]; };
     const auto larger_neighbour = [&](int p) {
-        for (int i = rows.begins[index(p)]; i < rows.begins[index(p) + 1]; ++i)
-            for (int h = 3 * rows.faces[index(i)], end = h + 3; h < end; ++h)
+        for (int i = rows.begins[to_size(p)]; i < rows.begins[to_size(p) + 1]; ++i)
+            for (int h = 3 * rows.faces[to_size(i)], end = h + 3; h < end; ++h)
                 if (const int opposite = topology.opposite(h); opposite >= 0)
-                    if (const int other = rows.patch_of[index(opposite / 3)]; size(other) >= least)
+                    if (const int other = rows.patch_of[to_size(opposite / 3)];
+                        size(other) >= least)
                         return other;
         return p;
     };
-    std::vector<int> new_owner(index(count));
+    std::vector<int> new_owner(to_size(count));
     for (int p = 0; p < count; ++p)
-        new_owner[index(p)] = size(p) < least ? larger_neighbour(p) : p;
+        new_owner[to_size(p)] = size(p) < least ? larger_neighbour(p) : p;
 
     // Owners in order, and the faces of each in theirs.
-    std::vector<int> sizes(index(count), 0);
+    std::vector<int> sizes(to_size(count), 0);
     for (int p = 0; p < count; ++p)
-        sizes[index(new_owner[index(p)])] += size(p);
+        sizes[to_size(new_owner[to_size(p)])] += size(p);
     Rows kept{std::vector<int>(rows.faces.size()), {0}, std::vector<int>(rows.faces.size())};
-    std::vector<int> number(index(count), -1);
+    std::vector<int> number(to_size(count), -1);
     for (int p = 0; p < count; ++p)
-        if (sizes[index(p)] > 0) {
-            number[index(p)] = static_cast<int>(kept.begins.size()) - 1;
-            kept.begins.push_back(kept.begins.back() + sizes[index(p)]);
+        if (sizes[to_size(p)] > 0) {
+            number[to_size(p)] = static_cast<int>(kept.begins.size()) - 1;
+            kept.begins.push_back(kept.begins.back() + sizes[to_size(p)]);
         }
     std::vector<int> next(kept.begins);
     for (const int face : rows.faces) {
-        const int p = number[index(new_owner[index(rows.patch_of[index(face)])])];
-        kept.patch_of[index(face)] = p;
-        kept.faces[index(next[index(p)]++)] = face;
+        const int p = number[to_size(new_owner[to_size(rows.patch_of[to_size(face)])])];
+        kept.patch_of[to_size(face)] = p;
+        kept.faces[to_size(next[to_size(p)]++)] = face;
     }
     return kept;
 }
@@ -105,16 +103,16 @@ FacePatches::FacePatches(const Topology& topology, int faces_per_patch)
     for (int p = 0; p < count(); ++p) {
         largest = std::max(largest, size(p));
         for (int i = 0; i < size(p); ++i)
-            place_of[index(faces[index(begin(p) + i)])] = i;
+            place_of[to_size(faces[to_size(begin(p) + i)])] = i;
     }
 
     ways.reserve(3 * faces.size());
     for (const int face : faces)
         for (int h = 3 * face; h < 3 * face + 3; ++h) {
             const int other = topology.opposite(h) < 0 ? -1 : topology.opposite(h) / 3;
-            const bool inside = other >= 0 && patch_of[index(other)] == patch_of[index(face)];
+            const bool inside = other >= 0 && patch_of[to_size(other)] == patch_of[to_size(face)];
             const int edge = topology.edge(h);
-            ways.push_back({inside ? place_of[index(other)] : -1, edge,
+            ways.push_back({inside ? place_of[to_size(other)] : -1, edge,
                             h == topology.edge_halfedges()(edge, 0)});
         }
 
@@ -123,13 +121,14 @@ FacePatches::FacePatches(const Topology& topology, int faces_per_patch)
             continue;
         const int left = topology.edge_halfedges()(e, 0) / 3;
         const int right = topology.edge_halfedges()(e, 1) / 3;
-        if (patch_of[index(left)] < patch_of[index(right)])
+        if (patch_of[to_size(left)] < patch_of[to_size(right)])
             bridges.push_back({e, left, right, true});
-        else if (patch_of[index(left)] > patch_of[index(right)])
+        else if (patch_of[to_size(left)] > patch_of[to_size(right)])
             bridges.push_back({e, right, left, false});
     }
     const auto patches = [&](const Bridge& bridge) {
-        return std::pair(patch_of[index(bridge.lower_face)], patch_of[index(bridge.higher_face)]);
+        return std::pair(patch_of[to_size(bridge.lower_face)],
+                         patch_of[to_size(bridge.higher_face)]);
     };
     std::stable_sort(bridges.begin(), bridges.end(),
                      [&](const Bridge& a, const Bridge& b) { return patches(a) < patches(b); });

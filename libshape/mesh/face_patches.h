@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/topology.h"
 
 namespace shape::internal {
@@ -45,7 +46,7 @@ struct FacePatches
     FacePatches(const Topology& topology, int faces_per_patch);
 
     [[nodiscard]] int count() const { return static_cast<int>(begins.size()) - 1; }
-    [[nodiscard]] int begin(int patch) const { return begins[static_cast<std::size_t>(patch)]; }
+    [[nodiscard]] int begin(int patch) const { return begins[to_size(patch)]; }
     [[nodiscard]] int size(int patch) const { return begin(patch + 1) - begin(patch); }
 
     /// Where the bridges of a pair end.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -18,9 +19,7 @@ using Kernel = OpenMesh::TriMesh_ArrayKernelT<>;
 Kernel build_kernel(const Faces& faces, int vertex_count)
 {
     Kernel kernel;
-    kernel.reserve(static_cast<std::size_t>(vertex_count),
-                   static_cast<std::size_t>(faces.rows()) * 3 / 2,
-                   static_cast<std::size_t>(faces.rows()));
+    kernel.reserve(to_size(vertex_count), to_size(faces.rows()) * 3 / 2, to_size(faces.rows()));
     for (int v = 0; v < vertex_count; ++v)
         kernel.new_vertex();
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
@@ -44,7 +43,7 @@ std::vector<int> number_halfedges(const Kernel& kernel, const Faces& faces)
         while (faces(f, corner) != kernel.from_vertex_handle(h).idx())
             ++corner;
         for (int i = 0; i < 3; ++i, h = kernel.next_halfedge_handle(h))
-            number[static_cast<std::size_t>(h.idx())] = 3 * f + (corner + i) % 3;
+            number[to_size(h.idx())] = 3 * f + (corner + i) % 3;
     }
     return number;
 }
@@ -54,12 +53,12 @@ int count_boundary_loops(const Kernel& kernel)
     std::vector<char> seen(kernel.n_halfedges(), 0);
     int loops = 0;
     for (const auto start : kernel.halfedges()) {
-        if (!kernel.is_boundary(start) || seen[static_cast<std::size_t>(start.idx())])
+        if (!kernel.is_boundary(start) || seen[to_size(start.idx())])
             continue;
         ++loops;
         Kernel::HalfedgeHandle h = start;
         do {
-            seen[static_cast<std::size_t>(h.idx())] = 1;
+            seen[to_size(h.idx())] = 1;
             h = kernel.next_halfedge_handle(h);
         } while (h != start);
     }
@@ -89,14 +88,14 @@ HalfEdges half_edges(const Faces& faces, int vertex_count)
     result.edges.resize(edge_count, 2);
     result.sides.resize(edge_count, 2);
     for (int e = 0; e < edge_count; ++e) {
-        const auto& [vertices, kernel_edge] = order[static_cast<std::size_t>(e)];
+        const auto& [vertices, kernel_edge] = order[to_size(e)];
         result.edges.row(e) << vertices.first, vertices.second;
         const auto handle = kernel.edge_handle(static_cast<unsigned>(kernel_edge));
         auto forward = kernel.halfedge_handle(handle, 0);
         if (kernel.from_vertex_handle(forward).idx() != vertices.first)
             forward = kernel.opposite_halfedge_handle(forward);
-        int h0 = number[static_cast<std::size_t>(forward.idx())];
-        int h1 = number[static_cast<std::size_t>(kernel.opposite_halfedge_handle(forward).idx())];
+        int h0 = number[to_size(forward.idx())];
+        int h1 = number[to_size(kernel.opposite_halfedge_handle(forward).idx())];
         if (h0 < 0)
             std::swap(h0, h1);
         result.sides.row(e) << h0, h1;

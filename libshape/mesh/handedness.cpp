@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/dihedral_angles.h"
 
 namespace shape {
@@ -20,11 +21,11 @@ constexpr int most_angles = 2000;
 /// Half-edges that run around each loop of the boundary, faces on their left.
 std::vector<std::vector<int>> boundary_loops(const Topology& topology)
 {
-    std::vector<int> leaving(static_cast<std::size_t>(topology.vertex_count()), -1);
+    std::vector<int> leaving(to_size(topology.vertex_count()), -1);
     for (int e = 0; e < topology.edge_count(); ++e)
         if (topology.is_boundary_edge(e)) {
             const int h = topology.edge_halfedges()(e, 0);
-            leaving[static_cast<std::size_t>(topology.source(h))] = h;
+            leaving[to_size(topology.source(h))] = h;
         }
     std::vector<std::vector<int>> loops;
     for (int& start : leaving) {
@@ -33,8 +34,8 @@ std::vector<std::vector<int>> boundary_loops(const Topology& topology)
         loops.emplace_back();
         for (int h = start; h >= 0;) {
             loops.back().push_back(h);
-            int& next = leaving[static_cast<std::size_t>(topology.target(h))];
-            leaving[static_cast<std::size_t>(topology.source(h))] = -1;
+            int& next = leaving[to_size(topology.target(h))];
+            leaving[to_size(topology.source(h))] = -1;
             h = next;
         }
     }
@@ -166,7 +167,7 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     int odd = count(1) < count(-1) ? 1 : -1;
     if (count(1) == count(-1) && count(1) > 0) { // those inside out, if that can be told
         const auto first = std::find_if(side.begin(), side.end(), [](int s) { return s != 0; });
-        const auto i = static_cast<std::size_t>(first - side.begin());
+        const auto i = to_size(first - side.begin());
         odd = outward[i] < 0 ? *first : -*first;
     }
     Handedness result;

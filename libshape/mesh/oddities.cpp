@@ -83,6 +83,12 @@ void find_seams(const Collection& collection, std::vector<Oddity>& oddities)
              "weld them: `shape check MESHES --fix DIR`")});
 }
 
+/// "the other mesh" or "the other 5 meshes".
+std::string the_others(std::size_t count)
+{
+    return count == 1 ? "the other mesh" : join("the other ", count, " meshes");
+}
+
 void find_orientation(const Collection& collection, std::vector<Oddity>& oddities)
 {
     const Handedness found = compare_handedness(collection.topology, collection.points);
@@ -90,9 +96,8 @@ void find_orientation(const Collection& collection, std::vector<Oddity>& odditie
         oddities.push_back(
             {OddityKind::Mirrored, found.mirrored,
              join(list_names(collection.names, found.mirrored),
-                  found.mirrored.size() == 1 ? " is a mirror image" : " are mirror images",
-                  " of the other ",
-                  counted(collection.size() - found.mirrored.size(), "mesh", "meshes"), " (their ",
+                  found.mirrored.size() == 1 ? " is a mirror image" : " are mirror images", " of ",
+                  the_others(collection.size() - found.mirrored.size()), " (their ",
                   collection.topology.is_closed() ? "volumes" : "dihedral angles",
                   " have opposite signs: turned inside out); mirror ",
                   found.mirrored.size() == 1 ? "it" : "them",
@@ -138,7 +143,7 @@ void find_sizes(const Collection& collection, std::vector<Oddity>& oddities)
               rounded(*std::max_element(sizes.begin(), sizes.end())), ": ",
               list_names(collection.names, odd), is_one ? " is " : " are ",
               rounded(std::max(ratio, 1.0 / ratio)), " times ", ratio > 1.0 ? "larger" : "smaller",
-              " than the other ", counted(others.size(), "mesh", "meshes"),
+              " than ", the_others(others.size()),
               units.empty() ? join("; are all in one unit? If not, scale ", is_one ? "it" : "them")
                             : join("; are they in ", units, "? Export all in one unit"),
               " (`shape check MESHES --fix DIR` scales by units)")});

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <vector>
 
+#include "libshape/base/to_size.h"
+
 namespace shape::internal {
 
 /// Items 0 ... count - 1 in classes that only grow together (union by path halving).
@@ -26,7 +28,7 @@ public:
     void unite(int a, int b) { at(std::max(root(a), root(b))) = std::min(root(a), root(b)); }
 
 private:
-    int& at(int i) { return parent_[static_cast<std::size_t>(i)]; }
+    int& at(int i) { return parent_[to_size(i)]; }
     std::vector<int> parent_;
 };
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -25,11 +26,11 @@ void for_entries(const std::vector<int>& before, const Work& work)
 Renumbering renumber_for_locality(const Topology& topology)
 {
     std::vector<int> order{0}; // of vertices
-    order.reserve(static_cast<std::size_t>(topology.vertex_count()));
-    std::vector<int> number(static_cast<std::size_t>(topology.vertex_count()), -1);
+    order.reserve(to_size(topology.vertex_count()));
+    std::vector<int> number(to_size(topology.vertex_count()), -1);
     number[0] = 0;
     const auto visit = [&](int v) {
-        int& place = number[static_cast<std::size_t>(v)];
+        int& place = number[to_size(v)];
         if (place < 0) {
             place = static_cast<int>(order.size());
             order.push_back(v);
@@ -43,8 +44,8 @@ Renumbering renumber_for_locality(const Topology& topology)
 
     Faces faces(topology.face_count(), 3);
     for (Eigen::Index k = 0; k < faces.size(); ++k)
-        faces.data()[k] = number[static_cast<std::size_t>(topology.faces().data()[k])];
-    std::vector<int> face_order(static_cast<std::size_t>(faces.rows()));
+        faces.data()[k] = number[to_size(topology.faces().data()[k])];
+    std::vector<int> face_order(to_size(faces.rows()));
     std::iota(face_order.begin(), face_order.end(), 0);
     std::sort(face_order.begin(), face_order.end(), [&](int a, int b) {
         return std::pair(faces.row(a).minCoeff(), a) < std::pair(faces.row(b).minCoeff(), b);
@@ -52,10 +53,10 @@ Renumbering renumber_for_locality(const Topology& topology)
     const Faces sorted = faces(face_order, Eigen::all);
 
     Renumbering result{Topology(sorted, topology.vertex_count()), std::move(order), {}};
-    result.edges.reserve(static_cast<std::size_t>(topology.edge_count()));
+    result.edges.reserve(to_size(topology.edge_count()));
     for (int e = 0; e < topology.edge_count(); ++e) {
         const auto before = [&](int end) {
-            return result.vertices[static_cast<std::size_t>(result.topology.edges()(e, end))];
+            return result.vertices[to_size(result.topology.edges()(e, end))];
         };
         result.edges.push_back(topology.find_edge(before(0), before(1)));
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/half_edges.h"
 
@@ -27,27 +28,27 @@ Topology::Topology(const Faces& faces, int vertex_count)
     tables->edges = std::move(pairs.edges);
     tables->edge_halfedges = std::move(pairs.sides);
     tables->face_edges.resize(faces.rows(), 3);
-    tables->opposites.assign(static_cast<std::size_t>(3 * faces.rows()), -1);
+    tables->opposites.assign(to_size(3 * faces.rows()), -1);
     for (int e = 0; e < tables->edges.rows(); ++e) {
         const int h0 = tables->edge_halfedges(e, 0);
         const int h1 = tables->edge_halfedges(e, 1);
         tables->face_edges(h0 / 3, h0 % 3) = e;
-        tables->opposites[static_cast<std::size_t>(h0)] = h1;
+        tables->opposites[to_size(h0)] = h1;
         if (h1 >= 0) {
             tables->face_edges(h1 / 3, h1 % 3) = e;
-            tables->opposites[static_cast<std::size_t>(h1)] = h0;
+            tables->opposites[to_size(h1)] = h0;
         }
     }
 
     // First half-edge of every ring: on the boundary if the vertex is, else of the lowest edge.
-    std::vector<int> first(static_cast<std::size_t>(vertex_count), -1);
-    tables->on_boundary.assign(static_cast<std::size_t>(vertex_count), 0);
+    std::vector<int> first(to_size(vertex_count), -1);
+    tables->on_boundary.assign(to_size(vertex_count), 0);
     for (int e = 0; e < tables->edges.rows(); ++e)
         for (int side = 0; side < 2; ++side) {
             const int h = tables->edge_halfedges(e, side);
             if (h < 0)
                 continue;
-            const auto v = static_cast<std::size_t>(faces(h / 3, h % 3));
+            const auto v = to_size(faces(h / 3, h % 3));
             const bool on_boundary = tables->edge_halfedges(e, 1) < 0;
             if (on_boundary) {
                 first[v] = h;
@@ -56,24 +57,24 @@ Topology::Topology(const Faces& faces, int vertex_count)
                 first[v] = h;
             }
         }
-    tables->ring_begins.reserve(static_cast<std::size_t>(vertex_count) + 1);
-    tables->rings.reserve(static_cast<std::size_t>(3 * faces.rows()));
-    tables->spoke_begins.reserve(static_cast<std::size_t>(vertex_count) + 1);
-    tables->spokes.reserve(2 * static_cast<std::size_t>(tables->edges.rows()));
+    tables->ring_begins.reserve(to_size(vertex_count) + 1);
+    tables->rings.reserve(to_size(3 * faces.rows()));
+    tables->spoke_begins.reserve(to_size(vertex_count) + 1);
+    tables->spokes.reserve(2 * to_size(tables->edges.rows()));
     const auto corner = [&](const Faces& of_halfedges, int h) {
         return of_halfedges(h / 3, h % 3);
     };
     for (int v = 0; v < vertex_count; ++v) {
         tables->ring_begins.push_back(static_cast<int>(tables->rings.size()));
         tables->spoke_begins.push_back(static_cast<int>(tables->spokes.size()));
-        int h = first[static_cast<std::size_t>(v)];
+        int h = first[to_size(v)];
         int in = 0;
         do {
             tables->rings.push_back(h);
             tables->spokes.push_back({h, corner(tables->face_edges, h), corner(faces, next(h))});
             in = previous(h);
-            h = tables->opposites[static_cast<std::size_t>(in)];
-        } while (h >= 0 && h != first[static_cast<std::size_t>(v)]);
+            h = tables->opposites[to_size(in)];
+        } while (h >= 0 && h != first[to_size(v)]);
         if (h < 0)
             tables->spokes.push_back({-1, corner(tables->face_edges, in), corner(faces, in)});
     }

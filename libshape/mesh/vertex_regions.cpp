@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "libshape/base/to_size.h"
+
 namespace shape::internal {
 namespace {
 
@@ -22,10 +24,10 @@ void for_neighbours(const Topology& topology, int vertex, const Visit& visit)
 std::vector<std::vector<int>> regions_around(const Topology& topology,
                                              const std::vector<int>& seeds, int rings)
 {
-    std::vector<char> marked(static_cast<std::size_t>(topology.vertex_count()), 0);
+    std::vector<char> marked(to_size(topology.vertex_count()), 0);
     std::vector<int> all;
     const auto mark = [&](int v) {
-        if (!std::exchange(marked[static_cast<std::size_t>(v)], 1))
+        if (!std::exchange(marked[to_size(v)], 1))
             all.push_back(v);
     };
     for (const int v : seeds)
@@ -40,7 +42,7 @@ std::vector<std::vector<int>> regions_around(const Topology& topology,
     for (const int first : all) {
         std::vector<int> region;
         const auto take = [&](int v) {
-            if (std::exchange(marked[static_cast<std::size_t>(v)], 0))
+            if (std::exchange(marked[to_size(v)], 0))
                 region.push_back(v);
         };
         take(first);

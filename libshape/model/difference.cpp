@@ -2,6 +2,7 @@
 
 #include "libshape/model/difference.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -57,16 +58,16 @@ Collection pair_up(const Collection& collection, const Group& from, const Group&
     return paired;
 }
 
-/// The pairs of a collection: the `from` members, then the `to` members in the same order.
-struct Pairs
+/// What is compared: the `from` members, then the `to` members, paired in the same order.
+struct Compared
 {
     Collection members;
-    std::vector<std::string> values; ///< Their values of the pairing label.
+    Eigen::Index from_count = 0;
+    std::vector<std::string> pairs; ///< Values of the pairing label; none: two groups.
 };
 
-Pairs find_pairs(const Collection& collection, const DifferenceOptions& options)
+Compared find_pairs(const Collection& collection, const DifferenceOptions& options)
 {
-    check(options);
     const LabelColumn& pair_by = find_label(collection.labels, options.pair_by);
     const Group from = find_group(collection, pair_by, options.from_label, options.from_value);
     const Group to = find_group(collection, pair_by, options.to_label, options.to_value);
@@ -76,45 +77,85 @@ Pairs find_pairs(const Collection& collection, const DifferenceOptions& options)
         throw InvalidInput(join("difference: no ", options.pair_by, " has both ",
                                 options.from_label, " = '", options.from_value, "' and ",
                                 options.to_label, " = '", options.to_value, "'"));
-    return {paired, std::move(pairs)};
+    const auto count = static_cast<Eigen::Index>(pairs.size());
+    return {paired, count, std::move(pairs)};
+}
+
+std::vector<std::size_t> meshes_with(const Collection& collection, const std::string& label,
+                                     const std::string& value)
+{
+    const LabelColumn& column = find_label(collection.labels, label);
+    std::vector<std::size_t> meshes;
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        if (column.values[i] == value)
+            meshes.push_back(i);
+    if (meshes.empty())
+        throw InvalidInput(join("difference: no mesh has ", label, " = '", value, "'"));
+    return meshes;
+}
+
+Compared find_groups(const Collection& collection, const DifferenceOptions& options)
+{
+    std::vector<std::size_t> meshes =
+        meshes_with(collection, options.from_label, options.from_value);
+    const auto count = static_cast<Eigen::Index>(meshes.size());
+    for (const std::size_t i : meshes_with(collection, options.to_label, options.to_value)) {
+        if (std::find(meshes.begin(), meshes.begin() + count, i) != meshes.begin() + count)
+            throw InvalidInput(join("difference: ", collection.names[i], " has both ",
+                                    options.from_label, " = '", options.from_value, "' and ",
+                                    options.to_label, " = '", options.to_value, "'"));
+        meshes.push_back(i);
+    }
+    return {subset(collection, meshes), count, {}};
+}
+
+Compared find_compared(const Collection& collection, const DifferenceOptions& options)
+{
+    check(options);
+    return options.pair_by.empty() ? find_groups(collection, options)
+                                   : find_pairs(collection, options);
 }
 
 } // namespace
 
 void check(const DifferenceOptions& options)
 {
-    require(!options.pair_by.empty(), "DifferenceOptions.pair_by", "empty", "a label");
     require(!options.from_label.empty(), "DifferenceOptions.from_label", "empty", "a label");
     require(!options.to_label.empty(), "DifferenceOptions.to_label", "empty", "a label");
 }
 
 DifferenceVector mean_difference(const Collection& collection, const DifferenceOptions& options)
 {
-    auto [paired, pairs] = find_pairs(collection, options);
-    const ShapeVectors vectors = shape_vectors(paired, options.scale);
-    const auto count = static_cast<Eigen::Index>(pairs.size());
-    const auto mean_change = [&](const RowMatrix& rows) {
-        return mean_of_rows(rows.bottomRows(count) - rows.topRows(count));
+    Compared compared = find_compared(collection, options);
+    const ShapeVectors vectors = shape_vectors(compared.members, options.scale);
+    const Eigen::Index from = compared.from_count;
+    const Eigen::Index to = vectors.sizes.size() - from;
+    const auto mean_change = [&](const RowMatrix& rows) -> Eigen::VectorXd {
+        if (!compared.pairs.empty())
+            return mean_of_rows(rows.bottomRows(to) - rows.topRows(from));
+        return mean_of_rows(rows.bottomRows(to)) - mean_of_rows(rows.topRows(from));
     };
-    return {.topology = paired.topology,
-            .reference_points = paired.points.front(),
+    return {.topology = compared.members.topology,
+            .reference_points = compared.members.points.front(),
             .scale = options.scale,
-            .mean_edge_lengths = mean_of_rows(vectors.edge_lengths.topRows(count)),
-            .mean_dihedral_angles = mean_of_rows(vectors.dihedral_angles.topRows(count)),
+            .mean_edge_lengths = mean_of_rows(vectors.edge_lengths.topRows(from)),
+            .mean_dihedral_angles = mean_of_rows(vectors.dihedral_angles.topRows(from)),
             .edge_lengths = mean_change(vectors.edge_lengths),
             .dihedral_angles = mean_change(vectors.dihedral_angles),
-            .from_size = vectors.sizes.head(count).mean(),
-            .to_size = vectors.sizes.tail(count).mean(),
-            .pairs = std::move(pairs)};
+            .from_size = vectors.sizes.head(from).mean(),
+            .to_size = vectors.sizes.tail(to).mean(),
+            .pairs = std::move(compared.pairs)};
 }
 
 ColumnEffects difference_effects(const Collection& collection, const DifferenceOptions& options)
 {
-    const Pairs pairs = find_pairs(collection, options);
-    const ShapeVectors vectors = shape_vectors(pairs.members, options.scale);
-    const auto count = static_cast<Eigen::Index>(pairs.values.size());
-    return paired_effects(vectors.edge_lengths.topRows(count),
-                          vectors.edge_lengths.bottomRows(count));
+    const Compared compared = find_compared(collection, options);
+    const ShapeVectors vectors = shape_vectors(compared.members, options.scale);
+    const Eigen::Index from = compared.from_count;
+    const RowMatrix first = vectors.edge_lengths.topRows(from);
+    const RowMatrix second = vectors.edge_lengths.bottomRows(vectors.sizes.size() - from);
+    return compared.pairs.empty() ? independent_effects(first, second)
+                                  : paired_effects(first, second);
 }
 
 ShapePoint start_of(const DifferenceVector& difference, double size)

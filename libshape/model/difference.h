@@ -12,25 +12,27 @@
 
 namespace shape {
 
-/// The mean paired difference between two groups of a collection (Rojas 2014, Fig. 10), with the
-/// mean of the group it starts from.
+/// The mean difference between two groups of a collection, of pairs (Rojas 2014, Fig. 10) or of the
+/// means of groups without pairs, with the mean of the group it starts from.
 struct DifferenceVector
 {
     Topology topology;
     Points reference_points; ///< #V by 3 [length].
     Scale scale = Scale::Unit;
-    Eigen::VectorXd mean_edge_lengths;    ///< #E; mean of the `from` members of the pairs.
+    Eigen::VectorXd mean_edge_lengths;    ///< #E; mean of the `from` members (of the pairs).
     Eigen::VectorXd mean_dihedral_angles; ///< #E [rad].
-    Eigen::VectorXd edge_lengths;         ///< #E; mean of (to - from).
+    Eigen::VectorXd edge_lengths;         ///< #E; mean of `to` - mean of `from`.
     Eigen::VectorXd dihedral_angles;      ///< #E [rad].
     double from_size = 0.0;               ///< Mean size of the `from` members [length].
     double to_size = 0.0;                 ///< Mean size of the `to` members [length].
-    std::vector<std::string> pairs;       ///< Values of the pairing label, one a pair, sorted.
+    std::vector<std::string> pairs;       ///< Values of the pairing label, one a pair, sorted;
+                                          ///< none if the groups are not paired.
 };
 
 struct DifferenceOptions
 {
-    /// Two meshes with the same value of this label are a pair, those without a value are not; not empty.
+    /// Two meshes with the same value of this label are a pair, those without a value are not. Empty:
+    /// the groups are not paired, all meshes of both count.
     std::string pair_by;
     /// Meshes with this label, not empty ...
     std::string from_label;
@@ -48,12 +50,14 @@ struct DifferenceOptions
 void check(const DifferenceOptions& options);
 
 /// @throws InvalidInput if a label is missing, a group is empty, a value of pair_by occurs twice in
-///     a group, or no value occurs in both. Members without a partner are left out.
+///     a group, no value occurs in both, or a mesh is in both groups and they are not paired. Members
+///     without a partner are left out.
 [[nodiscard]] DifferenceVector mean_difference(const Collection& collection,
                                                const DifferenceOptions& options);
 
-/// Where the two groups differ: the paired effects of every entry of the shape vectors, #E.
-/// @throws InvalidInput as mean_difference() and paired_effects(); so for a single pair.
+/// Where the two groups differ: the effects of every entry of the shape vectors, #E; paired_effects()
+/// of pairs, independent_effects() of groups without.
+/// @throws InvalidInput as mean_difference() and those; so for a single pair.
 [[nodiscard]] ColumnEffects difference_effects(const Collection& collection,
                                                const DifferenceOptions& options);
 

@@ -15,6 +15,7 @@
 #include "libshape/base/random.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -29,7 +30,7 @@ using Eigen::Index;
 /// The numbers 0 to count - 1 in random order (Fisher and Yates).
 std::vector<int> shuffled(Index count, Random& random)
 {
-    std::vector<int> order(static_cast<std::size_t>(count));
+    std::vector<int> order(to_size(count));
     std::iota(order.begin(), order.end(), 0);
     for (std::size_t i = order.size(); i > 1; --i)
         std::swap(order[i - 1], order[random.index(i)]);
@@ -132,16 +133,16 @@ public:
             embedder_.emplace(model.topology, std::vector<Points>{reference_}, options_.embedding);
         }
         const std::size_t counts = options_.modes.size();
-        std::vector<Points> meshes(static_cast<std::size_t>(scores.rows()) * counts);
+        std::vector<Points> meshes(to_size(scores.rows()) * counts);
         std::atomic<int> nearest = 0;
         for (Index row = 0; row < scores.rows(); ++row) {
             if (progress_)
-                progress_("decoding", static_cast<std::size_t>(decoded), total_);
+                progress_("decoding", to_size(decoded), total_);
             parallel_for(counts, 1, [&](std::size_t k, std::size_t) {
                 const Eigen::VectorXd first = scores.row(row).head(options_.modes[k]).transpose();
                 Embedding embedding = embedder_->embed(model_point(model, first, sizes[row]));
                 nearest += embedding.report.status == EmbeddingStatus::Infeasible ? 1 : 0;
-                meshes[static_cast<std::size_t>(row) * counts + k] = std::move(embedding.points);
+                meshes[to_size(row) * counts + k] = std::move(embedding.points);
             });
             decoded += static_cast<int>(counts);
         }
@@ -172,8 +173,8 @@ void measure_generalisation(const Collection& collection, const Grouping& folds,
         std::vector<std::size_t> left_out;
         std::vector<std::size_t> others;
         for (const int mesh : tests)
-            if (folds.group_of[static_cast<std::size_t>(mesh)] == fold)
-                left_out.push_back(static_cast<std::size_t>(mesh));
+            if (folds.group_of[to_size(mesh)] == fold)
+                left_out.push_back(to_size(mesh));
         if (left_out.empty())
             continue;
         for (std::size_t mesh = 0; mesh < collection.size(); ++mesh)
@@ -186,8 +187,7 @@ void measure_generalisation(const Collection& collection, const Grouping& folds,
         for (std::size_t i = 0; i < left_out.size(); ++i, ++row) {
             const Measured truth = ruler(collection.points[left_out[i]]);
             for (Index k = 0; k < counts; ++k) {
-                const Measured mesh = ruler(
-                    meshes[i * static_cast<std::size_t>(counts) + static_cast<std::size_t>(k)]);
+                const Measured mesh = ruler(meshes[i * to_size(counts) + to_size(k)]);
                 vertex(row, k) = vertex_distance(mesh, truth);
                 edge(row, k) = edge_distance(mesh, truth);
             }
@@ -217,7 +217,7 @@ void measure_specificity(const Collection& collection, const Ruler& ruler,
         for (std::size_t i = begin; i < end; ++i) {
             const Measured truth = ruler(collection.points[i]);
             for (Index s = 0; s < total; ++s) {
-                const Measured& sample = samples[static_cast<std::size_t>(s)];
+                const Measured& sample = samples[to_size(s)];
                 vertex(s, chunk) = std::min(vertex(s, chunk), vertex_distance(sample, truth));
                 edge(s, chunk) = std::min(edge(s, chunk), edge_distance(sample, truth));
             }
@@ -253,7 +253,7 @@ ModelQuality measure_quality(const Collection& collection, const Grouping& folds
     check_folds(collection, folds);
     Random random(options.seed);
     std::vector<int> tests = shuffled(static_cast<Index>(collection.size()), random);
-    tests.resize(std::min(tests.size(), static_cast<std::size_t>(options.tests)));
+    tests.resize(std::min(tests.size(), to_size(options.tests)));
     const auto counts = static_cast<Index>(options.modes.size());
     ModelQuality quality;
     quality.modes = options.modes;
@@ -266,8 +266,7 @@ ModelQuality measure_quality(const Collection& collection, const Grouping& folds
     quality.compactness.resize(counts);
     for (Index k = 0; k < counts; ++k)
         quality.compactness[k] =
-            model.variances.head(options.modes[static_cast<std::size_t>(k)]).sum() /
-            model.total_variance;
+            model.variances.head(options.modes[to_size(k)]).sum() / model.total_variance;
     RowMatrix scores(options.samples, model.mode_count());
     for (double& score : scores.reshaped<Eigen::RowMajor>())
         score = random.normal();
@@ -293,7 +292,7 @@ Grouping random_folds(Eigen::Index meshes, int count, std::uint64_t seed)
     for (int fold = 0; fold < count; ++fold)
         folds.names.push_back(join("fold ", fold + 1));
     for (std::size_t i = 0; i < order.size(); ++i)
-        folds.group_of[static_cast<std::size_t>(order[i])] = static_cast<int>(i) % count;
+        folds.group_of[to_size(order[i])] = static_cast<int>(i) % count;
     return folds;
 }
 

@@ -10,6 +10,7 @@
 
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/linalg/dense.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -59,16 +60,21 @@ RowMatrix shape_vectors(const Collection& collection)
     return rows;
 }
 
+/// To the nearest of the others; copies of a mesh (a mirror image is one) are not among them. 0 if
+/// there are only copies.
 std::vector<double> nearest_distances(const RowMatrix& rows)
 {
     const Eigen::MatrixXd products = centred_inner_products(rows);
-    std::vector<double> nearest(static_cast<std::size_t>(rows.rows()));
+    const double copy = 1e-12 * products.diagonal().maxCoeff(); // squared; rounding is 1e-16
+    std::vector<double> nearest(to_size(rows.rows()));
     for (Eigen::Index i = 0; i < rows.rows(); ++i) {
         double least = std::numeric_limits<double>::infinity();
-        for (Eigen::Index j = 0; j < rows.rows(); ++j)
-            if (j != i)
-                least = std::min(least, products(i, i) + products(j, j) - 2.0 * products(i, j));
-        nearest[static_cast<std::size_t>(i)] = std::sqrt(std::max(least, 0.0));
+        for (Eigen::Index j = 0; j < rows.rows(); ++j) {
+            const double square = products(i, i) + products(j, j) - 2.0 * products(i, j);
+            if (square > copy)
+                least = std::min(least, square);
+        }
+        nearest[to_size(i)] = std::isfinite(least) ? std::sqrt(least) : 0.0;
     }
     return nearest;
 }
@@ -89,24 +95,22 @@ RowMatrix angles_of(const Collection& collection)
 RowMatrix column_gaps(RowMatrix values, double period)
 {
     const Eigen::Index count = values.rows();
-    parallel_for(
-        static_cast<std::size_t>(values.cols()), 256, [&](std::size_t begin, std::size_t end) {
-            std::vector<std::pair<double, Eigen::Index>> sorted(static_cast<std::size_t>(count));
-            for (auto e = static_cast<Eigen::Index>(begin); e < static_cast<Eigen::Index>(end);
-                 ++e) {
-                for (Eigen::Index i = 0; i < count; ++i)
-                    sorted[static_cast<std::size_t>(i)] = {values(i, e), i};
-                std::sort(sorted.begin(), sorted.end());
-                double before = sorted.front().first + period - sorted.back().first;
-                for (std::size_t k = 0; k < sorted.size(); ++k) {
-                    const double after = k + 1 < sorted.size()
-                                             ? sorted[k + 1].first - sorted[k].first
-                                             : sorted.front().first + period - sorted[k].first;
-                    values(sorted[k].second, e) = std::min(before, after);
-                    before = after;
-                }
+    parallel_for(to_size(values.cols()), 256, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::pair<double, Eigen::Index>> sorted(to_size(count));
+        for (auto e = static_cast<Eigen::Index>(begin); e < static_cast<Eigen::Index>(end); ++e) {
+            for (Eigen::Index i = 0; i < count; ++i)
+                sorted[to_size(i)] = {values(i, e), i};
+            std::sort(sorted.begin(), sorted.end());
+            double before = sorted.front().first + period - sorted.back().first;
+            for (std::size_t k = 0; k < sorted.size(); ++k) {
+                const double after = k + 1 < sorted.size()
+                                         ? sorted[k + 1].first - sorted[k].first
+                                         : sorted.front().first + period - sorted[k].first;
+                values(sorted[k].second, e) = std::min(before, after);
+                before = after;
             }
-        });
+        }
+    });
     return values;
 }
 
@@ -119,7 +123,7 @@ struct Place
 
 std::vector<Place> largest_at_vertices(const Topology& topology, const RowMatrix& gaps)
 {
-    std::vector<Place> places(static_cast<std::size_t>(gaps.rows()));
+    std::vector<Place> places(to_size(gaps.rows()));
     parallel_for(places.size(), 1, [&](std::size_t begin, std::size_t) {
         const auto row = gaps.row(static_cast<Eigen::Index>(begin));
         for (int v = 0; v < topology.vertex_count(); ++v) {

@@ -13,7 +13,7 @@ namespace shape {
 struct OutlyingMesh
 {
     std::size_t mesh = 0;
-    /// Distance of its shape vector (unit sum) to the nearest other one [1].
+    /// Distance of its shape vector (unit sum) to the nearest other one that is no copy of it [1].
     double distance = 0.0;
     /// Largest mean over the edges at a vertex of abs(log(l / l')), l' the nearest length of the edge
     /// in any other mesh (unit sums) [1].

@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/linalg/added_rows.h"
 #include "libshape/statistics/mean.h"
 #include "libshape/statistics/principal_components.h"
 #include "libshape/statistics/projection.h"
@@ -63,9 +64,8 @@ DecodedShape model_point(const ShapeModel& model, const Eigen::VectorXd& scores,
             throw InvalidInput(
                 join("model point: score ", k, " is ", scores[k], ", must be finite"));
     return decode(
-        model.space, model.mean + model.modes.topRows(count).transpose() * scores,
-        model.mean_dihedral_angles + model.mode_dihedral_angles.topRows(count).transpose() * scores,
-        size);
+        model.space, with_rows_added(model.mean, model.modes, scores),
+        with_rows_added(model.mean_dihedral_angles, model.mode_dihedral_angles, scores), size);
 }
 
 Projection project(const ShapeModel& model, const Collection& collection)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include "libshape/mesh/half_edges.h"
+#include "libshape/base/to_size.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +18,7 @@ HalfEdges half_edges(const Faces& faces, int vertex_count)
         int halfedge;
     };
     std::vector<Side> sides;
-    sides.reserve(static_cast<std::size_t>(faces.size()));
+    sides.reserve(to_size(faces.size()));
     for (int h = 0; h < faces.size(); ++h) {
         const int from = faces(h / 3, h % 3);
         const int to = faces(h / 3, (h + 1) % 3);
@@ -30,7 +31,7 @@ HalfEdges half_edges(const Faces& faces, int vertex_count)
     HalfEdges result;
     result.edges.resize(faces.size(), 2);
     result.sides.resize(faces.size(), 2);
-    std::vector<int> along_boundary(static_cast<std::size_t>(vertex_count), -1);
+    std::vector<int> along_boundary(to_size(vertex_count), -1);
     int edge = 0;
     for (std::size_t i = 0; i < sides.size(); ++i, ++edge) {
         const bool two = i + 1 < sides.size() && sides[i + 1].ends == sides[i].ends;
@@ -39,7 +40,7 @@ HalfEdges half_edges(const Faces& faces, int vertex_count)
         if (two)
             ++i;
         else // each boundary vertex has one such half-edge: bow ties are defects
-            along_boundary[static_cast<std::size_t>(sides[i].ends[sides[i].against ? 1 : 0])] =
+            along_boundary[to_size(sides[i].ends[sides[i].against ? 1 : 0])] =
                 sides[i].ends[sides[i].against ? 0 : 1];
     }
     result.edges.conservativeResize(edge, 2);
@@ -50,7 +51,7 @@ HalfEdges half_edges(const Faces& faces, int vertex_count)
             for (int* at = &start; *at >= 0;) {
                 const int next = *at;
                 *at = -1;
-                at = &along_boundary[static_cast<std::size_t>(next)];
+                at = &along_boundary[to_size(next)];
             }
         }
     return result;

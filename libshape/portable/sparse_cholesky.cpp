@@ -2,38 +2,32 @@
 
 #include "libshape/linalg/sparse_cholesky.h"
 
-#include <Eigen/SparseCholesky>
-
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/linalg/simplicial_cholesky.h"
 
 namespace shape::internal {
 
-// Eigen's simplicial factorisation, for what is small or made anew for every mesh.
+// What the library does with small matrices, for all: here are small ones, and few.
 
 struct SparseCholesky::Factor
 {
-    Eigen::SimplicialLLT<SparseMatrix> cholesky;
-    Eigen::Index entries = 0;
+    SimplicialCholesky cholesky;
+    Eigen::Index size;
+    Eigen::Index entries;
 
-    void factorise(const SparseMatrix& matrix)
+    explicit Factor(const SparseMatrix& matrix)
+        : cholesky(matrix), size(matrix.rows()), entries(matrix.nonZeros())
     {
-        cholesky.factorize(matrix);
-        if (cholesky.info() != Eigen::Success)
-            throw NumericalError(join("sparse Cholesky factorisation: the matrix of size ",
-                                      matrix.rows(), " is not positive definite"));
     }
 };
 
 SparseCholesky::SparseCholesky(const SparseMatrix& matrix, Ordering)
-    : factor_(std::make_unique<Factor>())
 {
     if (matrix.rows() != matrix.cols() || matrix.rows() == 0 || !matrix.isCompressed())
         throw InvalidInput(join("sparse Cholesky factorisation: the matrix is ", matrix.rows(),
                                 " by ", matrix.cols(), ", must be square, not empty, compressed"));
-    factor_->entries = matrix.nonZeros();
-    factor_->cholesky.analyzePattern(matrix);
-    factor_->factorise(matrix);
+    factor_ = std::make_unique<Factor>(matrix);
 }
 
 SparseCholesky::~SparseCholesky() = default;
@@ -47,7 +41,7 @@ void SparseCholesky::refactor(const SparseMatrix& matrix)
         throw InvalidInput(join("refactor: the matrix has ", matrix.rows(), " rows and ",
                                 matrix.nonZeros(), " entries, the pattern has ", size(), " and ",
                                 factor_->entries));
-    factor_->factorise(matrix);
+    factor_->cholesky.refactor(matrix);
 }
 
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& rhs) const
@@ -55,14 +49,12 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& rhs) const
     if (rhs.rows() != size())
         throw InvalidInput(
             join("solve: the right-hand side has ", rhs.rows(), " rows, the matrix ", size()));
-    if (factor_->cholesky.info() != Eigen::Success)
-        throw NumericalError("solve: the last factorisation failed");
     return factor_->cholesky.solve(rhs);
 }
 
 Eigen::Index SparseCholesky::size() const
 {
-    return factor_->cholesky.rows();
+    return factor_->size;
 }
 
 SupernodalFactor SparseCholesky::factor() const
@@ -72,7 +64,7 @@ SupernodalFactor SparseCholesky::factor() const
 
 std::size_t SparseCholesky::nonzeros() const
 {
-    return static_cast<std::size_t>(factor_->cholesky.matrixL().nestedExpression().nonZeros());
+    return factor_->cholesky.nonzeros();
 }
 
 } // namespace shape::internal

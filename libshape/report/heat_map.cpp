@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 #include "libshape/report/svg.h"
 
@@ -46,9 +47,8 @@ Image cells(const HeatMap& map, int cell, double largest)
     Image image(count * cell, count * cell, {255, 255, 255});
     for (int row = 0; row < count; ++row)
         for (int column = 0; column < count; ++column) {
-            const double distance =
-                map.distances(map.clustering.order[static_cast<std::size_t>(row)],
-                              map.clustering.order[static_cast<std::size_t>(column)]);
+            const double distance = map.distances(map.clustering.order[to_size(row)],
+                                                  map.clustering.order[to_size(column)]);
             image.paste(
                 Image(cell, cell,
                       map_colour(ColourMap::Sequential, largest > 0.0 ? distance / largest : 0.0)),
@@ -62,13 +62,13 @@ void draw_tree(Svg& svg, const Clustering& clustering, double left, double botto
     const std::size_t count = clustering.order.size();
     std::vector<Eigen::Vector2d> top(2 * count - 1); // of every cluster
     for (std::size_t position = 0; position < count; ++position)
-        top[static_cast<std::size_t>(clustering.order[position])] = {
+        top[to_size(clustering.order[position])] = {
             left + (static_cast<double>(position) + 0.5) * cell, bottom};
     const double highest = clustering.merges.empty() ? 0.0 : clustering.merges.back().height;
     for (std::size_t k = 0; k < clustering.merges.size(); ++k) {
         const Merge& merge = clustering.merges[k];
-        const Eigen::Vector2d a = top[static_cast<std::size_t>(merge.first)];
-        const Eigen::Vector2d b = top[static_cast<std::size_t>(merge.second)];
+        const Eigen::Vector2d a = top[to_size(merge.first)];
+        const Eigen::Vector2d b = top[to_size(merge.second)];
         const double y = bottom - (highest > 0.0 ? tree_height * merge.height / highest : 0.0);
         Eigen::MatrixX2d bracket(4, 2);
         bracket << a.x(), a.y(), a.x(), y, b.x(), y, b.x(), b.y();
@@ -116,11 +116,10 @@ void draw_labels(Svg& svg, const HeatMap& map, const Legend& legend, double left
 {
     const std::vector<std::string>& values = legend.values;
     const auto category = [&](const std::string& value) {
-        return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) -
-                                        values.begin());
+        return to_size(std::find(values.begin(), values.end(), value) - values.begin());
     };
     for (std::size_t position = 0; position < map.names.size(); ++position) {
-        const auto thing = static_cast<std::size_t>(map.clustering.order[position]);
+        const auto thing = to_size(map.clustering.order[position]);
         svg.rectangle(left, top + static_cast<double>(position) * cell, strip_width - 4.0, cell,
                       category_colour(category(map.label_values[thing])));
     }
@@ -180,8 +179,7 @@ std::string heat_map_svg(const HeatMap& map)
     for (std::size_t position = 0; named && position < map.names.size(); ++position)
         svg.text(left + side + 6.0,
                  top + (static_cast<double>(position) + 0.5) * cell + 0.35 * text_size,
-                 map.names[static_cast<std::size_t>(map.clustering.order[position])],
-                 {.size = text_size});
+                 map.names[to_size(map.clustering.order[position])], {.size = text_size});
     if (labelled)
         draw_labels(svg, map, legend, left - strip_width, top, cell, bottom);
     draw_scale(svg, left, top + side + 12.0, largest);

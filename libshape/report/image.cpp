@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -23,8 +24,7 @@ std::string hex(Colour colour)
     return text;
 }
 
-Image::Image(int w, int h, Colour fill)
-    : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), fill)
+Image::Image(int w, int h, Colour fill) : width(w), height(h), pixels(to_size(w) * to_size(h), fill)
 {
 }
 

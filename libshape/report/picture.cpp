@@ -13,6 +13,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/alignment.h"
 
 namespace shape {
@@ -164,9 +165,8 @@ Picture draw_collection(const Collection& collection, const PictureOptions& opti
     for (int i = 0; i < count; ++i) {
         const int column = i % columns;
         const int row = i / columns;
-        picture.sheet.paste(cells[static_cast<std::size_t>(i)], column * render.width,
-                            row * pixels(pitch));
-        const std::string& name = collection.names[static_cast<std::size_t>(i)];
+        picture.sheet.paste(cells[to_size(i)], column * render.width, row * pixels(pitch));
+        const std::string& name = collection.names[to_size(i)];
         const double letters =
             std::min(12.0, cell_width / std::max(1.0, text_width(name, 1.0) + 1.0));
         picture.captions.push_back(

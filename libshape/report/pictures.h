@@ -11,4 +11,5 @@
 #include "libshape/report/picture.h"
 #include "libshape/report/plot.h"
 #include "libshape/report/render.h"
+#include "libshape/report/score_plot.h"
 #include "libshape/report/svg.h"

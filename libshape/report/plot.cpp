@@ -10,6 +10,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 
 namespace shape {
@@ -138,6 +139,129 @@ std::vector<LegendEntry> legend_of(const Plot& plot, double width)
     return entries;
 }
 
+constexpr double scale_width = 76.0; ///< Of the scale of colours with its numbers [px].
+
+/// Colours of values: dark for low ones, never so light that they fade on white.
+struct ColourScale
+{
+    Extent extent;
+
+    [[nodiscard]] bool is_used() const { return extent.low <= extent.high; }
+    [[nodiscard]] Colour operator()(double value) const
+    {
+        const double range = extent.high - extent.low;
+        const double place = range > 0.0 ? (value - extent.low) / range : 0.5;
+        return map_colour(ColourMap::Sequential, 0.85 * place);
+    }
+};
+
+ColourScale scale_of(const Plot& plot)
+{
+    ColourScale scale;
+    for (const Series& series : plot.series)
+        for (const double value : series.values)
+            if (std::isfinite(value))
+                scale.extent.include(value);
+    return scale;
+}
+
+void draw_scale(Svg& svg, const ColourScale& scale, const std::string& label, double left,
+                double top, double bottom)
+{
+    constexpr int steps = 64;
+    constexpr double width = 12.0;
+    const double height = (bottom - top) / steps;
+    for (int i = 0; i < steps; ++i) {
+        const double value =
+            scale.extent.high - (scale.extent.high - scale.extent.low) * (i + 0.5) / steps;
+        svg.rectangle(left, top + i * height, width, height + 0.5, scale(value));
+    }
+    const Axis axis = fitted_axis(scale.extent, bottom, top);
+    const double step = axis.ticks.size() > 1 ? axis.ticks[1] - axis.ticks[0] : 1.0;
+    const double range = scale.extent.high - scale.extent.low;
+    for (const double tick : axis.ticks)
+        if (tick >= scale.extent.low && tick <= scale.extent.high && range > 0.0) {
+            const double y = bottom + (top - bottom) * (tick - scale.extent.low) / range;
+            svg.line(left + width, y, left + width + 3.0, y, axis_colour);
+            svg.text(left + width + 6.0, y + 4.0, tick_text(tick, step),
+                     {.size = 11.0, .colour = axis_colour});
+        }
+    if (!label.empty())
+        svg.text(left, top - 8.0, label, {.size = 12.0});
+}
+
+/// Names beside points: right, left, above or below, where they cover no other name and no point;
+/// where none of these is free, the name is left to the tip.
+class PointNames
+{
+public:
+    PointNames(Svg& svg, double left, double right) : svg_(svg), left_(left), right_(right) {}
+
+    void add_point(double x, double y) { taken_.push_back({x - 3.0, y - 3.0, 6.0, 6.0}); }
+
+    void write(double x, double y, const std::string& name)
+    {
+        constexpr double size = 10.0;
+        const double width = text_width(name, size);
+        const std::array<Box, 4> places{{{x + 6.0, y - 5.0, width, size},
+                                         {x - 6.0 - width, y - 5.0, width, size},
+                                         {x - 0.5 * width, y - 6.0 - size, width, size},
+                                         {x - 0.5 * width, y + 6.0, width, size}}};
+        for (const Box& place : places)
+            if (place.x >= left_ && place.x + place.width <= right_ && is_free(place)) {
+                svg_.text(place.x, place.y + 0.85 * size, name, {.size = size});
+                taken_.push_back(place);
+                return;
+            }
+    }
+
+private:
+    [[nodiscard]] bool is_free(const Box& place) const
+    {
+        return std::ranges::none_of(taken_, [&](const Box& other) {
+            return place.x < other.x + other.width && other.x < place.x + place.width &&
+                   place.y < other.y + other.height && other.y < place.y + place.height;
+        });
+    }
+
+    Svg& svg_;
+    double left_;
+    double right_;
+    std::vector<Box> taken_;
+};
+
+void draw_deviations(Svg& svg, const Series& series, const Axis& x, const Axis& y, Colour colour)
+{
+    for (Eigen::Index i = 0; i < series.deviations.size(); ++i) {
+        const double deviation = series.deviations[i];
+        if (!series.points.row(i).allFinite() || !(deviation > 0.0) || !std::isfinite(deviation))
+            continue;
+        const double place = x(series.points(i, 0));
+        const double low = y(series.points(i, 1) - deviation);
+        const double high = y(series.points(i, 1) + deviation);
+        svg.line(place, low, place, high, colour);
+        for (const double end : {low, high})
+            svg.line(place - 3.0, end, place + 3.0, end, colour);
+    }
+}
+
+void check_sizes(const Series& series)
+{
+    const auto check = [&](Eigen::Index size, const char* what) {
+        if (size != 0 && size != series.points.rows())
+            throw InvalidInput(join("series '", series.name, "' has ", size, " ", what, " for ",
+                                    series.points.rows(), " points"));
+    };
+    check(static_cast<Eigen::Index>(series.tips.size()), "tips");
+    check(series.values.size(), "values");
+    check(series.deviations.size(), "deviations");
+}
+
+Colour colour_of(const Plot& plot, std::size_t series)
+{
+    return plot.series[series].colour.value_or(category_colour(series));
+}
+
 } // namespace
 
 std::vector<double> round_ticks(double low, double high, int wanted)
@@ -165,21 +289,22 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
     Extent x_extent;
     Extent y_extent;
     for (const Series& series : plot.series) {
-        if (!series.tips.empty() &&
-            static_cast<Eigen::Index>(series.tips.size()) != series.points.rows())
-            throw InvalidInput(join("series '", series.name, "' has ", series.tips.size(),
-                                    " tips for ", series.points.rows(), " points"));
-        for (const auto& point : series.points.rowwise())
-            if (point.allFinite()) {
-                x_extent.include(point.x());
-                y_extent.include(point.y());
+        check_sizes(series);
+        for (Eigen::Index i = 0; i < series.points.rows(); ++i)
+            if (series.points.row(i).allFinite()) {
+                const double deviation = series.deviations.size() > 0 ? series.deviations[i] : 0.0;
+                x_extent.include(series.points(i, 0));
+                y_extent.include(series.points(i, 1) - deviation);
+                y_extent.include(series.points(i, 1) + deviation);
             }
     }
     const double left = box.x + 70.0;
-    const double right = box.x + box.width - 18.0;
+    const ColourScale scale = scale_of(plot);
+    const double right = box.x + box.width - 18.0 - (scale.is_used() ? scale_width : 0.0);
     const std::vector<LegendEntry> legend = legend_of(plot, right - left);
     const double legend_height = legend.empty() ? 0.0 : 4.0 + legend_row * (legend[0].row + 1);
-    const double top = box.y + 14.0 + (plot.title.empty() ? 0.0 : 22.0) + legend_height;
+    const double top = box.y + 14.0 + (plot.title.empty() ? 0.0 : 22.0) + legend_height +
+                       (scale.is_used() ? 14.0 : 0.0);
     Axis x = fitted_axis(x_extent, left, right);
     Axis y = fitted_axis(y_extent, box.y + box.height - 52.0, top);
     if (plot.equal_axes)
@@ -211,30 +336,43 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
         total += series.points.rows();
     const double size = std::clamp(
         30.0 / std::pow(std::max<double>(1.0, static_cast<double>(total)), 0.25), 5.0, 9.0);
+    PointNames names(svg, x.begin, box.x + box.width);
+    std::vector<std::pair<Eigen::RowVector2d, std::string>> named;
     for (std::size_t s = 0; s < plot.series.size(); ++s) {
         const Series& series = plot.series[s];
+        draw_deviations(svg, series, x, y, colour_of(plot, s));
         Eigen::MatrixX2d places(series.points.rows(), 2);
         Eigen::Index kept = 0;
         for (Eigen::Index i = 0; i < series.points.rows(); ++i) {
             if (!series.points.row(i).allFinite())
                 continue;
             places.row(kept++) << x(series.points(i, 0)), y(series.points(i, 1));
-            if (!series.curve)
-                svg.marker(marker_of(s), places(kept - 1, 0), places(kept - 1, 1), size,
-                           category_colour(s),
-                           series.tips.empty() ? "" : series.tips[static_cast<std::size_t>(i)]);
+            if (series.curve)
+                continue;
+            const std::string tip = series.tips.empty() ? "" : series.tips[to_size(i)];
+            svg.marker(marker_of(s), places(kept - 1, 0), places(kept - 1, 1), size,
+                       series.values.size() > 0 ? scale(series.values[i]) : colour_of(plot, s),
+                       tip);
+            if (plot.point_names) {
+                names.add_point(places(kept - 1, 0), places(kept - 1, 1));
+                named.emplace_back(places.row(kept - 1), tip);
+            }
         }
         if (series.curve)
-            svg.polyline(places.topRows(kept), category_colour(s));
+            svg.polyline(places.topRows(kept), colour_of(plot, s));
     }
+    for (const auto& [place, name] : named)
+        names.write(place.x(), place.y(), name);
+    if (scale.is_used())
+        draw_scale(svg, scale, plot.scale_label, box.x + box.width - scale_width, y.end, y.begin);
     for (const LegendEntry& entry : legend) {
         const Series& series = plot.series[entry.series];
         const double x0 = left + entry.left;
         const double y0 = top - 18.0 - legend_row * entry.row;
         if (series.curve)
-            svg.line(x0, y0, x0 + 14.0, y0, category_colour(entry.series), 2.0);
+            svg.line(x0, y0, x0 + 14.0, y0, colour_of(plot, entry.series), 2.0);
         else
-            svg.marker(marker_of(entry.series), x0 + 7.0, y0, 9.0, category_colour(entry.series));
+            svg.marker(marker_of(entry.series), x0 + 7.0, y0, 9.0, colour_of(plot, entry.series));
         svg.text(x0 + legend_mark, y0 + 4.0, series.name, {.size = legend_size});
     }
 }
@@ -245,46 +383,6 @@ std::string plot_svg(const Plot& plot, double width, double height)
     svg.rectangle(0.0, 0.0, width, height, {255, 255, 255});
     draw_plot(svg, {0.0, 0.0, width, height}, plot);
     return svg.document();
-}
-
-Plot score_plot(const RowMatrix& scores, const std::vector<std::string>& names,
-                const std::vector<std::string>& label_values, const Eigen::VectorXd& explained,
-                int mode_x, int mode_y)
-{
-    const auto count = static_cast<std::size_t>(scores.rows());
-    if (names.size() != count || (!label_values.empty() && label_values.size() != count))
-        throw InvalidInput(join("scores has ", count, " rows, but there are ", names.size(),
-                                " names and ", label_values.size(), " label values"));
-    if (std::min(mode_x, mode_y) < 0 || std::max(mode_x, mode_y) >= scores.cols())
-        throw InvalidInput(
-            join("modes ", mode_x, " and ", mode_y, " must be in [0, ", scores.cols(), ")"));
-    const auto axis_label = [&](int mode) {
-        std::string label = join("mode ", mode + 1);
-        if (mode < explained.size())
-            label += join(" (", std::round(1000.0 * explained[mode]) / 10.0, " % of variance)");
-        return label;
-    };
-    Plot plot{.title = {},
-              .x_label = axis_label(mode_x),
-              .y_label = axis_label(mode_y),
-              .series = {},
-              .equal_axes = false};
-    std::vector<std::vector<Eigen::Index>> members;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::string value = label_values.empty() ? "" : label_values[i];
-        const auto found = std::find_if(plot.series.begin(), plot.series.end(),
-                                        [&](const Series& s) { return s.name == value; });
-        const auto s = static_cast<std::size_t>(found - plot.series.begin());
-        if (found == plot.series.end()) {
-            plot.series.push_back({.name = value, .points = {}, .tips = {}, .curve = false});
-            members.emplace_back();
-        }
-        members[s].push_back(static_cast<Eigen::Index>(i));
-        plot.series[s].tips.push_back(names[i]);
-    }
-    for (std::size_t s = 0; s < members.size(); ++s)
-        plot.series[s].points = scores(members[s], std::vector<int>{mode_x, mode_y});
-    return plot;
 }
 
 } // namespace shape

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "libshape/linalg/dense.h"
 #include "libshape/report/svg.h"
 
 namespace shape {
@@ -18,6 +18,11 @@ struct Series
     Eigen::MatrixX2d points;       ///< n by 2; a point that is not finite is left out.
     std::vector<std::string> tips; ///< Empty, or one per point.
     bool curve = false;            ///< Joined by a line, without marks.
+    Eigen::VectorXd values =
+        {}; ///< Empty, or one per point: its place on a scale of colours, which
+            ///< is drawn beside the plot; grey if it is not finite.
+    Eigen::VectorXd deviations = {};   ///< Empty, or one per point, >= 0: a bar as far up and down.
+    std::optional<Colour> colour = {}; ///< In the place of category_colour(i).
 };
 
 struct Plot
@@ -25,8 +30,10 @@ struct Plot
     std::string title; ///< May be empty.
     std::string x_label;
     std::string y_label;
-    std::vector<Series> series; ///< The i-th in category_colour(i) and the i-th marker.
-    bool equal_axes = false;    ///< A unit is as long in x as in y.
+    std::vector<Series> series;   ///< The i-th in category_colour(i) and the i-th marker.
+    bool equal_axes = false;      ///< A unit is as long in x as in y.
+    bool point_names = false;     ///< Tips stand beside their points where there is room.
+    std::string scale_label = {}; ///< Of the scale of colours.
 };
 
 /// A place in an SVG document [px].
@@ -38,8 +45,9 @@ struct Box
     double height = 480.0;
 };
 
-/// Draws a plot into a box: axes with round ticks, a faint grid, a legend if two series have names.
-/// @throws InvalidInput if a series has tips, but not one per point.
+/// Draws a plot into a box: axes with round ticks, a faint grid, a legend if two series have names, a
+/// scale of colours if a series has values.
+/// @throws InvalidInput if a series has tips, values or deviations, but not one per point.
 void draw_plot(Svg& svg, const Box& box, const Plot& plot);
 
 /// The plot as a document of its own.
@@ -49,16 +57,5 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot);
 /// low and the last not below high.
 /// @param low  Finite, <= high. Ends as good as equal are widened.
 [[nodiscard]] std::vector<double> round_ticks(double low, double high, int wanted = 6);
-
-/// The scores of meshes along two modes, one series a label value in the order of first appearance.
-///
-/// @param scores  N by K.
-/// @param label_values  N, or empty: one series.
-/// @param explained  Shares of the variance in [0, 1] for the axes, at most K; may be empty.
-/// @param mode_x, mode_y  Indices in [0, K).
-/// @throws InvalidInput if a size or an index does not fit.
-[[nodiscard]] Plot score_plot(const RowMatrix& scores, const std::vector<std::string>& names,
-                              const std::vector<std::string>& label_values,
-                              const Eigen::VectorXd& explained, int mode_x = 0, int mode_y = 1);
 
 } // namespace shape

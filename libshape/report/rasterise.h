@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/points.h"
 
 namespace shape::internal {
@@ -19,7 +20,7 @@ using Triangle = std::array<Eigen::Vector3f, 3>;
 inline Triangle corners_of(const Faces& faces, Eigen::Index face,
                            const std::vector<Eigen::Vector3f>& points)
 {
-    const auto corner = [&](int c) { return points[static_cast<std::size_t>(faces(face, c))]; };
+    const auto corner = [&](int c) { return points[to_size(faces(face, c))]; };
     return {corner(0), corner(1), corner(2)};
 }
 

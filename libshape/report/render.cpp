@@ -13,6 +13,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/rasterise.h"
 #include "libshape/report/studio.h"
 
@@ -95,9 +96,7 @@ public:
 private:
     [[nodiscard]] Sample& at(int column, int row)
     {
-        return buffer_[static_cast<std::size_t>(row - band_.begin) *
-                           static_cast<std::size_t>(width_) +
-                       static_cast<std::size_t>(column)];
+        return buffer_[to_size(row - band_.begin) * to_size(width_) + to_size(column)];
     }
 
     /// Makes the band that starts with a row of pixels.
@@ -105,9 +104,7 @@ private:
     {
         const int rows = std::max(1, buffer_size / (width_ * samples)); // of pixels
         band_ = {samples * first_row, std::min(height_, samples * (first_row + rows))};
-        buffer_.assign(
-            static_cast<std::size_t>(width_) * static_cast<std::size_t>(band_.end - band_.begin),
-            Sample{});
+        buffer_.assign(to_size(width_) * to_size(band_.end - band_.begin), Sample{});
         for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
             const Triangle corners = corners_of(faces_, f, seen_);
             const Vector3f depths(corners[0].z(), corners[1].z(), corners[2].z());
@@ -140,17 +137,17 @@ std::vector<Vector3f> corner_normals(const Faces& faces, const Points& points, d
         const Vector3d c = points.row(face[2]);
         face_normals.push_back((b - a).cross(c - a));
     }
-    std::vector<std::vector<std::size_t>> faces_at(static_cast<std::size_t>(points.rows()));
+    std::vector<std::vector<std::size_t>> faces_at(to_size(points.rows()));
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
         for (int c = 0; c < 3; ++c)
-            faces_at[static_cast<std::size_t>(faces(f, c))].push_back(static_cast<std::size_t>(f));
+            faces_at[to_size(faces(f, c))].push_back(to_size(f));
     const double smooth = std::cos(crease_angle * pi / 180.0);
     std::vector<Vector3f> normals;
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        const Vector3d& own = face_normals[static_cast<std::size_t>(f)];
+        const Vector3d& own = face_normals[to_size(f)];
         for (int c = 0; c < 3; ++c) {
             Vector3d sum = Vector3d::Zero();
-            for (const std::size_t g : faces_at[static_cast<std::size_t>(faces(f, c))]) {
+            for (const std::size_t g : faces_at[to_size(faces(f, c))]) {
                 const Vector3d& other = face_normals[g];
                 if (own.dot(other) >= smooth * own.norm() * other.norm())
                     sum += other;
@@ -168,7 +165,7 @@ public:
     Surface(const Faces& faces, const Points& points, const RenderOptions& options)
         : faces_(faces),
           normals_(corner_normals(faces, points, options.crease_angle)),
-          colours_(static_cast<std::size_t>(points.rows()), decoded(options.surface))
+          colours_(to_size(points.rows()), decoded(options.surface))
     {
         for (const auto& p : points.rowwise())
             places_.emplace_back(p.transpose().cast<float>());
@@ -184,7 +181,7 @@ public:
         for (std::size_t c = 0; c < 3; ++c) {
             const float weight = sample.weights[static_cast<Eigen::Index>(c)];
             patch.place += weight * corners[c];
-            patch.normal += weight * normals_[3 * static_cast<std::size_t>(sample.face) + c];
+            patch.normal += weight * normals_[3 * to_size(sample.face) + c];
             patch.colour += weight * colours[c];
         }
         patch.normal.normalize();

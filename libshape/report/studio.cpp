@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "libshape/base/to_size.h"
 #include "libshape/report/rasterise.h"
 
 namespace shape::internal {
@@ -85,7 +86,7 @@ public:
             const Triangle corners = corners_of(faces, f, seen);
             const Vector3f depths(corners[0].z(), corners[1].z(), corners[2].z());
             rasterise(corners, size, {0, size}, [&](int x, int y, const Vector3f& weights) {
-                float& texel = depth_[static_cast<std::size_t>(y * size + x)];
+                float& texel = depth_[to_size(y * size + x)];
                 texel = std::max(texel, weights.dot(depths));
             });
         }
@@ -97,7 +98,7 @@ public:
         const Vector3f p = project(point);
         const int x = std::clamp(static_cast<int>(p.x()), 0, size - 1);
         const int y = std::clamp(static_cast<int>(p.y()), 0, size - 1);
-        return depth_[static_cast<std::size_t>(y * size + x)] <= p.z();
+        return depth_[to_size(y * size + x)] <= p.z();
     }
 
 private:
@@ -119,7 +120,7 @@ private:
 std::vector<Vector3f> single_precision(const Points& points)
 {
     std::vector<Vector3f> places;
-    places.reserve(static_cast<std::size_t>(points.rows()));
+    places.reserve(to_size(points.rows()));
     for (const auto& p : points.rowwise())
         places.emplace_back(p.transpose().cast<float>());
     return places;

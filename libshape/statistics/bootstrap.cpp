@@ -11,6 +11,7 @@
 #include "libshape/base/random.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -25,8 +26,8 @@ std::vector<std::vector<int>> blocks_of_strata(const std::vector<std::vector<int
 {
     std::vector<std::vector<int>> lists(strata.names.size());
     for (std::size_t b = 0; b < blocks.size(); ++b) {
-        const int stratum = strata.group_of[static_cast<std::size_t>(blocks[b].front())];
-        lists[static_cast<std::size_t>(stratum)].push_back(static_cast<int>(b));
+        const int stratum = strata.group_of[to_size(blocks[b].front())];
+        lists[to_size(stratum)].push_back(static_cast<int>(b));
     }
     return lists;
 }
@@ -66,7 +67,7 @@ RowMatrix bootstrap(const Resampling& resampling,
     const std::vector<std::vector<int>> strata = blocks_of_strata(blocks, resampling.strata);
     Random seeds(options.seed);
     std::vector<Random> random;
-    random.reserve(static_cast<std::size_t>(options.replicates));
+    random.reserve(to_size(options.replicates));
     for (int r = 0; r < options.replicates; ++r)
         random.emplace_back(seeds.bits());
     std::vector<VectorXd> rows(random.size());
@@ -75,14 +76,14 @@ RowMatrix bootstrap(const Resampling& resampling,
         for (const std::vector<int>& stratum : strata)
             for (std::size_t draw = 0; draw < stratum.size(); ++draw) {
                 const int block = stratum[random[r].index(stratum.size())];
-                for (const int i : blocks[static_cast<std::size_t>(block)])
+                for (const int i : blocks[to_size(block)])
                     times[i] += 1.0;
             }
         rows[r] = statistic(times);
     });
     RowMatrix result(options.replicates, rows.front().size());
     for (Index r = 0; r < result.rows(); ++r)
-        result.row(r) = rows[static_cast<std::size_t>(r)].transpose();
+        result.row(r) = rows[to_size(r)].transpose();
     return result;
 }
 
@@ -128,7 +129,7 @@ std::vector<Interval> variance_intervals(const RowMatrix& coordinates, int modes
         [&](const VectorXd& times) { return largest_variances(coordinates, times, modes); },
         options);
     std::vector<Interval> intervals;
-    intervals.reserve(static_cast<std::size_t>(modes));
+    intervals.reserve(to_size(modes));
     for (int k = 0; k < modes; ++k)
         intervals.push_back(percentile_interval(replicates.col(k), options.confidence));
     return intervals;

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/statistics/student_t.h"
 
 namespace shape {
@@ -106,7 +107,7 @@ Eigen::VectorXd benjamini_hochberg(const Eigen::VectorXd& probabilities)
         if (!(probabilities[i] >= 0.0 && probabilities[i] <= 1.0))
             throw InvalidInput(
                 join("probabilities[", i, "] is ", probabilities[i], ", must be in [0, 1]"));
-    std::vector<Eigen::Index> order(static_cast<std::size_t>(count));
+    std::vector<Eigen::Index> order(to_size(count));
     std::iota(order.begin(), order.end(), Eigen::Index{0});
     std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
         return probabilities[a] < probabilities[b];
@@ -114,7 +115,7 @@ Eigen::VectorXd benjamini_hochberg(const Eigen::VectorXd& probabilities)
     Eigen::VectorXd rates(count);
     double least = 1.0;
     for (Eigen::Index rank = count; rank > 0; --rank) {
-        const Eigen::Index i = order[static_cast<std::size_t>(rank - 1)];
+        const Eigen::Index i = order[to_size(rank - 1)];
         least = std::min(least,
                          probabilities[i] * static_cast<double>(count) / static_cast<double>(rank));
         rates[i] = least;

@@ -11,6 +11,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/linalg/dense.h"
 #include "libshape/linalg/symmetric_eigen.h"
 #include "libshape/statistics/discriminant_analysis.h"
@@ -35,6 +36,7 @@ Coordinates principal_coordinates(MatrixXd products)
     products.rowwise() -= products.colwise().mean().eval();
     products.colwise() -= products.rowwise().mean().eval();
     const Eigenpairs pairs = largest_eigenpairs(products, static_cast<int>(products.rows()));
+    // Below 1e-12 of the largest the eigenvalues of inner products are their rounding.
     const Index count = (pairs.values.array() > 1e-12 * pairs.values[0]).count();
     const VectorXd squares = pairs.values.head(count);
     return {pairs.vectors.leftCols(count) * squares.cwiseSqrt().asDiagonal(), squares};
@@ -45,7 +47,7 @@ Coordinates principal_coordinates(MatrixXd products)
 MatrixXd leading_subspace(const VectorXd& d, const MatrixXd& b, Index count)
 {
     constexpr int most_steps = 300;
-    constexpr double tolerance = 1e-9;
+    constexpr double tolerance = 1e-9; // of the eigenvalues: scores to about as much
     const Index width = std::min(d.size(), 2 * count + 10);
     MatrixXd basis = MatrixXd::Identity(d.size(), width);
     for (int step = 0; step < most_steps; ++step) {
@@ -80,7 +82,7 @@ std::vector<int> predict(const Coordinates& all, const Grouping& groups,
     const MatrixXd axes = leading_subspace(all.squares, removed, modes);
     Grouping training_groups{groups.names, {}};
     for (const int i : kept)
-        training_groups.group_of.push_back(groups.group_of[static_cast<std::size_t>(i)]);
+        training_groups.group_of.push_back(groups.group_of[to_size(i)]);
     const DiscriminantAnalysis analysis =
         discriminant_analysis((training.rowwise() - mean) * axes, training_groups);
     return classify(analysis, (test.rowwise() - mean) * axes);
@@ -98,16 +100,20 @@ std::vector<int> all_but(const std::vector<int>& left_out, Index count)
 void check_fold(const Coordinates& all, const Grouping& groups, const std::string& fold,
                 const std::vector<int>& kept, int modes)
 {
-    const auto group_count = static_cast<std::size_t>(groups.group_count());
+    const auto group_count = to_size(groups.group_count());
     std::vector<bool> found(group_count, false);
     for (const int i : kept)
-        found[static_cast<std::size_t>(groups.group_of[static_cast<std::size_t>(i)])] = true;
+        found[to_size(groups.group_of[to_size(i)])] = true;
     for (std::size_t g = 0; g < group_count; ++g)
         if (!found[g])
             throw InvalidInput(join("cross-validation: without fold '", fold,
                                     "' nothing is left of group '", groups.names[g],
                                     "' to learn from"));
     const auto most = static_cast<std::ptrdiff_t>(kept.size() - std::min(kept.size(), group_count));
+    if (most < 1)
+        throw InvalidInput(join("cross-validation: without fold '", fold, "' there are ",
+                                kept.size(), " observations in ", group_count,
+                                " groups, too few to learn from; it takes one more than groups"));
     if (modes > std::min<std::ptrdiff_t>(most, all.squares.size()))
         throw InvalidInput(join("cross-validation: modes is ", modes, ", but without fold '", fold,
                                 "' there are ", kept.size(), " observations in ", group_count,
@@ -132,13 +138,13 @@ CrossValidation cross_validate(const MatrixXd& products, const Grouping& groups,
     const Coordinates all = principal_coordinates(products);
     const std::vector<std::vector<int>> left_out = members(folds);
     CrossValidation result;
-    result.predicted.resize(static_cast<std::size_t>(count));
+    result.predicted.resize(to_size(count));
     parallel_for(left_out.size(), 1, [&](std::size_t f, std::size_t) {
         const std::vector<int> kept = all_but(left_out[f], count);
         check_fold(all, groups, folds.names[f], kept, modes);
         const std::vector<int> predicted = predict(all, groups, left_out[f], kept, modes);
         for (std::size_t k = 0; k < predicted.size(); ++k)
-            result.predicted[static_cast<std::size_t>(left_out[f][k])] = predicted[k];
+            result.predicted[to_size(left_out[f][k])] = predicted[k];
     });
     result.confusion = Eigen::MatrixXi::Zero(groups.group_count(), groups.group_count());
     for (std::size_t i = 0; i < result.predicted.size(); ++i)

@@ -63,6 +63,8 @@ DiscriminantAnalysis discriminant_analysis(const RowMatrix& points, const Groupi
     // Coordinates of unit spread each make the test for singularity one of directions.
     const Eigen::VectorXd spread = within.colwise().norm().transpose();
     const MatrixXd scaled = within * spread.cwiseInverse().asDiagonal();
+    // A diagonal entry is the sine of the angle between a direction and those before: below 1e-7 the
+    // square of it, of which the factor is made, is rounding.
     const Eigen::LLT<MatrixXd> factor(scaled.transpose() * scaled);
     if (factor.info() != Eigen::Success || !scaled.allFinite() ||
         !(factor.matrixLLT().diagonal().minCoeff() > 1e-7))

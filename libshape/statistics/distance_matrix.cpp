@@ -7,6 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -16,7 +17,7 @@ Eigen::MatrixXd distance_matrix(const RowMatrix& data)
     if (!data.allFinite())
         throw InvalidInput("distances: the data has an entry that is not finite");
     Eigen::MatrixXd distances = Eigen::MatrixXd::Zero(data.rows(), data.rows());
-    parallel_for(static_cast<std::size_t>(data.rows()), 1, [&](std::size_t row, std::size_t) {
+    parallel_for(to_size(data.rows()), 1, [&](std::size_t row, std::size_t) {
         const auto i = static_cast<Eigen::Index>(row);
         for (Eigen::Index j = 0; j < i; ++j)
             distances(i, j) = (data.row(i) - data.row(j)).norm();

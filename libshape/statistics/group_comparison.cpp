@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/statistics/covariate_blocks.h"
 
 namespace shape {
@@ -42,7 +43,7 @@ std::vector<std::size_t> groups_per_block(const Grouping& groups, const Grouping
     for (const std::vector<int>& block : members(blocks)) {
         std::set<int> found;
         for (const int i : block)
-            found.insert(groups.group_of[static_cast<std::size_t>(i)]);
+            found.insert(groups.group_of[to_size(i)]);
         counts.push_back(found.size());
     }
     return counts;
@@ -69,7 +70,7 @@ Design blocks_of_several_groups(const Design& design)
     const std::vector<std::size_t> counts = groups_per_block(design.groups, design.blocks);
     std::vector<int> kept;
     for (std::size_t i = 0; i < design.blocks.group_of.size(); ++i)
-        if (counts[static_cast<std::size_t>(design.blocks.group_of[i])] > 1)
+        if (counts[to_size(design.blocks.group_of[i])] > 1)
             kept.push_back(static_cast<int>(i));
     return subset(design, kept);
 }
@@ -107,8 +108,8 @@ PairComparison compare_pair(const Design& design, int first, int second,
                             const PermutationOptions& options)
 {
     const std::vector<std::vector<int>> lists = members(design.groups);
-    const std::vector<int>& a = lists[static_cast<std::size_t>(first)];
-    const std::vector<int>& b = lists[static_cast<std::size_t>(second)];
+    const std::vector<int>& a = lists[to_size(first)];
+    const std::vector<int>& b = lists[to_size(second)];
     PairComparison pair;
     pair.first = first;
     pair.second = second;
@@ -120,9 +121,8 @@ PairComparison compare_pair(const Design& design, int first, int second,
         if (is_testable_pair(compared))
             pair.test = test(compared, options);
     } catch (const InvalidInput& error) {
-        throw InvalidInput(join("groups '", design.groups.names[static_cast<std::size_t>(first)],
-                                "' and '", design.groups.names[static_cast<std::size_t>(second)],
-                                "': ", error.what()));
+        throw InvalidInput(join("groups '", design.groups.names[to_size(first)], "' and '",
+                                design.groups.names[to_size(second)], "': ", error.what()));
     }
     return pair;
 }
@@ -174,16 +174,16 @@ GroupComparison compare_groups(const MatrixXd& products, const Grouping& groups,
             result.pairs.push_back(compare_pair(design, first, second, options));
     Eigen::VectorXd p_values(static_cast<Index>(result.pairs.size()));
     for (Index k = 0; k < p_values.size(); ++k)
-        p_values[k] = result.pairs[static_cast<std::size_t>(k)].test.p_value;
+        p_values[k] = result.pairs[to_size(k)].test.p_value;
     const Eigen::VectorXd adjusted = holm_adjusted(p_values);
     for (Index k = 0; k < p_values.size(); ++k)
-        result.pairs[static_cast<std::size_t>(k)].adjusted_p = adjusted[k];
+        result.pairs[to_size(k)].adjusted_p = adjusted[k];
     return result;
 }
 
 Eigen::VectorXd holm_adjusted(const Eigen::VectorXd& p_values)
 {
-    std::vector<Index> order(static_cast<std::size_t>(p_values.size()));
+    std::vector<Index> order(to_size(p_values.size()));
     std::iota(order.begin(), order.end(), Index{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](Index a, Index b) { return p_values[a] < p_values[b]; });

@@ -108,4 +108,23 @@ GroupSpread group_spread(const MatrixXd& products, const Grouping& groups, const
     return result;
 }
 
+LinearModelTest test_spread(const Eigen::MatrixXd& products, const Grouping& groups,
+                            const Grouping& blocks, const PermutationOptions& options)
+{
+    Eigen::VectorXd distances = Eigen::VectorXd::Zero(products.rows());
+    for (const std::vector<int>& group : members(groups)) {
+        const auto count = static_cast<double>(group.size());
+        if (group.size() < 2)
+            continue; // a single point is its mean
+        const Eigen::MatrixXd own = products(group, group);
+        const Eigen::VectorXd squares =
+            own.diagonal() - 2.0 / count * own.rowwise().sum() +
+            Eigen::VectorXd::Constant(own.rows(), own.sum() / (count * count));
+        distances(group) = (count / (count - 1.0) * squares.cwiseMax(0.0)).cwiseSqrt();
+    }
+    distances.array() -= distances.mean();
+    const Eigen::MatrixXd none(products.rows(), 0);
+    return compare_groups(distances * distances.transpose(), groups, blocks, none, options).overall;
+}
+
 } // namespace shape

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libshape/statistics/bootstrap.h"
+#include "libshape/statistics/group_comparison.h"
 #include "libshape/statistics/grouping.h"
 
 namespace shape {
@@ -30,5 +31,14 @@ struct GroupSpread
 [[nodiscard]] GroupSpread group_spread(const Eigen::MatrixXd& products, const Grouping& groups,
                                        const Grouping& blocks,
                                        const BootstrapOptions& options = {});
+
+/// Whether groups spread alike, by permutation (Anderson 2006; in one dimension Levene 1960):
+/// compare_groups() of the distances of the points from the mean of their group, each times
+/// sqrt(n / (n - 1)), n the size of the group, since a mean of few lies nearer to them.
+/// @param products  N by N inner products of the points.
+/// @throws InvalidInput as compare_groups(). With fewer than two degrees of freedom the test stays empty.
+[[nodiscard]] LinearModelTest test_spread(const Eigen::MatrixXd& products, const Grouping& groups,
+                                          const Grouping& blocks,
+                                          const PermutationOptions& options = {});
 
 } // namespace shape

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -25,7 +26,7 @@ Grouping group_by(const std::vector<std::string>& values)
 
 Grouping one_group(Eigen::Index count)
 {
-    return group_by(std::vector<std::string>(static_cast<std::size_t>(count), "all"));
+    return group_by(std::vector<std::string>(to_size(count), "all"));
 }
 
 Grouping groups_of_one(Eigen::Index count)
@@ -46,7 +47,7 @@ std::vector<std::vector<int>> members(const Grouping& grouping)
         if (group < 0 || group >= grouping.group_count())
             throw InvalidInput(join("grouping: observation ", i, " is in group ", group,
                                     ", must be in [0, ", grouping.group_count(), ")"));
-        lists[static_cast<std::size_t>(group)].push_back(static_cast<int>(i));
+        lists[to_size(group)].push_back(static_cast<int>(i));
     }
     for (std::size_t g = 0; g < lists.size(); ++g)
         if (lists[g].empty())
@@ -67,8 +68,7 @@ Grouping subset(const Grouping& grouping, const std::vector<int>& observations)
 {
     std::vector<std::string> values;
     for (const int i : observations)
-        values.push_back(grouping.names.at(
-            static_cast<std::size_t>(grouping.group_of.at(static_cast<std::size_t>(i)))));
+        values.push_back(grouping.names.at(to_size(grouping.group_of.at(to_size(i)))));
     return group_by(values);
 }
 

@@ -7,9 +7,11 @@
 #include <numeric>
 #include <utility>
 
+#include "libshape/base/to_size.h"
 #include "libshape/statistics/distance_matrix.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// A merge of the clusters that two observations are in.
@@ -25,7 +27,7 @@ struct Join
 std::vector<Join> join_all(Eigen::MatrixXd& distances)
 {
     const auto count = static_cast<int>(distances.rows());
-    std::vector<int> active(static_cast<std::size_t>(count));
+    std::vector<int> active(to_size(count));
     std::iota(active.begin(), active.end(), 0);
     Eigen::VectorXd sizes = Eigen::VectorXd::Ones(count);
     std::vector<int> chain;
@@ -65,9 +67,8 @@ std::vector<Join> join_all(Eigen::MatrixXd& distances)
 
 int root(std::vector<int>& parent, int node)
 {
-    while (parent[static_cast<std::size_t>(node)] != node)
-        node = parent[static_cast<std::size_t>(node)] =
-            parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(node)])];
+    while (parent[to_size(node)] != node)
+        node = parent[to_size(node)] = parent[to_size(parent[to_size(node)])];
     return node;
 }
 
@@ -77,7 +78,7 @@ std::vector<Merge> sorted_merges(std::vector<Join> joins)
     std::stable_sort(joins.begin(), joins.end(),
                      [](const Join& x, const Join& y) { return x.height < y.height; });
     const int count = static_cast<int>(joins.size()) + 1;
-    std::vector<int> parent(static_cast<std::size_t>(count)); // to the lowest observation
+    std::vector<int> parent(to_size(count)); // to the lowest observation
     std::iota(parent.begin(), parent.end(), 0);
     std::vector<int> cluster = parent; // at roots
     std::vector<int> sizes(parent.size(), 1);
@@ -85,8 +86,8 @@ std::vector<Merge> sorted_merges(std::vector<Join> joins)
     for (const Join& join : joins) {
         const int a = root(parent, join.a);
         const int b = root(parent, join.b);
-        const auto kept = static_cast<std::size_t>(std::min(a, b));
-        const auto gone = static_cast<std::size_t>(std::max(a, b));
+        const auto kept = to_size(std::min(a, b));
+        const auto gone = to_size(std::max(a, b));
         parent[gone] = std::min(a, b);
         sizes[kept] += sizes[gone];
         merges.push_back({cluster[kept], cluster[gone], join.height, sizes[kept]});
@@ -111,7 +112,7 @@ Clustering cluster_by_average_linkage(Eigen::MatrixXd distances)
             clustering.order.push_back(cluster);
             continue;
         }
-        const Merge& merge = clustering.merges[static_cast<std::size_t>(cluster - count)];
+        const Merge& merge = clustering.merges[to_size(cluster - count)];
         stack.push_back(merge.second);
         stack.push_back(merge.first);
     }
@@ -125,11 +126,11 @@ std::vector<double> joining_heights(const Clustering& clustering)
     // The first position of every cluster: that of the second of a merge is where it joins.
     std::vector<std::size_t> first(2 * count - 1);
     for (std::size_t position = 0; position < count; ++position)
-        first[static_cast<std::size_t>(clustering.order[position])] = position;
+        first[to_size(clustering.order[position])] = position;
     for (std::size_t k = 0; k < clustering.merges.size(); ++k) {
         const Merge& merge = clustering.merges[k];
-        first[count + k] = first[static_cast<std::size_t>(merge.first)];
-        heights[first[static_cast<std::size_t>(merge.second)]] = merge.height;
+        first[count + k] = first[to_size(merge.first)];
+        heights[first[to_size(merge.second)]] = merge.height;
     }
     return heights;
 }

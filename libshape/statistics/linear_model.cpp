@@ -12,6 +12,7 @@
 #include "libshape/base/random.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -51,7 +52,8 @@ MatrixXd centred(MatrixXd columns, const Blocks& blocks)
     return columns;
 }
 
-/// Columns about their means in each block, of length 1; 0 if that is all there was to them.
+/// Columns about their means in each block, of length 1; 0 if that is all there was to them, but for
+/// the rounding of N sums (1e-12).
 MatrixXd centred_and_scaled(const MatrixXd& columns, const Blocks& blocks)
 {
     MatrixXd result = centred(columns, blocks);
@@ -85,13 +87,13 @@ MatrixXd without(const MatrixXd& basis, const MatrixXd& x)
 std::vector<int> permutation_within(const Blocks& blocks, Index count, std::uint64_t seed)
 {
     Random random(seed);
-    std::vector<int> permutation(static_cast<std::size_t>(count));
+    std::vector<int> permutation(to_size(count));
     for (const std::vector<int>& block : blocks) {
         std::vector<int> shuffled = block;
         for (std::size_t i = shuffled.size(); i > 1; --i)
             std::swap(shuffled[i - 1], shuffled[random.index(i)]);
         for (std::size_t i = 0; i < block.size(); ++i)
-            permutation[static_cast<std::size_t>(block[i])] = shuffled[i];
+            permutation[to_size(block[i])] = shuffled[i];
     }
     return permutation;
 }
@@ -130,7 +132,7 @@ Eigen::VectorXd explained_shares(const ReducedModel& model,
     const auto count = static_cast<Index>(permutations.size());
     MatrixXd columns(model.products.rows(), width * count);
     for (Index k = 0; k < count; ++k) {
-        const std::vector<int>& permutation = permutations[static_cast<std::size_t>(k)];
+        const std::vector<int>& permutation = permutations[to_size(k)];
         columns.middleCols(k * width, rank) = model.tested(permutation, Eigen::all);
         columns.middleCols(k * width + rank, width - rank) =
             model.nuisance(permutation, Eigen::all);
@@ -149,7 +151,7 @@ Eigen::VectorXd explained_shares(const ReducedModel& model,
 int count_at_least(const ReducedModel& model, double share, const PermutationOptions& options)
 {
     Random random(options.seed);
-    std::vector<std::uint64_t> seeds(static_cast<std::size_t>(options.permutations));
+    std::vector<std::uint64_t> seeds(to_size(options.permutations));
     for (std::uint64_t& seed : seeds)
         seed = random.bits();
     const double sum = parallel_sum(seeds.size(), 16, [&](std::size_t begin, std::size_t end) {
@@ -191,7 +193,8 @@ LinearModelTest test_linear_model(const MatrixXd& products, const MatrixXd& test
                                 " blocks with ", model.nuisance.cols(), " nuisance columns and ",
                                 result.degrees_of_freedom,
                                 " tested ones leave no degree of freedom"));
-    const double left = model.products.trace();
+    const double left =
+        model.products.trace(); // its rounding is that of `products`, which may be far larger
     if (!(left > 1e-14 * static_cast<double>(count) * products.cwiseAbs().maxCoeff()))
         throw InvalidInput("linear model: the observations do not vary within the blocks");
 

@@ -13,6 +13,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/linalg/symmetric_eigen.h"
 #include "libshape/statistics/inner_products.h"
 #include "libshape/statistics/mean.h"
@@ -44,7 +45,7 @@ void check_data(const RowMatrix& data, const PrincipalComponentsOptions& options
 RowMatrix combine_rows(const RowMatrix& weights, const RowMatrix& x)
 {
     RowMatrix combined(weights.cols(), x.cols());
-    parallel_for(static_cast<std::size_t>(x.cols()), 512, [&](std::size_t begin, std::size_t end) {
+    parallel_for(to_size(x.cols()), 512, [&](std::size_t begin, std::size_t end) {
         const auto first = static_cast<Index>(begin);
         const auto count = static_cast<Index>(end - begin);
         combined.middleCols(first, count).noalias() =
@@ -56,7 +57,7 @@ RowMatrix combine_rows(const RowMatrix& weights, const RowMatrix& x)
 /// x = weights^T x in place, in the same strips: the modes may be as large as the data.
 void mix_rows(const RowMatrix& weights, RowMatrix& x)
 {
-    parallel_for(static_cast<std::size_t>(x.cols()), 512, [&](std::size_t begin, std::size_t end) {
+    parallel_for(to_size(x.cols()), 512, [&](std::size_t begin, std::size_t end) {
         auto strip = x.middleCols(static_cast<Index>(begin), static_cast<Index>(end - begin));
         strip = (weights.transpose() * strip).eval();
     });
@@ -66,7 +67,7 @@ void mix_rows(const RowMatrix& weights, RowMatrix& x)
 RowMatrix coordinates(const RowMatrix& x, const RowMatrix& modes)
 {
     RowMatrix scores(x.rows(), modes.rows());
-    parallel_for(static_cast<std::size_t>(x.rows()), 32, [&](std::size_t begin, std::size_t end) {
+    parallel_for(to_size(x.rows()), 32, [&](std::size_t begin, std::size_t end) {
         const auto first = static_cast<Index>(begin);
         const auto count = static_cast<Index>(end - begin);
         scores.middleRows(first, count).noalias() = x.middleRows(first, count) * modes.transpose();
@@ -157,7 +158,7 @@ void measure_variances(PrincipalComponents& components)
     const auto divisor = static_cast<double>(components.scores.rows() - 1);
     const Eigen::VectorXd variances =
         components.scores.colwise().squaredNorm().transpose() / divisor;
-    std::vector<Index> order(static_cast<std::size_t>(variances.size()));
+    std::vector<Index> order(to_size(variances.size()));
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),
                      [&](Index a, Index b) { return variances[a] > variances[b]; });

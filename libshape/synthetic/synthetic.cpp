@@ -7,6 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/base/to_size.h"
 #include "libshape/synthetic/generators.h"
 
 namespace shape {
@@ -169,7 +170,7 @@ Collection Members::take()
 std::string padded(int number, int width)
 {
     const std::string digits = std::to_string(number);
-    const auto wanted = static_cast<std::size_t>(width);
+    const auto wanted = to_size(width);
     return std::string(wanted > digits.size() ? wanted - digits.size() : 0, '0') + digits;
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/mesh/alignment.h"
@@ -77,7 +78,7 @@ nlohmann::json run(const Topology& topology, const std::vector<Points>& meshes,
         angle = wrapped_angle(angle) * 180.0 / std::numbers::pi;
     nlohmann::json ends;
     for (int k = 0; k < 2; ++k) {
-        const Points& input = meshes[static_cast<std::size_t>(k)];
+        const Points& input = meshes[to_size(k)];
         const Points found = embedder.embed(k == 0 ? a : b).points;
         const Points moved = best_rigid_motion(found, input)(found);
         ends.push_back((moved - input).rowwise().norm().maxCoeff() / bounding_box_diagonal(input));

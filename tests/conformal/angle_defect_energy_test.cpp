@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/conformal/closed_meshes.h"
 #include "tests/support/thread_scope.h"
@@ -161,7 +162,7 @@ TEST(AngleDefectEnergy, IsContinuousAcrossAFlip)
             double sum = 0.0;
             for (const int side : {h, t.opposite(h)})
                 sum += triangle_angles(scaled_sides(t, u, Topology::face(side)))
-                           .angles[static_cast<std::size_t>(side % 3)];
+                           .angles[to_size(side % 3)];
             return sum;
         };
         double low = -2.0;

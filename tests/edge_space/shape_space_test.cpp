@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -20,6 +21,7 @@
 #include "tests/support/spaces.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -49,7 +51,7 @@ TEST(ShapeSpace, DecodesWhatItEncoded)
         const RowMatrix companion = companions(space, collection);
         const Eigen::VectorXd size = sizes(space, collection);
         for (Index i = 0; i < 5; ++i) {
-            const Points& points = collection.points[static_cast<std::size_t>(i)];
+            const Points& points = collection.points[to_size(i)];
             const Eigen::VectorXd lengths = edge_lengths(collection.topology, points);
             const DecodedShape shape = decode(space, coordinates.row(i).transpose(),
                                               companion.row(i).transpose(), size[i]);

@@ -10,6 +10,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/collections.h"
@@ -45,7 +46,7 @@ TEST(Encode, GivesLengthsOfUnitSumAnglesAndSizes)
     const ShapeVectors unit = shape_vectors(collection, Scale::Unit);
     const ShapeVectors plain = shape_vectors(collection, Scale::None);
     for (Eigen::Index i = 0; i < 4; ++i) {
-        const Points& points = collection.points[static_cast<std::size_t>(i)];
+        const Points& points = collection.points[to_size(i)];
         const Eigen::VectorXd lengths = edge_lengths(collection.topology, points);
         EXPECT_NEAR(unit.edge_lengths.row(i).sum(), 1.0, 1e-14);
         EXPECT_EQ(plain.edge_lengths.row(i).transpose(), lengths);

@@ -8,10 +8,12 @@
 #include <cmath>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::VectorXd;
@@ -71,7 +73,7 @@ TEST(TaggedScaling, FadesOverTheRingsOfTheBorder)
 TEST(TaggedScaling, OfAllVerticesScalesTheMesh)
 {
     const test::TestMesh mesh = test::open_patch(4, 1);
-    std::vector<int> all(static_cast<std::size_t>(mesh.topology.face_count()));
+    std::vector<int> all(to_size(mesh.topology.face_count()));
     for (std::size_t i = 0; i < all.size(); ++i)
         all[i] = static_cast<int>(i);
     const VectorXd shares = tagged_shares(mesh.topology, corners_of_faces(mesh.topology, all));

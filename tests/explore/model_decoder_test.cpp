@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "libshape/base/error.h"
+#include "libshape/embedding/report.h"
+#include "libshape/explore/block_of_model.h"
 #include "libshape/model/shape_model.h"
 #include "tests/support/collections.h"
 #include "tests/support/files.h"
@@ -88,13 +90,70 @@ TEST(ModelDecoder, AddsDirectionsToThePoint)
     const double size = model.mean_size();
     const double step = 0.6 * std::sqrt(model.variances[0]);
     // The first mode once more, as a direction.
-    const AddedDirections first{(size * model.modes.topRows(1)).cast<float>(),
-                                model.mode_dihedral_angles.topRows(1).cast<float>()};
+    const AddedDirections first{size * model.modes.topRows(1),
+                                model.mode_dihedral_angles.topRows(1)};
     const ModelDecoder decoder = decoder_of(model, first);
     const Eigen::VectorXd amount = Eigen::VectorXd::Constant(1, step);
     EXPECT_LT(distance(decoder.decode({}, amount, size, {}).embedding.points,
                        decoder.decode(amount, {}, size, {}).embedding.points),
               1e-6);
+}
+
+TEST(ModelDecoder, DraftsAreMeasuredAndNearlyPreviews)
+{
+    const ShapeModel model = model_of();
+    const double size = model.mean_size();
+    const ModelDecoder decoder = decoder_of(model);
+    for (const double deviations : {-0.9, -0.3, 0.0, 0.5, 1.0}) {
+        const Eigen::VectorXd scores = scores_of(model, deviations);
+        const DecodedModelPoint draft = decoder.draft(scores, {}, size);
+        const DecodedModelPoint preview = decoder.decode(scores, {}, size, dihedral_preview());
+        const EmbeddingReport& report = draft.embedding.report;
+        // What one reads below a draft is what one sees.
+        const EmbeddingReport measured =
+            measure_embedding(model.topology, draft.embedding.points,
+                              std::get<ShapePoint>(model_point(model, scores, size)));
+        EXPECT_EQ(report.edge_rms, measured.edge_rms);
+        EXPECT_EQ(report.dihedral_p99_deg, measured.dihedral_p99_deg);
+        EXPECT_EQ(report.status, measured.status);
+        EXPECT_NEAR(draft.edge_error.maxCoeff(), measured.edge_max, 1e-7);
+        EXPECT_LT(report.edge_rms, 2.0 * preview.embedding.report.edge_rms + 1e-4);
+        EXPECT_LT(distance(draft.embedding.points, preview.embedding.points), 0.02);
+        // Sizes are free.
+        EXPECT_LT(distance(decoder.draft(scores, {}, 3.0 * size).embedding.points,
+                           3.0 * draft.embedding.points),
+                  1e-5);
+    }
+}
+
+TEST(ModelDecoder, DraftsFollowAddedDirections)
+{
+    const ShapeModel model = model_of();
+    const double size = model.mean_size();
+    const double deviation = std::sqrt(model.variances[0]);
+    const AddedDirections first{deviation * size * model.modes.topRows(1),
+                                deviation * model.mode_dihedral_angles.topRows(1)};
+    const ModelDecoder decoder = decoder_of(model, first);
+    const Eigen::VectorXd amount = Eigen::VectorXd::Constant(1, 0.8);
+    EXPECT_LT(distance(decoder.draft({}, amount, size).embedding.points,
+                       decoder.draft(deviation * amount, {}, size).embedding.points),
+              1e-3);
+}
+
+TEST(ModelDecoder, DraftsOfProcrustesSpaceAreExact)
+{
+    const ShapeModel model = model_of({.kind = SpaceKind::Procrustes});
+    const Eigen::VectorXd scores = scores_of(model, 0.8);
+    const ModelDecoder decoder = decoder_of(model);
+    EXPECT_EQ(decoder.draft(scores, {}, model.mean_size()).embedding.points,
+              decoder.decode(scores, {}, model.mean_size(), {}).embedding.points);
+}
+
+TEST(ModelDecoder, RefusesLinearVerticesOfAnotherMesh)
+{
+    ModelBlock block = make_block(model_of(), 1);
+    block.linear.modes.conservativeResize(1, 3);
+    EXPECT_NE(test::message_of<InvalidInput>([&] { (void)ModelDecoder(block); }), "");
 }
 
 TEST(ModelDecoder, KnowsWhereTriangleInequalitiesBreak)
@@ -141,6 +200,8 @@ TEST(ModelBlock, IsReadAsItWasWritten)
     const ModelBlock read = read_block(bytes);
     EXPECT_TRUE(read.topology == block.topology);
     EXPECT_EQ(read.modes, block.modes);
+    EXPECT_EQ(read.linear.mean, block.linear.mean);
+    EXPECT_EQ(read.linear.modes, block.linear.modes);
     EXPECT_EQ(read.modes.rows(), 2);
     EXPECT_EQ(read.smoothness, 0.01);
     EXPECT_EQ(write_block(read), bytes);
@@ -173,10 +234,10 @@ TEST(ModelBlock, SurvivesDamagedBytes)
 TEST(ModelBlock, RefusesDirectionsThatDoNotFit)
 {
     const ShapeModel edge = model_of();
-    const AddedDirections small{FloatRows::Zero(1, 3), FloatRows::Zero(1, 3)};
+    const AddedDirections small{RowMatrix::Zero(1, 3), RowMatrix::Zero(1, 3)};
     EXPECT_THROW((void)make_block(edge, 1, small), InvalidInput);
     const Eigen::Index edges = edge.topology.edge_count();
-    const AddedDirections fitting{FloatRows::Zero(1, edges), FloatRows::Zero(1, edges)};
+    const AddedDirections fitting{RowMatrix::Zero(1, edges), RowMatrix::Zero(1, edges)};
     EXPECT_THROW((void)make_block(model_of({.kind = SpaceKind::Procrustes}), 1, fitting),
                  InvalidInput);
     EXPECT_THROW((void)make_block(edge, 5), InvalidInput);

@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/model_file.h"
 #include "tests/support/files.h"
 #include "tests/support/h5py.h"
@@ -191,7 +192,7 @@ TEST(CollectionFile, IsReadByH5py)
     std::string points;
     for (const Points& mesh : collection.points)
         points.append(reinterpret_cast<const char*>(mesh.data()),
-                      static_cast<std::size_t>(mesh.size()) * sizeof(double));
+                      to_size(mesh.size()) * sizeof(double));
     test::write_bytes(directory / "points", points);
     EXPECT_EQ(test::run_h5py(
                   directory / "c.h5", "r",

@@ -8,12 +8,14 @@
 #include <limits>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/mesh_file.h"
 #include "tests/support/files.h"
 #include "tests/support/glb.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using test::Glb;
@@ -56,10 +58,8 @@ TEST(GltfFile, AMeshComesBackInSinglePrecisionWithItsBounds)
         const auto& bounds = glb.description().at("accessors").at(accessor);
         const Eigen::MatrixXd stored = glb.numbers(accessor);
         for (int axis = 0; axis < 3; ++axis) {
-            EXPECT_EQ(bounds.at("min").at(static_cast<std::size_t>(axis)),
-                      stored.col(axis).minCoeff());
-            EXPECT_EQ(bounds.at("max").at(static_cast<std::size_t>(axis)),
-                      stored.col(axis).maxCoeff());
+            EXPECT_EQ(bounds.at("min").at(to_size(axis)), stored.col(axis).minCoeff());
+            EXPECT_EQ(bounds.at("max").at(to_size(axis)), stored.col(axis).maxCoeff());
         }
     }
 }

@@ -17,6 +17,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/files.h"
 #include "tests/support/meshes.h"
 
@@ -36,8 +37,7 @@ NamedMesh read(const std::string& name, std::string_view content, bool triangula
 /// Equal bits, so that -0.0 differs from 0.0.
 bool same_bits(const Points& a, const Points& b)
 {
-    return a.rows() == b.rows() &&
-           std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * 8) == 0;
+    return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), to_size(a.size()) * 8) == 0;
 }
 
 /// Coordinates that are hard to print: every magnitude, denormals, signed zeros.
@@ -485,8 +485,7 @@ std::vector<BadFile> bad_files()
         {"a.off", off_counts("100000000 1 0"), "line 2", "do not fit in"},
         {"a.off", off_counts("1 100000000 0"), "line 2", "do not fit in"},
         {"a.off", off_counts("99999999999999999999 1 0"), "line 2", "must be an integer"},
-        {"a.off", off_counts("9223372036854775807 9223372036854775807 0"), "line 2",
-         "do not fit"},
+        {"a.off", off_counts("9223372036854775807 9223372036854775807 0"), "line 2", "do not fit"},
         {"a.off", off_counts("-4 1 0"), "line 2", "vertex count is -4"},
         {"a.off", off_counts("3 -1 0"), "line 2", "face count is -1"},
         {"a.off", off_counts("3"), "line 2", "face count is missing"},

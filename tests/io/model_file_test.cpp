@@ -111,6 +111,11 @@ TEST(DifferenceFile, GivesEveryBitBack)
     write_difference(directory / "d.h5", difference, bumpy_minus_calm);
     expect_equal(read_difference(directory / "d.h5"), difference);
     EXPECT_EQ(file_kind(directory / "d.h5"), FileKind::Difference);
+    DifferenceOptions groups = bumpy_minus_calm;
+    groups.pair_by.clear();
+    const DifferenceVector unpaired = mean_difference(paired_collection(), groups);
+    write_difference(directory / "d.h5", unpaired, groups);
+    expect_equal(read_difference(directory / "d.h5"), unpaired);
 }
 
 TEST(ModelFile, HasTheSameBytesForTheSameModel)
@@ -175,7 +180,6 @@ TEST(DifferenceFile, RefusesToWriteWhatItWouldNotRead)
     EXPECT_NE(message([](D& d) { d.to_size = std::nan(""); }).find("/to_size"), std::string::npos);
     EXPECT_NE(message([](D& d) { d.edge_lengths[0] = INFINITY; }).find("/difference/edge_lengths"),
               std::string::npos);
-    EXPECT_NE(message([](D& d) { d.pairs.clear(); }).find("/pairs"), std::string::npos);
     EXPECT_TRUE(directory.names().empty());
 }
 
@@ -240,11 +244,29 @@ TEST(ModelFile, NamesFileDatasetAndRuleOfWhatItRefuses)
         {"f['sizes'][3] = -1.0", "/sizes", "> 0"},
         {"f['mean/dihedral_angles'][7] = np.nan", "/mean/dihedral_angles", "value (7) is nan"},
         {"f['reference_points'][3, 1] = np.inf", "/reference_points", "value (3, 1) is inf"},
+        // Arrays that are sound by themselves, but not with one another.
+        {"f['scores'][:, 1] *= 1.01", "/scores", "/variances give"},
+        {"f['scores'][:, 0] += 0.01 * abs(f['scores'][:, 0]).max()", "/scores", "must have 0"},
+        {"v = f['scores'][...]; f['scores'][...] = v[[1, 0, 2, 3, 4, 5]]", "/scores", "value (0, "},
+        {"v = f['modes/edge_lengths'][...]; f['modes/edge_lengths'][...] = v[[1, 0]]", "/scores",
+         "value (0, "},
+        {"m = f['mean/edge_lengths'][...]; m[[0, 1]] = m[[1, 0]]; f['mean/edge_lengths'][...] = m",
+         "/scores", "value (0, "},
+        {"v = f['sizes'][...]; f['sizes'][...] = v[[1, 0, 2, 3, 4, 5]]", "/sizes", "value 0 is "},
     };
     const test::TemporaryDirectory directory;
+    const auto read = [](const std::filesystem::path& file) { (void)read_model(file); };
     write_model(directory / "m.h5", fit_model(paired_collection(), {.modes = 2}));
-    test::expect_refused(directory / "m.h5", cases,
-                         [](const std::filesystem::path& file) { (void)read_model(file); });
+    test::expect_refused(directory / "m.h5", cases, read);
+    // Where the modes span the first mesh, the angles are known as well.
+    write_model(directory / "all.h5", fit_model(paired_collection()));
+    test::expect_refused(
+        directory / "all.h5",
+        {{"f['mean/dihedral_angles'][...] *= 1.01", "/modes/dihedral_angles", "at edge "},
+         {"v = f['modes/dihedral_angles'][...]; f['modes/dihedral_angles'][...] = v[[1, 0, 2, 3, "
+          "4]]",
+          "/modes/dihedral_angles", "at edge "}},
+        read);
 }
 
 TEST(ModelFile, HasTheCoordinatesOfItsSpaceUnderTheirName)

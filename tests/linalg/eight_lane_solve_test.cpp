@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -34,7 +35,7 @@ TEST(EightLaneSolve, LeavesNoResidualInAnyOf24Columns)
         Random random(seed);
         const int size = seed == 1 ? 1 : static_cast<int>(20 * seed);
         const SparseMatrix matrix = random_matrix(size, 0.1, random);
-        EightLanePoints x(static_cast<std::size_t>(size));
+        EightLanePoints x(to_size(size));
         std::vector<Eigen::MatrixXd> rhs(EightLanes::lanes, Eigen::MatrixXd(size, 3));
         const auto numbers_of = [&](std::size_t v, int k) {
             return std::array<float*, 3>{&x[v].x.of[k], &x[v].y.of[k], &x[v].z.of[k]};
@@ -43,19 +44,17 @@ TEST(EightLaneSolve, LeavesNoResidualInAnyOf24Columns)
             for (int v = 0; v < size; ++v)
                 for (std::size_t c = 0; c < 3; ++c) {
                     const auto value = static_cast<float>(random.uniform(-1.0, 1.0));
-                    *numbers_of(static_cast<std::size_t>(v), k)[c] = value;
-                    rhs[static_cast<std::size_t>(k)](v, static_cast<int>(c)) = value;
+                    *numbers_of(to_size(v), k)[c] = value;
+                    rhs[to_size(k)](v, static_cast<int>(c)) = value;
                 }
         EightLaneSolve(matrix).solve(x);
         for (int k = 0; k < EightLanes::lanes; ++k) {
             Eigen::MatrixXd solution(size, 3);
             for (int v = 0; v < size; ++v)
                 for (std::size_t c = 0; c < 3; ++c)
-                    solution(v, static_cast<int>(c)) =
-                        *numbers_of(static_cast<std::size_t>(v), k)[c];
+                    solution(v, static_cast<int>(c)) = *numbers_of(to_size(v), k)[c];
             const double scale = solution.cwiseAbs().maxCoeff() * Eigen::MatrixXd(matrix).norm();
-            EXPECT_LT((matrix * solution - rhs[static_cast<std::size_t>(k)]).cwiseAbs().maxCoeff(),
-                      1e-6 * scale);
+            EXPECT_LT((matrix * solution - rhs[to_size(k)]).cwiseAbs().maxCoeff(), 1e-6 * scale);
         }
     }
 }

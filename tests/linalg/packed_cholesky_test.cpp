@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -57,16 +58,16 @@ TEST(PackedCholesky, SolvesEverySystemAsTheDenseFactorisationDoes)
     }
     for (std::size_t i = 0; i < systems.size(); ++i) {
         const Eigen::Index size = systems[i].diagonal.size();
-        std::vector<Eigen::Vector4d> x(static_cast<std::size_t>(size));
+        std::vector<Eigen::Vector4d> x(to_size(size));
         Eigen::MatrixXd rhs(size, 4);
         for (Eigen::Index row = 0; row < size; ++row) {
             rhs.row(row) << random.normal(), random.normal(), random.normal(), 0.0;
-            x[static_cast<std::size_t>(row)] = rhs.row(row).transpose();
+            x[to_size(row)] = rhs.row(row).transpose();
         }
         factors.solve(i, x.data());
         const Eigen::MatrixXd expected = systems[i].dense().ldlt().solve(rhs);
         for (Eigen::Index row = 0; row < size; ++row)
-            EXPECT_LT((x[static_cast<std::size_t>(row)] - expected.row(row).transpose()).norm(),
+            EXPECT_LT((x[to_size(row)] - expected.row(row).transpose()).norm(),
                       1e-11 * (1.0 + expected.norm()));
     }
 }

@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/files.h"
 #include "tests/support/seams.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using test::CutMesh;
@@ -26,7 +28,7 @@ TEST(CoincidentVertices, AreFoundWhereASurfaceWasCutAndWeldingClosesIt)
         for (const VertexGroup& group : groups) {
             ASSERT_EQ(group.size(), 2U);
             EXPECT_LT(group[0], mesh.points.rows());
-            EXPECT_EQ(cut.vertices[static_cast<std::size_t>(group[1])], group[0]);
+            EXPECT_EQ(cut.vertices[to_size(group[1])], group[0]);
         }
         const VertexChoice whole = weld(cut.faces, static_cast<int>(points.rows()), groups);
         EXPECT_EQ(whole.faces, mesh.topology.faces());

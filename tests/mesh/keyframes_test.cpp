@@ -8,10 +8,12 @@
 #include <cmath>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/files.h"
 #include "tests/support/matrices.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Indices = std::vector<std::size_t>;
@@ -74,7 +76,7 @@ TEST(Keyframes, OfAParabolaAreAsFewAsItsCurvatureAllows)
     for (const int reach : {1, 2, 3, 5, 8, 20}) {
         const double tolerance = 0.01 * (reach * reach / 4) + 1e-9;
         const Keyframes keyframes = choose_keyframes(frames, tolerance);
-        EXPECT_EQ(keyframes.frames.size(), static_cast<std::size_t>((100 + reach - 1) / reach + 1));
+        EXPECT_EQ(keyframes.frames.size(), to_size((100 + reach - 1) / reach + 1));
         EXPECT_LE(keyframes.error, tolerance);
     }
 }
@@ -95,7 +97,7 @@ TEST(Keyframes, AreTheFewestOfAllSubsets)
                     fewest = std::min(fewest, std::popcount(inner) + 2);
             }
             const Keyframes keyframes = choose_keyframes(frames, tolerance);
-            EXPECT_EQ(keyframes.frames.size(), static_cast<std::size_t>(fewest)) << seed;
+            EXPECT_EQ(keyframes.frames.size(), to_size(fewest)) << seed;
             EXPECT_NEAR(keyframes.error, error_of(frames, keyframes.frames), 1e-13);
             EXPECT_LE(keyframes.error, tolerance * (1.0 + 1e-12));
         }

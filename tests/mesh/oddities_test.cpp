@@ -117,5 +117,15 @@ TEST(Oddities, LongListsOfNamesAreCutShort)
     EXPECT_EQ(list_names(names, all), "m0, m1, m2, m3, m4, m5, m6 and 5 more");
 }
 
+TEST(Oddities, OneOfTwoIsComparedWithTheOtherMesh)
+{
+    Collection two = subset(spheres(), {0, 1});
+    two.points[1] = 25.4 * test::mirror_image(two.points[1]);
+    const std::vector<Oddity> found = find_oddities(two);
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_NE(found[0].message.find("of the other mesh ("), std::string::npos) << found[0].message;
+    EXPECT_NE(found[1].message.find("than the other mesh;"), std::string::npos) << found[1].message;
+}
+
 } // namespace
 } // namespace shape

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
@@ -24,7 +25,7 @@ TEST(Renumbering, KeepsTheSurface)
                                              std::pair(r.edges, mesh.topology.edge_count())}) {
             std::vector<int> sorted = numbers;
             std::sort(sorted.begin(), sorted.end());
-            std::vector<int> all(static_cast<std::size_t>(count));
+            std::vector<int> all(to_size(count));
             std::iota(all.begin(), all.end(), 0);
             EXPECT_EQ(sorted, all);
         }

@@ -8,12 +8,14 @@
 #include <set>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(Topology, CountsOfKnownSurfaces)
@@ -55,7 +57,7 @@ TEST(Topology, SpokesAreTheEdgesAtAVertex)
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);
         const Topology& t = mesh.topology;
-        std::vector<int> ends(static_cast<std::size_t>(t.edge_count()), 0);
+        std::vector<int> ends(to_size(t.edge_count()), 0);
         for (int v = 0; v < t.vertex_count(); ++v) {
             const auto outgoing = t.outgoing(v);
             const auto spokes = t.spokes(v);
@@ -63,7 +65,7 @@ TEST(Topology, SpokesAreTheEdgesAtAVertex)
             for (std::size_t i = 0; i < spokes.size(); ++i) {
                 EXPECT_EQ(spokes[i].halfedge, i < outgoing.size() ? outgoing[i] : -1);
                 EXPECT_EQ(spokes[i].edge, t.find_edge(v, spokes[i].vertex));
-                ++ends[static_cast<std::size_t>(spokes[i].edge)];
+                ++ends[to_size(spokes[i].edge)];
             }
         }
         EXPECT_EQ(ends, std::vector<int>(ends.size(), 2));

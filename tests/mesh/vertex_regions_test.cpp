@@ -9,6 +9,7 @@
 #include <set>
 
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/meshes.h"
 
 namespace shape::test {
@@ -18,10 +19,10 @@ namespace {
 /// Distance of every vertex from the nearest seed, in edges.
 std::vector<int> distances(const Topology& topology, const std::vector<int>& seeds)
 {
-    std::vector<int> distance(static_cast<std::size_t>(topology.vertex_count()), -1);
+    std::vector<int> distance(to_size(topology.vertex_count()), -1);
     std::queue<int> queue;
     for (const int v : seeds) {
-        distance[static_cast<std::size_t>(v)] = 0;
+        distance[to_size(v)] = 0;
         queue.push(v);
     }
     for (; !queue.empty(); queue.pop())
@@ -29,9 +30,8 @@ std::vector<int> distances(const Topology& topology, const std::vector<int>& see
             for (const int side : {0, 1})
                 if (topology.edges()(e, side) == queue.front()) {
                     const int other = topology.edges()(e, 1 - side);
-                    if (distance[static_cast<std::size_t>(other)] < 0) {
-                        distance[static_cast<std::size_t>(other)] =
-                            distance[static_cast<std::size_t>(queue.front())] + 1;
+                    if (distance[to_size(other)] < 0) {
+                        distance[to_size(other)] = distance[to_size(queue.front())] + 1;
                         queue.push(other);
                     }
                 }
@@ -51,7 +51,7 @@ TEST(VertexRegions, AreTheVerticesWithinSoManyEdges)
             const std::vector<int> distance = distances(topology, seeds);
             std::set<int> expected;
             for (int v = 0; v < topology.vertex_count(); ++v)
-                if (distance[static_cast<std::size_t>(v)] <= rings)
+                if (distance[to_size(v)] <= rings)
                     expected.insert(v);
             std::set<int> found;
             std::size_t count = 0;
@@ -70,18 +70,18 @@ TEST(VertexRegions, AreConnectedAndApartInAscendingOrder)
     const TestMesh mesh = open_cylinder(16, 20);
     const Topology& t = mesh.topology;
     const std::vector<std::vector<int>> regions = regions_around(t, {300, 5, 6, 150, 5}, 1);
-    std::vector<int> region_of(static_cast<std::size_t>(t.vertex_count()), -1);
+    std::vector<int> region_of(to_size(t.vertex_count()), -1);
     int last = -1;
     for (std::size_t k = 0; k < regions.size(); ++k) {
         EXPECT_EQ(regions[k].front(), *std::min_element(regions[k].begin(), regions[k].end()));
         EXPECT_GT(regions[k].front(), last);
         last = regions[k].front();
         for (const int v : regions[k])
-            region_of[static_cast<std::size_t>(v)] = static_cast<int>(k);
+            region_of[to_size(v)] = static_cast<int>(k);
     }
     for (int e = 0; e < t.edge_count(); ++e) {
-        const int a = region_of[static_cast<std::size_t>(t.edges()(e, 0))];
-        const int b = region_of[static_cast<std::size_t>(t.edges()(e, 1))];
+        const int a = region_of[to_size(t.edges()(e, 0))];
+        const int b = region_of[to_size(t.edges()(e, 1))];
         EXPECT_TRUE(a == b || a < 0 || b < 0) << "regions " << a << " and " << b << " touch";
     }
     EXPECT_EQ(regions.size(), 3U); // 5 and 6 are neighbours

@@ -7,9 +7,11 @@
 #include <limits>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/collections.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::MatrixXd;
@@ -65,8 +67,8 @@ TEST(CovariateEffect, IsGoneOnceEveryMeshIsMovedToTheMean)
         RowMatrix lengths(count, collection.topology.edge_count());
         for (int i = 0; i < count; ++i) {
             const auto moved = std::get<ShapePoint>(
-                move_along_slopes(effect, subset(collection, {static_cast<std::size_t>(i)}),
-                                  ages.row(i), effect.regression.covariate_means));
+                move_along_slopes(effect, subset(collection, {to_size(i)}), ages.row(i),
+                                  effect.regression.covariate_means));
             lengths.row(i) = moved.edge_lengths.transpose();
             if (options.scale == Scale::Unit)
                 lengths.row(i) /= lengths.row(i).sum();

@@ -224,5 +224,71 @@ TEST(DifferenceEffects, NeedTwoPairs)
     EXPECT_THROW((void)difference_effects(collection, unknown), InvalidInput);
 }
 
+/// Three women and two men, nobody twice.
+Collection strangers()
+{
+    Collection collection = test::bumpy_spheres(5, 1);
+    collection.labels = {{"sex", {"f", "m", "f", "m", "f"}}};
+    return collection;
+}
+
+DifferenceOptions women_to_men(Scale scale)
+{
+    return {.pair_by = {},
+            .from_label = "sex",
+            .from_value = "f",
+            .to_label = "sex",
+            .to_value = "m",
+            .scale = scale};
+}
+
+TEST(MeanDifference, OfGroupsWithoutPairsIsThatOfTheirMeans)
+{
+    for (const Scale scale : {Scale::Unit, Scale::None}) {
+        const Collection collection = strangers();
+        const ShapeVectors v = shape_vectors(collection, scale);
+        const DifferenceVector d = mean_difference(collection, women_to_men(scale));
+        const auto women = [](const RowMatrix& m) -> Eigen::VectorXd {
+            return (m.row(0) + m.row(2) + m.row(4)).transpose() / 3.0;
+        };
+        const auto men = [](const RowMatrix& m) -> Eigen::VectorXd {
+            return (m.row(1) + m.row(3)).transpose() / 2.0;
+        };
+        EXPECT_TRUE(d.pairs.empty());
+        EXPECT_LE((d.mean_edge_lengths - women(v.edge_lengths)).norm(), 1e-13);
+        EXPECT_LE((d.edge_lengths - (men(v.edge_lengths) - women(v.edge_lengths))).norm(), 1e-13);
+        EXPECT_LE((d.dihedral_angles - (men(v.dihedral_angles) - women(v.dihedral_angles))).norm(),
+                  1e-12);
+        EXPECT_NEAR(d.from_size, (v.sizes[0] + v.sizes[2] + v.sizes[4]) / 3.0, 1e-12 * d.from_size);
+        EXPECT_NEAR(d.to_size, (v.sizes[1] + v.sizes[3]) / 2.0, 1e-12 * d.to_size);
+    }
+}
+
+TEST(DifferenceEffects, OfGroupsWithoutPairsAreThoseOfWelchsTest)
+{
+    const ShapeVectors v = shape_vectors(strangers(), Scale::Unit);
+    RowMatrix women(3, v.edge_lengths.cols());
+    women << v.edge_lengths.row(0), v.edge_lengths.row(2), v.edge_lengths.row(4);
+    RowMatrix men(2, v.edge_lengths.cols());
+    men << v.edge_lengths.row(1), v.edge_lengths.row(3);
+    const ColumnEffects wanted = independent_effects(women, men);
+    const ColumnEffects found = difference_effects(strangers(), women_to_men(Scale::Unit));
+    EXPECT_LE((found.effects - wanted.effects).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LE((found.probabilities - wanted.probabilities).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(MeanDifference, RefusesGroupsThatAreEmptyOrShareAMesh)
+{
+    DifferenceOptions options = women_to_men(Scale::Unit);
+    options.to_value = "x";
+    EXPECT_EQ(message_for(options, strangers()), "difference: no mesh has sex = 'x'");
+    Collection collection = strangers();
+    collection.labels.push_back({"tall", {"yes", "yes", "no", "no", "no"}});
+    options.to_label = "tall";
+    options.to_value = "yes";
+    EXPECT_NE(message_for(options, collection).find("has both sex = 'f' and tall = 'yes'"),
+              std::string::npos);
+}
+
 } // namespace
 } // namespace shape

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/model/shape_model.h"
@@ -17,6 +18,7 @@
 #include "tests/support/thread_scope.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 const SpaceOptions edge{.kind = SpaceKind::Edge};
@@ -61,7 +63,7 @@ TEST(ModelQuality, IsWhatOneFindsByHand)
     const ModelQuality quality = measure_quality(
         collection, groups_of_one(5), {.space = plain, .modes = {1, 3}, .tests = 5, .samples = 1});
     for (const int k : {0, 1}) {
-        const int modes = quality.modes[static_cast<std::size_t>(k)];
+        const int modes = quality.modes[to_size(k)];
         Eigen::VectorXd vertex(5);
         Eigen::VectorXd lengths(5);
         for (std::size_t i = 0; i < 5; ++i) {
@@ -162,9 +164,9 @@ TEST(RandomFolds, AreOfEqualSize)
     for (const int count : {2, 3, 7, 10}) {
         const Grouping folds = random_folds(23, count, 5);
         EXPECT_EQ(folds.group_count(), count);
-        std::vector<int> sizes(static_cast<std::size_t>(count), 0);
+        std::vector<int> sizes(to_size(count), 0);
         for (const int fold : folds.group_of)
-            ++sizes[static_cast<std::size_t>(fold)];
+            ++sizes[to_size(fold)];
         const auto [least, most] = std::minmax_element(sizes.begin(), sizes.end());
         EXPECT_LE(*most - *least, 1);
     }

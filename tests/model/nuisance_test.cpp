@@ -7,11 +7,13 @@
 #include <cmath>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/collections.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::VectorXd;
@@ -72,8 +74,8 @@ TEST(Nuisance, GivesAllMeshesTheAmountsOfOne)
     const Nuisance nuisance = leading_modes(model, 2);
     const VectorXd wanted = model.scores.row(3).head(2);
     for (Eigen::Index i = 0; i < 6; ++i) {
-        const auto shape = std::get<ShapePoint>(
-            with_amounts(nuisance, one(collection, static_cast<std::size_t>(i)), wanted));
+        const auto shape =
+            std::get<ShapePoint>(with_amounts(nuisance, one(collection, to_size(i)), wanted));
         const VectorXd scores =
             model.modes * (shape.edge_lengths / shape.edge_lengths.sum() - model.mean);
         EXPECT_LE((scores.head(2) - wanted).norm(), 1e-14);

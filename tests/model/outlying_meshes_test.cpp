@@ -6,6 +6,7 @@
 
 #include "libshape/base/random.h"
 #include "tests/support/meshes.h"
+#include "tests/support/seams.h"
 
 namespace shape {
 using namespace internal;
@@ -86,6 +87,17 @@ TEST(OutlyingMeshes, NeedFiveMeshes)
     Collection collection = spheres(4);
     collection.points[1].col(0) *= 9.0;
     EXPECT_TRUE(outliers(collection).empty());
+}
+
+TEST(OutlyingMeshes, CopiesAndMirrorImagesMakeNoOutliersOfTheRest)
+{
+    Collection collection = spheres(6);
+    for (std::size_t i = 0; i < 5; ++i) { // the sixth has no copy
+        collection.names.push_back("copy" + std::to_string(i));
+        collection.points.push_back(test::mirror_image(collection.points[i]));
+    }
+    for (const OutlyingMesh& found : find_outlying_meshes(collection))
+        ADD_FAILURE() << found.message;
 }
 
 } // namespace

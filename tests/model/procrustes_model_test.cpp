@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/embedding/embedder.h"
 #include "libshape/io/collection_file.h"
@@ -30,7 +31,7 @@ TEST(ModelOfAnySpace, GivesEveryMeshBackFromAllModes)
         const ShapeModel model = fit_model(collection, {.space = options});
         ASSERT_EQ(model.mode_count(), 6);
         for (Index i = 0; i < 7; ++i) {
-            const Points& points = collection.points[static_cast<std::size_t>(i)];
+            const Points& points = collection.points[to_size(i)];
             const Eigen::VectorXd lengths = edge_lengths(collection.topology, points);
             const DecodedShape shape =
                 model_point(model, model.scores.row(i).transpose(), model.sizes[i]);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -15,13 +16,14 @@
 #include "tests/support/spaces.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 TEST(ShapeDistances, InEdgeSpaceAreThoseOfTheLengths)
 {
     const Collection collection = test::bumpy_spheres(5, 1);
     const auto lengths = [&](int i) {
-        return edge_lengths(collection.topology, collection.points[static_cast<std::size_t>(i)]);
+        return edge_lengths(collection.topology, collection.points[to_size(i)]);
     };
     const Eigen::MatrixXd plain = shape_distances(collection, {.scale = Scale::None}).matrix;
     const Eigen::MatrixXd unit = shape_distances(collection, {.scale = Scale::Unit}).matrix;

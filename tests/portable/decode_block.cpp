@@ -11,6 +11,8 @@
 
 #include "libshape/explore/model_decoder.h"
 
+#include "libshape/base/to_size.h"
+
 int main(int argc, char** argv)
 {
     using namespace shape::internal;
@@ -27,7 +29,7 @@ int main(int argc, char** argv)
             scores, {}, std::strtod(argv[3], nullptr),
             std::strcmp(argv[2], "fine") == 0 ? DihedralEmbeddingOptions() : dihedral_preview());
         const shape::Points& points = decoded.embedding.points;
-        std::fwrite(points.data(), sizeof(double), static_cast<std::size_t>(points.size()), stdout);
+        std::fwrite(points.data(), sizeof(double), to_size(points.size()), stdout);
         return 0;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "%s\n", error.what());

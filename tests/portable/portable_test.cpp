@@ -6,8 +6,9 @@
 #include <cstring>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/embedder.h"
-#include "libshape/explore/model_block.h"
+#include "libshape/explore/block_of_model.h"
 #include "libshape/model/shape_model.h"
 #include "tests/support/files.h"
 #include "tests/support/meshes.h"
@@ -22,8 +23,8 @@ Points decoded(const std::string& arguments, Eigen::Index vertices)
     std::FILE* const pipe = popen((SHAPE_DECODE_BLOCK " " + arguments).c_str(), "r");
     Points points(vertices, 3);
     const std::size_t count =
-        std::fread(points.data(), sizeof(double), static_cast<std::size_t>(points.size()), pipe);
-    EXPECT_EQ(count, static_cast<std::size_t>(points.size()));
+        std::fread(points.data(), sizeof(double), to_size(points.size()), pipe);
+    EXPECT_EQ(count, to_size(points.size()));
     EXPECT_EQ(pclose(pipe), 0);
     return points;
 }
@@ -36,7 +37,8 @@ Collection variations(const test::TestMesh& mesh)
         Points points = mesh.points;
         for (int v = 0; v < points.rows(); ++v)
             for (int k = 0; k < 3; ++k)
-                points(v, k) *= 1.0 + 0.15 * std::sin(1.3 * i + k + 2.0 * mesh.points(v, (k + 1) % 3));
+                points(v, k) *=
+                    1.0 + 0.15 * std::sin(1.3 * i + k + 2.0 * mesh.points(v, (k + 1) % 3));
         collection.points.push_back(points);
         collection.names.push_back(join("mesh", i));
     }
@@ -66,8 +68,7 @@ TEST(PortableCore, MakesTheMeshesOfTheLibrary)
             const Points points =
                 decoded(file + (quality == EmbeddingQuality::Fine ? " fine" : " preview") + numbers,
                         wanted.rows());
-            EXPECT_LT((points - wanted).cwiseAbs().maxCoeff(),
-                      1e-5 * bounding_box_diagonal(wanted))
+            EXPECT_LT((points - wanted).cwiseAbs().maxCoeff(), 1e-5 * bounding_box_diagonal(wanted))
                 << mesh.name;
         }
     }

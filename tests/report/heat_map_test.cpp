@@ -7,12 +7,14 @@
 #include <set>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/svg.h"
 #include "libshape/statistics/distance_matrix.h"
 #include "tests/report/xml.h"
 #include "tests/support/matrices.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 HeatMap sample(int count)
@@ -37,7 +39,7 @@ TEST(HeatMap, NamesTheRowsInTheOrderOfTheTree)
             found.push_back(text.text);
     std::vector<std::string> expected;
     for (const int i : map.clustering.order)
-        expected.push_back(map.names[static_cast<std::size_t>(i)]);
+        expected.push_back(map.names[to_size(i)]);
     EXPECT_EQ(found, expected);
     EXPECT_EQ(test::named(elements, "polyline").size(), 7U); // one a merge
     EXPECT_EQ(test::named(elements, "rect").size(), 11U);    // the ground, labels, their legend

@@ -42,41 +42,30 @@ TEST(RoundTicks, CoverTheDataInEvenRoundSteps)
     EXPECT_GT(round_ticks(0.0, 0.0).back(), 0.0);
 }
 
-RowMatrix four_scores()
+TEST(PlotSvg, RefusesWhatIsNotOneAPoint)
 {
-    RowMatrix scores(4, 3);
-    scores << 1, 2, 9, -1, 0.5, 9, 0, -2, 9, 0.25, 0.25, 9;
-    return scores;
-}
-
-const std::vector<std::string> four_names{"a", "b<", "c&", "d"};
-
-TEST(ScorePlot, GroupsByLabelInTheOrderOfAppearance)
-{
-    const Plot plot = score_plot(four_scores(), four_names, {"x", "y", "x", "y"},
-                                 Eigen::Vector3d(0.4567, 0.3, 0.1), 1, 0);
-    ASSERT_EQ(plot.series.size(), 2U);
-    EXPECT_EQ(plot.series[0].name, "x");
-    EXPECT_EQ(plot.series[0].tips, (std::vector<std::string>{"a", "c&"}));
-    EXPECT_EQ(plot.series[1].points.row(0), Eigen::RowVector2d(0.5, -1.0));
-    EXPECT_EQ(plot.y_label, "mode 1 (45.7 % of variance)");
-    EXPECT_EQ(plot.x_label, "mode 2 (30 % of variance)");
-}
-
-TEST(ScorePlot, RefusesSizesThatDoNotFit)
-{
-    EXPECT_THROW((void)score_plot(four_scores(), {"a"}, {}, {}), InvalidInput);
-    EXPECT_THROW((void)score_plot(four_scores(), four_names, {"x"}, {}), InvalidInput);
-    EXPECT_THROW((void)score_plot(four_scores(), four_names, {}, {}, 0, 3), InvalidInput);
-    EXPECT_THROW((void)score_plot(four_scores(), four_names, {}, {}, -1, 0), InvalidInput);
     Plot plot;
     plot.series.push_back({"s", Eigen::MatrixX2d::Zero(2, 2), {"one"}, false});
     EXPECT_THROW((void)plot_svg(plot), InvalidInput);
+    plot.series[0].tips.clear();
+    plot.series[0].values = Eigen::Vector3d::Zero();
+    EXPECT_THROW((void)plot_svg(plot), InvalidInput);
+    plot.series[0].values = {};
+    plot.series[0].deviations = Eigen::Vector3d::Zero();
+    EXPECT_THROW((void)plot_svg(plot), InvalidInput);
+    plot.series[0].deviations = {};
+    EXPECT_NO_THROW((void)plot_svg(plot));
 }
 
 TEST(PlotSvg, IsWellFormedAndShowsEveryPointTickAndName)
 {
-    const Plot plot = score_plot(four_scores(), four_names, {"<x>", "y", "<x>", "y"}, {});
+    Plot plot;
+    plot.x_label = "mode 1";
+    plot.y_label = "mode 2";
+    plot.series = {{"<x>", Eigen::MatrixX2d(2, 2), {"a", "c&"}, false},
+                   {"y", Eigen::MatrixX2d(2, 2), {"b<", "d"}, false}};
+    plot.series[0].points << 1, 2, 0, -2;
+    plot.series[1].points << -1, 0.5, 0.25, 0.25;
     const std::vector<test::XmlElement> elements = test::parse_xml(plot_svg(plot));
     EXPECT_EQ(test::named(elements, "path").size(), 4U + 2U); // points and legend
     std::vector<std::string> tips;
@@ -162,6 +151,83 @@ TEST(PlotSvg, PutsPointsWhereTheTicksSay)
     ASSERT_EQ(std::sscanf(equal.c_str(), "%lf,%lf %lf,%lf %lf,%lf", &x0, &y0, &x1, &y1, &x2, &y2),
               6);
     EXPECT_NEAR(x2 - x0, y0 - y2, 0.05);
+}
+
+TEST(PlotSvg, DrawsDeviationsAsBarsAndMakesRoomForThem)
+{
+    Plot plot;
+    plot.series.push_back({"", Eigen::MatrixX2d(2, 2), {}, true});
+    plot.series[0].points << 0, 5, 10, 5;
+    const std::size_t bare = test::named(test::parse_xml(plot_svg(plot, 500, 400)), "line").size();
+    plot.series[0].deviations = Eigen::Vector2d(5.0, 0.0);
+    const auto lines = test::named(test::parse_xml(plot_svg(plot, 500, 400)), "line");
+    std::size_t bars = 0;
+    double length = 0.0;
+    for (const test::XmlElement& line : lines)
+        if (line.attributes.at("stroke") == "#0072b2") {
+            ++bars;
+            length = std::max(length, std::abs(std::stod(line.attributes.at("y1")) -
+                                               std::stod(line.attributes.at("y2"))));
+        }
+    EXPECT_EQ(bars, 3U);      // one bar with two ends: a deviation of 0 needs none
+    EXPECT_GT(length, 250.0); // from 0 to 10, which is all there is
+    EXPECT_GE(lines.size(), bare);
+}
+
+TEST(PlotSvg, ColoursValuesByAScaleThatStandsBesideThePlot)
+{
+    Plot plot;
+    plot.scale_label = "age";
+    plot.series.push_back({"", Eigen::MatrixX2d(3, 2), {}, false});
+    plot.series[0].points << 0, 0, 1, 1, 2, 2;
+    plot.series[0].values = Eigen::Vector3d(20.0, std::numeric_limits<double>::quiet_NaN(), 80.0);
+    const auto elements = test::parse_xml(plot_svg(plot, 500, 400));
+    std::vector<std::string> fills;
+    for (const test::XmlElement& mark : test::named(elements, "path"))
+        fills.push_back(mark.attributes.at("fill"));
+    ASSERT_EQ(fills.size(), 3U);
+    EXPECT_NE(fills[0], fills[2]);
+    EXPECT_EQ(fills[1], "#808080");
+    std::set<std::string> steps;
+    for (const test::XmlElement& step : test::named(elements, "rect"))
+        steps.insert(step.attributes.at("fill"));
+    EXPECT_GT(steps.size(), 50U);
+    std::set<std::string> texts;
+    for (const test::XmlElement& text : test::named(elements, "text"))
+        texts.insert(text.text);
+    for (const char* said : {"age", "20", "40", "60", "80"})
+        EXPECT_TRUE(texts.contains(said)) << said;
+}
+
+TEST(PlotSvg, WritesNamesWhereTheyCoverNothing)
+{
+    Plot plot;
+    plot.point_names = true;
+    plot.series.push_back({"", Eigen::MatrixX2d(40, 2), {}, false});
+    for (int i = 0; i < 40; ++i) {
+        plot.series[0].points.row(i) << (i < 4 ? i : 4.0), (i < 4 ? i * i : 16.0);
+        plot.series[0].tips.push_back("mesh" + std::to_string(i));
+    }
+    struct Written
+    {
+        double left, right, base;
+    };
+    std::vector<Written> written;
+    for (const test::XmlElement& text :
+         test::named(test::parse_xml(plot_svg(plot, 500, 400)), "text"))
+        if (text.text.starts_with("mesh")) {
+            const double x = std::stod(text.attributes.at("x"));
+            written.push_back(
+                {x, x + text_width(text.text, 10.0), std::stod(text.attributes.at("y"))});
+        }
+    EXPECT_GE(written.size(), 5U); // the four that stand alone, and few of the heap
+    EXPECT_LE(written.size(), 8U);
+    for (std::size_t i = 0; i < written.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            EXPECT_TRUE(written[i].right <= written[j].left ||
+                        written[j].right <= written[i].left ||
+                        std::abs(written[i].base - written[j].base) >= 10.0)
+                << i << " covers " << j;
 }
 
 } // namespace

@@ -8,11 +8,13 @@
 #include <limits>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/statistics/principal_components.h"
 #include "tests/support/matrices.h"
 #include "tests/support/thread_scope.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -103,8 +105,8 @@ TEST(VarianceIntervals, HoldTheTrueVariances)
             variance_intervals(data, 3, plain(100), {.replicates = 200, .seed = repetition});
         const double truth[] = {9.0, 4.0, 1.0};
         for (int k = 0; k < 3; ++k)
-            held[k] += intervals[static_cast<std::size_t>(k)].low <= truth[k] &&
-                       truth[k] <= intervals[static_cast<std::size_t>(k)].high;
+            held[k] +=
+                intervals[to_size(k)].low <= truth[k] && truth[k] <= intervals[to_size(k)].high;
     }
     for (const int count : held) {
         EXPECT_GE(count, 84);

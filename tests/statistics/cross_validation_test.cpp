@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/statistics/discriminant_analysis.h"
 #include "libshape/statistics/inner_products.h"
@@ -19,6 +20,7 @@
 #include "tests/support/thread_scope.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -63,14 +65,14 @@ std::vector<int> predicted_directly(const Sample& s, const Grouping& folds, int 
             principal_components(s.data(kept, Eigen::all), {.modes = modes});
         Grouping groups{s.states.names, {}};
         for (const int i : kept)
-            groups.group_of.push_back(s.states.group_of[static_cast<std::size_t>(i)]);
+            groups.group_of.push_back(s.states.group_of[to_size(i)]);
         const DiscriminantAnalysis analysis = discriminant_analysis(components.scores, groups);
         const std::vector<int> groups_of_fold = classify(
             analysis,
             project_onto_subspace(s.data(fold, Eigen::all), components.mean, components.modes)
                 .scores);
         for (std::size_t k = 0; k < fold.size(); ++k)
-            predicted[static_cast<std::size_t>(fold[k])] = groups_of_fold[k];
+            predicted[to_size(fold[k])] = groups_of_fold[k];
     }
     return predicted;
 }

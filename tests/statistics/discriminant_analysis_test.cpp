@@ -9,9 +9,11 @@
 #include <limits>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/matrices.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Eigen::Index;
@@ -114,8 +116,8 @@ TEST(Classify, PrefersTheLeastMahalanobisDistanceLessTheLogOfThePrior)
                 best = g;
             }
         }
-        EXPECT_EQ(groups[static_cast<std::size_t>(i)], best);
-        ++found[static_cast<std::size_t>(best)];
+        EXPECT_EQ(groups[to_size(i)], best);
+        ++found[to_size(best)];
     }
     EXPECT_GT(*std::min_element(found.begin(), found.end()), 5); // all three occur
 }

@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/statistics/inner_products.h"
 #include "tests/support/collections.h"
@@ -198,7 +199,7 @@ TEST_F(CompareFaces, FindsExpressionsButNotShuffledOnes)
     // Happy and neutral faces of the first 30 subjects.
     std::vector<int> chosen;
     for (int i = 0; chosen.size() < 60; ++i)
-        if (expression[static_cast<std::size_t>(i)] != "angry")
+        if (expression[to_size(i)] != "angry")
             chosen.push_back(i);
     const MatrixXd products = centred_inner_products(vectors.edge_lengths(chosen, Eigen::all));
     const Grouping groups = subset(group_by(expression), chosen);

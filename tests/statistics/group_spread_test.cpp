@@ -113,5 +113,43 @@ TEST(GroupSpread, RefusesWhatBreaksARule)
                  InvalidInput);
 }
 
+TEST(SpreadTest, IsTheAnalysisOfVarianceOfDistancesFromTheMean)
+{
+    RowMatrix data = two_groups(4, 2.0);
+    data.bottomRows(30) *= 1.7;
+    const LinearModelTest test =
+        test_spread(inner_products(data), halves(), groups_of_one(60), {.permutations = 199});
+    Eigen::VectorXd distances(60);
+    for (const Index start : {0, 30}) {
+        const RowMatrix group = data.middleRows(start, 30);
+        distances.segment(start, 30) =
+            std::sqrt(30.0 / 29.0) * (group.rowwise() - group.colwise().mean()).rowwise().norm();
+    }
+    const double a = distances.head(30).mean();
+    const double b = distances.tail(30).mean();
+    const double within = (distances.head(30).array() - a).square().sum() +
+                          (distances.tail(30).array() - b).square().sum();
+    EXPECT_NEAR(test.f, 15.0 * (a - b) * (a - b) / (within / 58.0), 1e-8 * test.f);
+    EXPECT_EQ(test.p_value, 1.0 / 200.0);
+}
+
+TEST(SpreadTest, FindsNothingWhereOnlyTheMeansDiffer)
+{
+    int found = 0;
+    for (unsigned seed = 0; seed < 100; ++seed)
+        found += test_spread(inner_products(two_groups(300 + seed, 3.0)), halves(),
+                             groups_of_one(60), {.permutations = 99, .seed = seed})
+                     .p_value <= 0.05;
+    EXPECT_LE(found, 12); // 5 expected, standard error 2.2
+    // Means of blocks count once: three scans of each of twenty subjects.
+    std::vector<std::string> subjects;
+    for (int i = 0; i < 60; ++i)
+        subjects.push_back(std::to_string(i / 3));
+    EXPECT_EQ(test_spread(inner_products(two_groups(5, 1.0)), halves(), group_by(subjects),
+                          {.permutations = 9})
+                  .residual_degrees_of_freedom,
+              18);
+}
+
 } // namespace
 } // namespace shape

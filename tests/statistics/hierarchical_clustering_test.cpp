@@ -9,10 +9,12 @@
 #include <set>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/statistics/distance_matrix.h"
 #include "tests/support/matrices.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using Cluster = std::vector<int>;
@@ -54,8 +56,8 @@ std::vector<std::set<int>> members(const Clustering& clustering)
     for (int i = 0; i < static_cast<int>(clustering.order.size()); ++i)
         all.push_back({i});
     for (const Merge& merge : clustering.merges) {
-        std::set<int> both = all.at(static_cast<std::size_t>(merge.first));
-        const std::set<int>& second = all.at(static_cast<std::size_t>(merge.second));
+        std::set<int> both = all.at(to_size(merge.first));
+        const std::set<int>& second = all.at(to_size(merge.second));
         both.insert(second.begin(), second.end());
         all.push_back(both);
     }
@@ -98,8 +100,7 @@ TEST(AverageLinkage, IsThatOfItsDefinition)
         for (std::size_t k = 0; k < expected.size(); ++k) {
             EXPECT_NEAR(clustering.merges[k].height, expected[k].first, 1e-13);
             EXPECT_EQ(clusters[25 + k], expected[k].second);
-            EXPECT_EQ(static_cast<std::size_t>(clustering.merges[k].count),
-                      expected[k].second.size());
+            EXPECT_EQ(to_size(clustering.merges[k].count), expected[k].second.size());
         }
     }
 }
@@ -112,7 +113,7 @@ TEST(AverageLinkage, PutsEveryClusterInOneRunOfTheOrder)
         std::vector<int> sorted = clustering.order;
         std::sort(sorted.begin(), sorted.end());
         for (int i = 0; i < 40; ++i)
-            EXPECT_EQ(sorted[static_cast<std::size_t>(i)], i);
+            EXPECT_EQ(sorted[to_size(i)], i);
         for (const std::set<int>& cluster : members(clustering)) {
             const auto first = std::find_if(clustering.order.begin(), clustering.order.end(),
                                             [&](int i) { return cluster.contains(i); });

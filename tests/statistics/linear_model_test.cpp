@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/statistics/inner_products.h"
 #include "tests/support/matrices.h"
 #include "tests/support/thread_scope.h"
@@ -84,7 +85,7 @@ TEST(LinearModel, OfDistancesHasTheSumsOfSquaresOfAnderson)
                 std::pow(distances(static_cast<Index>(i), static_cast<Index>(j)), 2);
             total += square / 12.0;
             if (groups[i] == groups[j])
-                within += square / sizes[static_cast<std::size_t>(grouping.group_of[i])];
+                within += square / sizes[to_size(grouping.group_of[i])];
         }
     const LinearModelTest result =
         test_linear_model(inner_products_of_distances(distances), indicators(grouping),
@@ -181,7 +182,7 @@ TEST(LinearModel, PermutesResidualsOfTheNuisance)
     int extreme = 0;
     constexpr int permutations = 2000;
     for (int k = 0; k < permutations; ++k) {
-        std::vector<int> order(static_cast<std::size_t>(count));
+        std::vector<int> order(to_size(count));
         std::iota(order.begin(), order.end(), 0);
         for (std::size_t i = order.size(); i > 1; --i)
             std::swap(order[i - 1], order[random.index(i)]);

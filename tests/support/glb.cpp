@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/files.h"
 
 namespace shape::test {
@@ -73,7 +74,7 @@ Eigen::MatrixXd Glb::numbers(std::size_t accessor) const
         throw std::runtime_error("a buffer view has another length than its accessor");
     for (Eigen::Index i = 0; i < result.rows(); ++i)
         for (Eigen::Index c = 0; c < result.cols(); ++c) {
-            const auto place = offset + static_cast<std::size_t>(4 * (i * result.cols() + c));
+            const auto place = offset + to_size(4 * (i * result.cols() + c));
             result(i, c) = is_float ? static_cast<double>(value_at<float>(buffer_, place))
                                     : value_at<std::uint32_t>(buffer_, place);
         }
@@ -107,8 +108,7 @@ Points Glb::morphed(const char* attribute, double seconds) const
         return result;
     const Eigen::VectorXd share = weights(seconds);
     for (Eigen::Index i = 0; i < share.size(); ++i)
-        result += share[i] *
-                  numbers(primitive().at("targets").at(static_cast<std::size_t>(i)).at(attribute));
+        result += share[i] * numbers(primitive().at("targets").at(to_size(i)).at(attribute));
     return result;
 }
 

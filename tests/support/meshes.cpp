@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
@@ -27,10 +28,10 @@ TestMesh build(std::string name, const Soup& soup)
 {
     Points points(static_cast<Eigen::Index>(soup.points.size()), 3);
     for (Eigen::Index v = 0; v < points.rows(); ++v)
-        points.row(v) = soup.points[static_cast<std::size_t>(v)].transpose();
+        points.row(v) = soup.points[to_size(v)].transpose();
     Faces faces(static_cast<Eigen::Index>(soup.faces.size()), 3);
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
-        faces.row(f) = soup.faces[static_cast<std::size_t>(f)].transpose();
+        faces.row(f) = soup.faces[to_size(f)].transpose();
     return {std::move(name), Topology(faces, static_cast<int>(points.rows())), points};
 }
 
@@ -47,9 +48,7 @@ Soup icosahedron()
         for (int b = a + 1; b < 12; ++b)
             for (int c = b + 1; c < 12; ++c) {
                 const auto& p = soup.points;
-                const auto [i, j, k] =
-                    std::tuple(static_cast<std::size_t>(a), static_cast<std::size_t>(b),
-                               static_cast<std::size_t>(c));
+                const auto [i, j, k] = std::tuple(to_size(a), to_size(b), to_size(c));
                 const double reach = 1.1;
                 if ((p[i] - p[j]).norm() > reach || (p[j] - p[k]).norm() > reach ||
                     (p[k] - p[i]).norm() > reach)
@@ -70,9 +69,7 @@ Soup split(const Soup& soup)
         const auto [entry, is_new] =
             middles.try_emplace(std::minmax(a, b), static_cast<int>(fine.points.size()));
         if (is_new)
-            fine.points.push_back((soup.points[static_cast<std::size_t>(a)] +
-                                   soup.points[static_cast<std::size_t>(b)])
-                                      .normalized());
+            fine.points.push_back((soup.points[to_size(a)] + soup.points[to_size(b)]).normalized());
         return entry->second;
     };
     for (const Eigen::Vector3i& f : soup.faces) {
@@ -100,7 +97,7 @@ Soup grid(int rows, int columns, bool close_rows, bool close_columns)
             else
                 soup.faces.insert(soup.faces.end(), {{p, q, t}, {q, s, t}});
         }
-    soup.points.resize(static_cast<std::size_t>(rows * columns));
+    soup.points.resize(to_size(rows * columns));
     return soup;
 }
 
@@ -146,8 +143,8 @@ TestMesh torus(int around, int along)
             const double u = 2.0 * pi * i / along;
             const double v = 2.0 * pi * j / around;
             const double r = 3.0 + std::cos(v);
-            soup.points[static_cast<std::size_t>(i * around + j)] = {
-                r * std::cos(u), -r * std::sin(u), std::sin(v) * (1.0 + 0.1 * std::cos(3.0 * u))};
+            soup.points[to_size(i * around + j)] = {r * std::cos(u), -r * std::sin(u),
+                                                    std::sin(v) * (1.0 + 0.1 * std::cos(3.0 * u))};
         }
     return build("torus", soup);
 }
@@ -160,8 +157,7 @@ TestMesh open_patch(int n, unsigned seed)
         for (int c = 0; c <= n; ++c) {
             const double x = (2.0 * c + random.uniform(-0.2, 0.2)) / n - 1.0;
             const double y = (2.0 * r + random.uniform(-0.2, 0.2)) / n - 1.0;
-            soup.points[static_cast<std::size_t>(r * (n + 1) + c)] = {
-                x, y, 0.5 * std::sin(2.0 * x) + 0.3 * y * y};
+            soup.points[to_size(r * (n + 1) + c)] = {x, y, 0.5 * std::sin(2.0 * x) + 0.3 * y * y};
         }
     return build("open patch", soup);
 }
@@ -184,8 +180,8 @@ TestMesh open_cylinder(int around, int along)
     for (int i = 0; i < along; ++i)
         for (int j = 0; j < around; ++j) {
             const double v = 2.0 * pi * j / around;
-            soup.points[static_cast<std::size_t>(i * around + j)] = {
-                std::cos(v), std::sin(v), 4.0 * i / (along - 1) + 0.1 * std::sin(v)};
+            soup.points[to_size(i * around + j)] = {std::cos(v), std::sin(v),
+                                                    4.0 * i / (along - 1) + 0.1 * std::sin(v)};
         }
     return build("open cylinder", soup);
 }

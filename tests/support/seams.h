@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "libshape/base/to_size.h"
 #include "tests/support/meshes.h"
 
 namespace shape::test {
@@ -28,23 +29,22 @@ struct CutMesh
                    mesh.points(faces(f, 2), 2) >
                0.0;
     };
-    std::vector<int> sides(static_cast<std::size_t>(mesh.points.rows()), 0);
+    std::vector<int> sides(internal::to_size(mesh.points.rows()), 0);
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
         for (const int v : faces.row(f))
-            sides[static_cast<std::size_t>(v)] |= is_above(f) ? 1 : 2;
+            sides[internal::to_size(v)] |= is_above(f) ? 1 : 2;
     CutMesh cut{faces, {}};
     std::vector<int> copy(sides.size(), -1);
     for (int v = 0; v < mesh.points.rows(); ++v)
         cut.vertices.push_back(v);
     for (int v = 0; v < mesh.points.rows(); ++v)
-        if (sides[static_cast<std::size_t>(v)] == 3 && mesh.points(v, 1) > 1e-9) {
-            copy[static_cast<std::size_t>(v)] = static_cast<int>(cut.vertices.size());
+        if (sides[internal::to_size(v)] == 3 && mesh.points(v, 1) > 1e-9) {
+            copy[internal::to_size(v)] = static_cast<int>(cut.vertices.size());
             cut.vertices.push_back(v);
         }
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
         for (int c = 0; c < 3; ++c)
-            if (const int own = copy[static_cast<std::size_t>(faces(f, c))];
-                is_above(f) && own >= 0)
+            if (const int own = copy[internal::to_size(faces(f, c))]; is_above(f) && own >= 0)
                 cut.faces(f, c) = own;
     return cut;
 }

@@ -9,10 +9,12 @@
 #include <set>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 /// Volume under the surface seen from the origin [length^3]; > 0 if faces look outwards.
@@ -45,7 +47,7 @@ const Points& mesh_named(const Collection& collection, const std::string& name)
     const auto found = std::find(collection.names.begin(), collection.names.end(), name);
     if (found == collection.names.end())
         throw std::out_of_range(name);
-    return collection.points[static_cast<std::size_t>(found - collection.names.begin())];
+    return collection.points[to_size(found - collection.names.begin())];
 }
 
 TEST(Synthetic, EverySetHasTheWantedSizeAndOneKindOfSurface)

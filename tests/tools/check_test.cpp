@@ -49,12 +49,12 @@ protected:
     /// After --fix the set is sound and in correspondence.
     [[nodiscard]] Collection fixed(const Arguments& more = {}) const
     {
-        const Outcome outcome = shape(Arguments{"check", "set", "--fix", "mended"} + more);
+        const Outcome outcome = shape(Arguments{"check", "set", "--fix", "repaired"} + more);
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        const Outcome again = shape({"check", "mended"});
+        const Outcome again = shape({"check", "repaired"});
         EXPECT_NE(again.out.find(" ok, 0 with warnings, 0 broken"), std::string::npos) << again.out;
-        EXPECT_EQ(shape({"collect", "mended", "-o", "mended.h5"}).exit_code, 0);
-        return read_collection(folder_ / "mended.h5");
+        EXPECT_EQ(shape({"collect", "repaired", "-o", "repaired.h5"}).exit_code, 0);
+        return read_collection(folder_ / "repaired.h5");
     }
 };
 
@@ -71,15 +71,15 @@ TEST_F(Check, GoodMeshesAreAFewLinesAndOnRequestOneEach)
         EXPECT_NE(verbose.out.find(join("m", i, ".ply: ok\n")), std::string::npos) << verbose.out;
 }
 
-TEST_F(Check, SeamsAreSaidAndMended)
+TEST_F(Check, SeamsAreSaidAndRepaired)
 {
     const CutMesh cut = cut_along_the_equator(sphere(0));
     for (unsigned i = 0; i < 7; ++i)
         write(i, cut.points(sphere(i).points), cut.faces);
     expect_said("seam", {"boundary vertices lie on one another", "m0", "UV", "--fix"});
-    const Collection mended = fixed();
-    EXPECT_EQ(mended.topology.faces(), sphere(0).topology.faces());
-    EXPECT_EQ(mended.points[5], sphere(5).points);
+    const Collection repaired = fixed();
+    EXPECT_EQ(repaired.topology.faces(), sphere(0).topology.faces());
+    EXPECT_EQ(repaired.points[5], sphere(5).points);
 }
 
 TEST_F(Check, TheSlitDoublePyramidOfTwoMeshesIsASeam)
@@ -110,11 +110,31 @@ TEST_F(Check, SplitPartsOfASharpSolidAreSaidToBeDoubled)
     const Outcome collected = shape({"collect", "cube.obj", "-o", "c.h5"});
     EXPECT_NE(collected.err.find("4 of 8 vertices lie on others"), std::string::npos)
         << collected.err;
-    EXPECT_EQ(shape({"check", "cube.obj", "--fix", "mended"}).exit_code, 0);
-    EXPECT_EQ(read_mesh(folder_ / "mended/cube.ply").points.rows(), 6);
+    EXPECT_EQ(shape({"check", "cube.obj", "--fix", "repaired"}).exit_code, 0);
+    EXPECT_EQ(read_mesh(folder_ / "repaired/cube.ply").points.rows(), 6);
 }
 
-TEST_F(Check, MirrorImagesAreSaidAndMended)
+TEST_F(Check, ASeamThatBreaksTheSurfaceIsSaidToBeOne)
+{
+    // Two tetrahedra that share vertex 0, which one of them has twice.
+    folder_.write("bow.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv -1 0 0\nv 0 -1 0\nv 0 0 -1\nv 1 0 0\n"
+                  "f 1 3 2\nf 1 2 4\nf 8 3 4\nf 1 4 3\nf 1 5 6\nf 1 7 5\nf 5 7 6\nf 1 6 7\n");
+    const Outcome outcome = shape({"check", "bow.obj"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_NE(outcome.out.find("2 of 8 vertices lie on others"), std::string::npos) << outcome.out;
+    EXPECT_EQ(outcome.out.find("lie on others"), outcome.out.rfind("lie on others"));
+}
+
+TEST_F(Check, OffersRepairsToWhatCanBeReadAlone)
+{
+    folder_.write("bad.obj", "v 0 0 zero\n");
+    EXPECT_EQ(shape({"check", "bad.obj"}).err.find("--fix"), std::string::npos);
+    write(3, sphere(3).points, reversed_faces(sphere(3).topology.faces()));
+    EXPECT_NE(shape({"check", "set"}).err.find("--fix DIR"), std::string::npos);
+}
+
+TEST_F(Check, MirrorImagesAreSaidAndRepaired)
 {
     write(2, mirror_image(sphere(2).points), sphere(2).topology.faces());
     expect_said("mirrored", {"m2 is a mirror image", "inside out"});
@@ -134,7 +154,7 @@ TEST_F(Check, ASoundMirrorImageIsNotAdvisedToReverseItsFacesAlone)
     EXPECT_NE(outcome.err.find("inside out: reverse its faces"), std::string::npos) << outcome.err;
 }
 
-TEST_F(Check, AllInsideOutIsSaidAndMended)
+TEST_F(Check, AllInsideOutIsSaidAndRepaired)
 {
     for (unsigned i = 0; i < 7; ++i)
         write(i, sphere(i).points, reversed_faces(sphere(i).topology.faces()));
@@ -142,7 +162,7 @@ TEST_F(Check, AllInsideOutIsSaidAndMended)
     EXPECT_EQ(fixed().topology.faces(), sphere(0).topology.faces());
 }
 
-TEST_F(Check, OtherUnitsAreSaidAndMended)
+TEST_F(Check, OtherUnitsAreSaidAndRepaired)
 {
     write(1, 1000.0 * sphere(1).points, sphere(1).topology.faces());
     write(6, 1000.0 * sphere(6).points, sphere(6).topology.faces());
@@ -167,11 +187,11 @@ TEST_F(Check, FixWritesWhatIsSoundAndSaysWhatIsLeft)
     folder_.write("set/n0.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 5 5\nf 1 2 3 4\n");
     folder_.write("set/n1.obj", "v 0 0 zero\n");
     folder_.write("set/n2.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 4 3 2\n");
-    const Outcome outcome = shape({"check", "set", "--fix", "mended", "--json"});
+    const Outcome outcome = shape({"check", "set", "--fix", "repaired", "--json"});
     EXPECT_EQ(outcome.exit_code, 3);
     const Json fix = Json::parse(outcome.out)["fix"];
-    EXPECT_EQ(files_in(folder_ / "mended").size(), 8U); // the spheres and the split square
-    const NamedMesh square = read_mesh(folder_ / "mended/n0.ply");
+    EXPECT_EQ(files_in(folder_ / "repaired").size(), 8U); // the spheres and the split square
+    const NamedMesh square = read_mesh(folder_ / "repaired/n0.ply");
     EXPECT_EQ(square.points.rows(), 4);
     EXPECT_EQ(square.faces.rows(), 2);
     EXPECT_GE(fix["changes"].size(), 2U);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 
+#include <cstdlib>
 #include <numeric>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
@@ -221,8 +223,8 @@ TEST_F(Commands, ProjectReproducesTheScoresOfTheModel)
     const ShapeModel model = read_model(folder_ / "model.h5");
     ASSERT_EQ(table.rows.size(), 3U);
     for (Eigen::Index i = 0; i < 3; ++i) {
-        const std::vector<std::string>& row = table.rows[static_cast<std::size_t>(i)];
-        EXPECT_EQ(row[0], model.names[static_cast<std::size_t>(i)]);
+        const std::vector<std::string>& row = table.rows[to_size(i)];
+        EXPECT_EQ(row[0], model.names[to_size(i)]);
         EXPECT_NEAR(parse_number(row[3], "size"), model.sizes[i], 1e-12 * model.sizes[i]);
         EXPECT_LT(parse_number(row[4], "residual"), 1e-12);
         EXPECT_NEAR(parse_number(row[5], "pc1"), model.scores(i, 0), 1e-12);
@@ -240,6 +242,39 @@ TEST_F(Commands, ProjectDrawsTheScoresWithAColourForEveryLabelValue)
     EXPECT_NE(svg.find("<svg"), std::string::npos);
     for (const char* value : {"calm", "glad"})
         EXPECT_NE(svg.find(value), std::string::npos) << value;
+}
+
+TEST_F(Commands, PlotsAreDrawnAsAskedFor)
+{
+    fit();
+    const Arguments project{"project", "model.h5", "f.h5", "-o", "s.csv", "--force", "--plot"};
+    (void)run(project + Arguments{"s.svg", "--axes", "2,1", "--label"});
+    const std::string svg = folder_.read("s.svg");
+    EXPECT_LT(svg.find("mode 2 ("), svg.find("mode 1 ("));
+    EXPECT_NE(svg.find(">a</text>"), std::string::npos) << svg;
+    (void)run(project + Arguments{"e.svg", "--axes", "2,1", "--label", "--equal-scales"});
+    EXPECT_NE(folder_.read("e.svg"), svg);
+    for (const char* axes : {"1", "1,1", "0,1", "1,3", "1,2,3", "a,b", "1.5,2"})
+        EXPECT_EQ(run_shape(folder_.path(), project + Arguments{"x.svg", "--axes", axes}).exit_code,
+                  2)
+            << axes;
+    EXPECT_EQ(
+        run_shape(folder_.path(), project + Arguments{"x.svg", "--outline", "hull"}).exit_code, 2);
+    EXPECT_EQ(run_shape(folder_.path(), project + Arguments{"x.pdf"}).exit_code, 2);
+    (void)run({"quality", "f.h5", "-o", "q.csv", "--plot", "q.svg", "--modes", "1", "--tests", "2",
+               "--samples", "2"});
+    EXPECT_NE(folder_.read("q.svg").find("stroke=\"#0072b2\""), std::string::npos);
+}
+
+TEST_F(Commands, PlotsMayBePng)
+{
+    if (std::system("rsvg-convert --version > /dev/null 2>&1") != 0)
+        GTEST_SKIP() << "no rsvg-convert (librsvg2-bin)";
+    fit();
+    (void)run({"project", "model.h5", "f.h5", "-o", "s.csv", "--plot", "s.png"});
+    const std::string png = folder_.read("s.png");
+    ASSERT_TRUE(png.starts_with("\x89PNG"));
+    EXPECT_EQ(png.substr(16, 8), std::string("\0\0\5\0\0\0\3\xc0", 8)); // 1280 by 960
 }
 
 TEST_F(Commands, GenerateFromProjectedScoresGivesTheMeshesBack)
@@ -316,6 +351,27 @@ TEST_F(Commands, InfeasibleTargetsAreWrittenWithAWarning)
     EXPECT_NE(outcome.err.find("infeasible target"), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("worst face"), std::string::npos) << outcome.err;
     EXPECT_TRUE(read_mesh(folder_ / "far.ply").points.allFinite());
+}
+
+TEST_F(Commands, PublishedMethodsGiveTheNearestMeshOfAnInfeasibleTargetToo)
+{
+    fit();
+    const double beyond = 1.1 * feasible_range(read_model(folder_ / "model.h5"), 0, 100.0).high;
+    const auto made = [&](const std::string& method) {
+        return json_of(run_shape(folder_.path(), {"generate", "model.h5", "--mode", "1", "--sigma",
+                                                  join(beyond), "--method", method, "-o",
+                                                  method + ".ply", "--json"}))["embeddings"][0];
+    };
+    EXPECT_EQ(made("dihedral")["method"], "dihedral");
+    for (const std::string method : {"multiscale", "closure"}) {
+        const Json figures = made(method);
+        EXPECT_EQ(figures["method"], "dihedral");
+        EXPECT_EQ(figures["status"], "infeasible");
+        EXPECT_EQ(folder_.read(method + ".ply"), folder_.read("dihedral.ply"));
+    }
+    EXPECT_EQ(run({"generate", "model.h5", "--mean", "--method", "multiscale", "-o",
+                   "m.ply"})["embeddings"][0]["method"],
+              "multiscale");
 }
 
 TEST_F(Commands, ManyInfeasibleTargetsAreOneLineAndFeasibleSamplesNone)

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/to_size.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -11,6 +12,7 @@
 #include "tests/tools/program.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 using Json = nlohmann::json;
@@ -63,10 +65,8 @@ TEST_F(Conformal, WritesTheSphereAndTheFactorsThatLeadToIt)
     const Table table = read_table(folder_ / "u.csv");
     EXPECT_EQ(table.columns, (std::vector<std::string>{"vertex", "u"}));
     const Topology topology(sphere.faces, static_cast<int>(sphere.points.rows()));
-    ASSERT_EQ(table.rows.size(), static_cast<std::size_t>(topology.vertex_count()));
-    const auto u = [&](int v) {
-        return parse_number(table.rows[static_cast<std::size_t>(v)][1], "u.csv");
-    };
+    ASSERT_EQ(table.rows.size(), to_size(topology.vertex_count()));
+    const auto u = [&](int v) { return parse_number(table.rows[to_size(v)][1], "u.csv"); };
     const Eigen::VectorXd before = lengths("head.ply");
     const Eigen::VectorXd after = lengths("sphere.ply");
     for (int e = 0; e < topology.edge_count(); ++e)

@@ -167,6 +167,26 @@ TEST_F(Groups, VariancesOfModesHaveIntervals)
     expect_failure(2, stats + Arguments{"-o", "x.h5", "--bootstrap", "-1"}, {"--bootstrap"});
 }
 
+TEST_F(Groups, EstimatesOutsideTheirIntervalAreExplained)
+{
+    // The last modes of few meshes: a resample has fewer different ones.
+    const Arguments stats{"stats", "people.h5", "--bootstrap", "100", "-o", "m.h5", "--force"};
+    const Json figures = run(stats);
+    std::string outside;
+    for (const Json& mode : figures["modes"]) {
+        const bool is_above = mode["variance"] > mode["variance_high"];
+        const bool is_below = mode["variance"] < mode["variance_low"];
+        EXPECT_EQ(mode["variance_outside"], is_above ? "above" : is_below ? "below" : "no");
+        outside += is_above ? "a" : "";
+    }
+    ASSERT_GE(outside.size(), 2U);
+    const Outcome outcome = run_shape(folder_.path(), stats);
+    EXPECT_NE(outcome.err.find("lies above its interval: a resampled collection repeats"),
+              std::string::npos)
+        << outcome.err;
+    EXPECT_NE(outcome.err.find("(above its interval)"), std::string::npos);
+}
+
 TEST_F(Groups, AreToldApartInSubjectsThatWereLeftOut)
 {
     for (const char* space : {"edge", "procrustes"}) {
@@ -225,6 +245,49 @@ TEST_F(Groups, RegressionKnowsShapesAtAnyValueAndWithoutTheEffect)
     EXPECT_EQ(scores.columns, (Arguments{"mesh", "t", "score"}));
     EXPECT_NEAR(parse_number(scores.rows[4][2], "score"), 4.0, 0.1);
     EXPECT_NE(folder_.read("s.svg").find("score along the regression"), std::string::npos);
+}
+
+TEST_F(Groups, RegressionWarnsOutsideTheData)
+{
+    write_bent(folder_); // t runs from 0 to 5
+    const auto err = [&](const std::string& at) {
+        const Outcome outcome =
+            run_shape(folder_.path(), {"regress", "bent", "--labels", "bent.csv", "--on", "t", "-o",
+                                       "s.csv", "--at", at, "--expected", "at", "--force"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.err;
+    };
+    EXPECT_EQ(err("0,2.5,5").find("warning"), std::string::npos);
+    EXPECT_NE(err("0,7.5").find("--at 7.5 is outside the data: t is measured from 0 to 5, and this "
+                                "lies 0.5 times that range beyond it"),
+              std::string::npos);
+    EXPECT_NE(err("-5").find("1 times that range beyond"), std::string::npos);
+}
+
+TEST_F(Groups, SpreadOfTheGroupsIsPrinted)
+{
+    const Arguments groups{"groups", "people.h5", "--by", "mood", "-o", "g.csv", "--force"};
+    const Outcome outcome = run_shape(folder_.path(), groups);
+    for (const char* said : {"spread of the groups: F(1, 10) = ", "calm: 6 meshes, variance ",
+                             "glad: 6 meshes, variance ", " (95 %: "})
+        EXPECT_NE(outcome.err.find(said), std::string::npos) << said << "\n" << outcome.err;
+    const Json figures = run(groups);
+    EXPECT_EQ(figures["spread"]["residual_df"], 10);
+    EXPECT_EQ(figures["spread"]["permutations"], 999);
+}
+
+TEST_F(Groups, WithoutPairsHaveADifferenceAndAMapOfEffects)
+{
+    const Json figures = run({"difference", "people.h5", "--from", "sex=f", "--to", "sex=m", "-o",
+                              "d.h5", "--effects", "e.ply"});
+    EXPECT_EQ(figures["pairs"], 0);
+    EXPECT_EQ(figures["effects"]["edges"], 120);
+    EXPECT_TRUE(folder_.has("e.csv"));
+    (void)run({"difference", "--load", "d.h5", "--onto", "a.ply", "--mesh", "out.ply"});
+    EXPECT_EQ(run({"info", "d.h5"})["pairs"], 0);
+    const Outcome outcome = run_shape(folder_.path(), {"difference", "people.h5", "--from", "sex=f",
+                                                       "--to", "sex=m", "-o", "x.h5"});
+    EXPECT_NE(outcome.err.find("means of two groups without pairs"), std::string::npos);
 }
 
 TEST_F(Groups, RegressionTestsEachCovariateBeyondTheOthers)
@@ -372,7 +435,7 @@ TEST_F(Groups, WrongUsageIsNamed)
                    {"--area-weighted"});
     const Arguments classify{"classify", "people.h5", "--by", "mood", "-o", "x.csv"};
     expect_failure(2, classify + Arguments{"--modes", "0"}, {"--modes"});
-    expect_failure(2, classify + Arguments{"--plot", "x.png"}, {"--plot"});
+    expect_failure(2, classify + Arguments{"--plot", "x.pdf"}, {"--plot"});
     expect_failure(2, classify + Arguments{"--predictions", "./x.csv"}, {"--predictions"});
     const Arguments regress{"regress", "people.h5", "-o", "x.csv"};
     expect_failure(2, regress, {"--on"});
@@ -402,8 +465,8 @@ TEST_F(Groups, WrongUsageIsNamed)
     expect_failure(2, load + Arguments{"--mesh", "x.ply", "--only", "mood=calm"}, {"--load"});
     expect_failure(2, smile({}), {"-o"});
     expect_failure(2, smile({"-o", "x.h5", "--mesh", "x.ply"}), {"--apply"});
-    expect_failure(2, {"difference", "a.ply", "-o", "x.h5", "--from", "k=1", "--to", "k=2"},
-                   {"--pair-by"});
+    expect_failure(2, {"difference", "a.ply", "-o", "x.h5", "--pair-by", "k", "--to", "k=2"},
+                   {"--from"});
     expect_failure(2,
                    {"difference", "-o", "x.h5", "--pair-by", "k", "--from", "k=1", "--to", "k=2"},
                    {"MESHES"});

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/data.h"
 #include "tests/tools/program.h"
 
@@ -63,7 +64,7 @@ protected:
 TEST_F(HostileRun, RefusesListsThatAreNestedTooDeep)
 {
     for (const int depth : {65, 500'000}) {
-        const auto levels = static_cast<std::size_t>(depth);
+        const auto levels = to_size(depth);
         folder_.write("path.json",
                       "{\"at\": " + std::string(levels, '[') + std::string(levels, ']') + "}");
         expect_refusal(blend({"--path-file", "path.json"}), 3, "64");
@@ -169,6 +170,24 @@ TEST_F(HostileRun, EndsWithAResultOrALineWhereMemoryIsShort)
                 blend({"--frames", "3", "--method", method, "--force", "--quiet"},
                       {.address_space = mebibytes << 20U});
             if (outcome.exit_code != 0)
+                expect_refusal(outcome, 6, "");
+        }
+}
+
+TEST_F(HostileRun, NeverBlamesAFileWhereMemoryIsShort)
+{
+    ASSERT_EQ(
+        run_shape(folder_.path(), {"collect", "a.ply", "b.ply", "c.ply", "-o", "s.h5"}).exit_code,
+        0);
+    for (std::size_t mebibytes = 30; mebibytes <= 110; mebibytes += 2)
+        for (const Arguments& arguments :
+             {Arguments{"info", "s.h5", "--quiet"},
+              Arguments{"stats", "s.h5", "-o", "x.h5", "--force", "--quiet"}}) {
+            const Outcome outcome =
+                run_shape(folder_.path(), arguments, {.address_space = mebibytes << 20U});
+            SCOPED_TRACE(testing::PrintToString(arguments) + " " + std::to_string(mebibytes));
+            // 127: the system cannot load the libraries, and says so.
+            if (outcome.exit_code != 0 && outcome.exit_code != 127)
                 expect_refusal(outcome, 6, "");
         }
 }

@@ -146,9 +146,10 @@ TEST_F(Interpolate, TheSafeRangeIsSaidAndHonoured)
         const double high = range["high"].get<double>();
         EXPECT_LT(range["low"].get<double>(), 0.0);
         EXPECT_GT(high, 1.0);
-        // Multiscale takes no lengths that break a triangle inequality.
+        // Multiscale takes no lengths that break a triangle inequality; dihedral would stand in.
         const Json within =
             run(at(1.0 + 0.9999 * (high - 1.0), {"-o", blend + "-in", "--method", "multiscale"}));
+        EXPECT_EQ(within["embeddings"][1]["method"], "multiscale");
         EXPECT_NEAR(within["safe_reach"][1].get<double>(), 1.0001, 1e-4);
         EXPECT_TRUE(within["safe_reach"][0].is_null());
         const double beyond = 1.0 + 1.0001 * (high - 1.0);

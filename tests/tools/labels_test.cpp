@@ -125,10 +125,11 @@ TEST_F(LabelledMeshes, RepeatedScansAreRegressedByTheirMeansAndElseWarnedOf)
 
 TEST_F(LabelledMeshes, GroupsOfAnyNameBecomeFiles)
 {
-    write_labels("g", {"a/b", "a/b", "a_b", "a_b", "../c", "../c", "a/b", "a_b", "a_b", "../c"});
+    write_labels("g", {"a/b", "a/b", "a_b", "a_b", "../c", "../c", "a/b", "A_B", "A_B", "../c"});
     (void)run({"groups", "set", "--labels", "l.csv", "--by", "g", "-o", "g.csv", "--means", "means",
                "--permutations", "9", "--bootstrap", "9", "--quality", "preview"});
-    EXPECT_EQ(files_in(folder_ / "means"), (Values{"_.._c.ply", "a_b.ply", "a_b_2.ply"}));
+    EXPECT_EQ(files_in(folder_ / "means"),
+              (Values{"A_B_3.ply", "_.._c.ply", "a_b.ply", "a_b_2.ply"}));
 }
 
 TEST_F(LabelledMeshes, ClassifyUsesAsManyModesAsFewMeshesAllow)

@@ -70,6 +70,19 @@ TEST_F(Streams, AFailedRunPrintsNothingAndNamesTheStream)
     EXPECT_NE(outcome.err.find("error: -: line 1"), std::string::npos) << outcome.err;
 }
 
+TEST_F(Streams, MessagesNameTheStreamAndNoFileOfOurs)
+{
+    for (const Arguments& arguments :
+         {Arguments{"stats", "f.h5", "-o", "-"}, Arguments{"distance", "f.h5", "-o", "-"}}) {
+        const Outcome outcome = shape(arguments);
+        EXPECT_EQ(outcome.exit_code, 0);
+        EXPECT_TRUE(outcome.err.starts_with("-: ")) << outcome.err;
+        EXPECT_EQ(outcome.err.find("/shape-"), std::string::npos) << outcome.err;
+    }
+    const Outcome checked = shape({"check", "-", "--json"}, "a.ply");
+    EXPECT_EQ(checked.out.find("/shape-"), std::string::npos) << checked.out;
+}
+
 TEST_F(Streams, OneStreamServesOnePurpose)
 {
     for (const Arguments& arguments :

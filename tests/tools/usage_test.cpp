@@ -65,7 +65,7 @@ std::vector<WrongUsage> wrong_usages()
         {"EmptyOutput", ".h5", {"stats", "a.ply", "b.ply", "-o", ""}},
         {"PlotOfAnotherEnding",
          "--plot",
-         {"project", "model.h5", "a.ply", "-o", "s.csv", "--plot", "s.png"}},
+         {"project", "model.h5", "a.ply", "-o", "s.csv", "--plot", "s.pdf"}},
         {"PlotOverTheScores",
          "--plot",
          {"project", "model.h5", "a.ply", "-o", "s.svg", "--plot", "./s.svg"}},
@@ -76,7 +76,7 @@ std::vector<WrongUsage> wrong_usages()
         {"MetricOfPositionsWithEdgeWeights", "--area-weighted",
          distance + Arguments{"--metric", "procrustes", "--area-weighted"}},
         {"DistancesWithoutOutput", "--output", {"distance", "a.ply", "b.ply"}},
-        {"PlaneDrawnIntoAnotherEnding", "--plot", distance + Arguments{"--plot", "mds.png"}},
+        {"PlaneDrawnIntoAnotherEnding", "--plot", distance + Arguments{"--plot", "mds.pdf"}},
         {"MapDrawnIntoAnotherEnding", "--heat-map", distance + Arguments{"--heat-map", "m.csv"}},
         {"TwoTablesInOneFile", "--mds", distance + Arguments{"--mds", "./d.csv"}},
         {"TwoDrawingsInOneFile", "--heat-map",
@@ -88,7 +88,7 @@ std::vector<WrongUsage> wrong_usages()
         {"OneFold", "--folds", quality + Arguments{"--folds", "1"}},
         {"NoTests", "--tests", quality + Arguments{"--tests", "0"}},
         {"NoSamples", "--samples", quality + Arguments{"--samples", "0"}},
-        {"QualityOfAnotherEnding", "--plot", quality + Arguments{"--plot", "q.png"}},
+        {"QualityOfAnotherEnding", "--plot", quality + Arguments{"--plot", "q.pdf"}},
         {"QualityPlotOverTheTable",
          "--plot",
          {"quality", "a.ply", "b.ply", "-o", "q.svg", "--plot", "./q.svg"}},
@@ -194,7 +194,8 @@ std::vector<WrongUsage> wrong_usages()
          difference + Arguments{"--from", "k=1", "--to", "k=2", "--apply"}},
         {"ReportOfAnotherEnding", ".html", {"report", "model.h5", "-o", "page.pdf"}},
         {"PageOfNoMode", "--modes", {"explore", "model.h5", "-o", "page.html", "--modes", "0"}},
-        {"PageOfNoSmoothness", "--smoothness",
+        {"PageOfNoSmoothness",
+         "--smoothness",
          {"explore", "model.h5", "-o", "page.html", "--smoothness", "0"}},
         {"SynthWithoutName", "NAME", {"synth", "-o", "new"}},
     };
@@ -297,6 +298,14 @@ TEST(Words, NearMissesAreAnsweredByWhatWasMeant)
     EXPECT_NE(
         err({"stats", "x.h5", "--scael", "unit", "-o", "y.h5"}).find("did you mean '--scale'?"),
         std::string::npos);
+    // What was meant is missing then; that is no news.
+    EXPECT_NE(err({"stats", "x.h5", "--outptu", "y.h5"}).find("did you mean '--output'?"),
+              std::string::npos);
+    EXPECT_NE(err({"stats", "x.h5", "--zzzzzzzzz", "-o", "y.h5"}).find("no option '--zzzzzzzzz'"),
+              std::string::npos);
+    EXPECT_NE(err({"generate", "x.h5", "--mean", "--method", "dihedrl", "-o", "y.ply"})
+                  .find("did you mean 'dihedral'?"),
+              std::string::npos);
     EXPECT_EQ(err({"quite-another-word"}).find("did you mean"), std::string::npos);
 }
 

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/table_file.h"
 #include "tools/program/arguments.h"
@@ -24,7 +25,7 @@ const LabelColumn& complete_label(const Collection& collection, const std::strin
     const LabelColumn& column = find_label(collection.labels, label);
     const auto missing = std::find(column.values.begin(), column.values.end(), "");
     if (missing != column.values.end()) {
-        const auto mesh = static_cast<std::size_t>(missing - column.values.begin());
+        const auto mesh = to_size(missing - column.values.begin());
         const auto count = std::count(missing, column.values.end(), "");
         throw InvalidInput(join("mesh ", collection.names[mesh], " has no value of label '", label,
                                 "', in all ", count, " of ", collection.size(),
@@ -144,7 +145,7 @@ Eigen::MatrixXd codes(const Grouping& groups)
 {
     Eigen::MatrixXd column(groups.size(), 1);
     for (Eigen::Index i = 0; i < groups.size(); ++i)
-        column(i, 0) = groups.group_of[static_cast<std::size_t>(i)];
+        column(i, 0) = groups.group_of[to_size(i)];
     return column;
 }
 
@@ -161,7 +162,7 @@ void warn_of_repeated_rows(const Session& session, const Collection& collection,
             std::find(column.values.begin(), column.values.end(), "") != column.values.end())
             continue;
         const Grouping blocks = group_by(column.values);
-        const auto count = static_cast<std::size_t>(blocks.group_count());
+        const auto count = to_size(blocks.group_count());
         if (count < least_blocks || 2 * count > collection.size() ||
             count * largest_blocks < collection.size())
             continue;

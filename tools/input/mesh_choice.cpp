@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "tools/input/mesh_input.h"
 
 namespace shape::tools {
@@ -38,7 +39,7 @@ Collection choose_meshes(const MeshChoice& choice, const Collection& run)
     for (const std::string& text : choice.texts) {
         const auto found = std::find(run.names.begin(), run.names.end(), text);
         if (found != run.names.end()) {
-            const auto mesh = static_cast<std::size_t>(found - run.names.begin());
+            const auto mesh = to_size(found - run.names.begin());
             meshes.push_back({text, text, run.points[mesh], run.topology.faces()});
             continue;
         }

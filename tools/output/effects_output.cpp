@@ -41,12 +41,13 @@ Table effect_table(const Topology& topology, const ColumnEffects& effects)
 CLI::Option* add_effects(CLI::App& command, std::string& path)
 {
     return command
-        .add_option("--effects", path,
-                    "Where the pairs differ: the mean mesh as PLY with the properties effect\n"
-                    "(mean of Cohen's d over the edges at a vertex; > 0: longer), magnitude (of\n"
-                    "its absolute value) and significant (share of edges with q <= 0.05), for\n"
-                    "`shape draw --color-by`; and FILE.csv with one row an edge: v0,v1,effect,p,q\n"
-                    "(paired t test, q by Benjamini and Hochberg)")
+        .add_option(
+            "--effects", path,
+            "Where pairs or groups differ: the mean mesh as PLY with the properties effect\n"
+            "(mean of Cohen's d over the edges at a vertex; > 0: longer), magnitude (of\n"
+            "its absolute value) and significant (share of edges with q <= 0.05), for\n"
+            "`shape draw --color-by`; and FILE.csv with one row an edge: v0,v1,effect,p,q\n"
+            "(t test, paired or, of groups, Welch's; q by Benjamini and Hochberg)")
         ->option_text("FILE.ply");
 }
 

@@ -44,7 +44,7 @@ Json figures_of(const std::string& mesh, const std::string& method, const Embedd
     const EmbeddingReport& report = embedding.report;
     Json figures{
         {"name", mesh},
-        {"method", method},
+        {"method", embedding.instead ? tools::name(*embedding.instead) : method.c_str()},
         {"vertices", embedding.points.rows()},
         {"status", name(report.status)},
         {"edge_rms", report.edge_rms},
@@ -215,7 +215,8 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
 {
     add_choice(command, "--method", options.method,
                "dihedral: lengths and dihedral angles together (default); closure: as in Rojas\n"
-               "2014, section 2; multiscale: as in Winkler 2010, section 3",
+               "2014, section 2; multiscale: as in Winkler 2010, section 3. Where a target breaks\n"
+               "a triangle inequality, these two cannot start, and dihedral makes the nearest mesh",
                {{"dihedral", EmbeddingMethod::Dihedral},
                 {"closure", EmbeddingMethod::Closure},
                 {"multiscale", EmbeddingMethod::Multiscale}})

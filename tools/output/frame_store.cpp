@@ -17,6 +17,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
 #include "tools/program/json_depth.h"
 
@@ -90,7 +91,7 @@ void put(const fs::path& path, const std::string& content)
 std::string hash_of(const FinishedMesh& mesh)
 {
     return hash_text(
-        mesh.points.data(), static_cast<std::size_t>(mesh.points.size()) * sizeof(double),
+        mesh.points.data(), to_size(mesh.points.size()) * sizeof(double),
         mesh.figures.dump(-1, ' ', false, Json::error_handler_t::replace) + mesh.reason);
 }
 
@@ -225,7 +226,7 @@ std::optional<FinishedMesh> FrameStore::read(std::size_t index) const
     FinishedMesh mesh{Points(static_cast<Eigen::Index>(bytes / (3 * sizeof(double))), 3),
                       record->value("figures", Json()), text_of(*record, "reason")};
     std::memcpy(mesh.points.data(), content->data() + head + 1,
-                static_cast<std::size_t>(mesh.points.size()) * sizeof(double));
+                to_size(mesh.points.size()) * sizeof(double));
     if (text_of(*record, "hash") != hash_of(mesh))
         return std::nullopt;
     return mesh;
@@ -239,7 +240,7 @@ void FrameStore::write(std::size_t index, const FinishedMesh& mesh)
     const Json record{{"hash", hash_of(mesh)}, {"figures", mesh.figures}, {"reason", mesh.reason}};
     std::string content = record.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     content.append(reinterpret_cast<const char*>(mesh.points.data()),
-                   static_cast<std::size_t>(mesh.points.size()) * sizeof(double));
+                   to_size(mesh.points.size()) * sizeof(double));
     put(file(index), content);
     ++count_;
 }

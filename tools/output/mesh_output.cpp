@@ -44,8 +44,17 @@ std::string shortened(const std::string& name, std::size_t most)
     return name.substr(0, most - 1 - hash.size()) + "-" + hash;
 }
 
+/// Without the case of ASCII letters, as some file systems compare names.
+std::string lower_case(std::string text)
+{
+    std::ranges::transform(text, text.begin(), [](char c) {
+        return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    });
+    return text;
+}
+
 /// Names of files, one for each mesh: what a file name may not hold becomes '_', and names that are
-/// the same then get a number.
+/// the same then but for their case get a number.
 std::vector<std::string> file_names(const std::vector<std::string>& names)
 {
     constexpr std::size_t longest = 200;
@@ -65,7 +74,7 @@ std::vector<std::string> file_names(const std::vector<std::string>& names)
             file.insert(file.begin(), '_');
         file = shortened(file, longest);
         const std::string stem = file;
-        for (int number = 2; !taken.insert(file).second; ++number)
+        for (int number = 2; !taken.insert(lower_case(file)).second; ++number)
             file = join(stem, "_", number);
         result.push_back(file);
     }

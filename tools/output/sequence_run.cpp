@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
 #include "libshape/embedding/in_betweens.h"
 #include "libshape/io/table_file.h"
@@ -37,8 +38,7 @@ std::string between_name(Between between)
 
 std::string hash_of(const std::string& before, const Eigen::VectorXd& vector)
 {
-    return hash_text(vector.data(), static_cast<std::size_t>(vector.size()) * sizeof(double),
-                     before);
+    return hash_text(vector.data(), to_size(vector.size()) * sizeof(double), before);
 }
 
 /// Sequences are made of points of edge-length space.
@@ -52,8 +52,7 @@ Json identity(const Session& session, const EmbeddingOptions& options,
               const SequenceArguments& arguments, const Sequence& sequence)
 {
     const Faces& faces = sequence.topology.faces();
-    std::string inputs =
-        hash_text(faces.data(), static_cast<std::size_t>(faces.size()) * sizeof(int));
+    std::string inputs = hash_text(faces.data(), to_size(faces.size()) * sizeof(int));
     for (const Points& points : sequence.references)
         inputs = hash_of(inputs, points.reshaped());
     std::string blends = join(sequence.targets.size(), sequence.is_path ? " frames " : " blends ");
@@ -204,7 +203,7 @@ Json run(const Session& session, const EmbeddingArguments& embedding,
                 return maker.embedded(i, std::get<ShapePoint>(shape));
             },
             output, order);
-    const auto every = static_cast<std::size_t>(arguments.keyframes);
+    const auto every = to_size(arguments.keyframes);
     const InBetweens between = in_betweens(session, embedding.options, arguments.between, sequence,
                                            maker.keyframes(session.progress(), every));
     return make_and_write(

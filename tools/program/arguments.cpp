@@ -2,11 +2,13 @@
 
 #include "tools/program/arguments.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/table_file.h"
+#include "tools/program/spelling.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -61,6 +63,14 @@ CLI::Option* add_integer(CLI::App& command, const std::string& name,
                          std::int64_t low, std::int64_t high)
 {
     return add_integer_option(command, name, value, description, low, high);
+}
+
+std::string explain_choice(const std::string& text, const std::vector<std::string>& names)
+{
+    if (std::ranges::find(names, text) != names.end())
+        return {};
+    return join("'", text, "' is none of ", CLI::detail::join(names, ", "),
+                did_you_mean(text, names));
 }
 
 double read_number(const std::string& text, const std::string& place)

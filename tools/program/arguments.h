@@ -42,6 +42,10 @@ CLI::Option* add_integer(CLI::App& command, const std::string& name,
                          std::int64_t low,
                          std::int64_t high = std::numeric_limits<std::int64_t>::max());
 
+/// Why a text is none of the names, with the one that is spelled most like it; empty if it is one.
+[[nodiscard]] std::string explain_choice(const std::string& text,
+                                         const std::vector<std::string>& names);
+
 /// What an option of one of several values is about: T of std::optional<T> too.
 template <class T>
 struct ChosenType
@@ -70,7 +74,7 @@ CLI::Option* add_choice(
                 value = choice.second;
     };
     return command.add_option_function<std::string>(name, choose, description)
-        ->check(CLI::IsMember(names))
+        ->check([names](const std::string& text) { return explain_choice(text, names); })
         ->option_text(CLI::detail::join(names, "|"));
 }
 

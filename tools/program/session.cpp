@@ -113,7 +113,7 @@ void Session::message(const std::string& text) const
     if (quiet || json)
         return;
     clear_bar();
-    std::fprintf(stderr, "%s%s", text.c_str(), text.ends_with('\n') ? "" : "\n");
+    std::fprintf(stderr, "%s%s", readable(text).c_str(), text.ends_with('\n') ? "" : "\n");
 }
 
 void Session::warn(const std::string& text) const
@@ -121,7 +121,7 @@ void Session::warn(const std::string& text) const
     if (quiet)
         return;
     clear_bar();
-    std::fprintf(stderr, "shape: warning: %s\n", one_line(text).c_str());
+    std::fprintf(stderr, "shape: warning: %s\n", one_line(readable(text)).c_str());
 }
 
 void Session::print(const std::string& text) const
@@ -140,7 +140,7 @@ void Session::print_figures(const Json& figures) const
         return;
     Json object{{"command", command}};
     object.update(figures);
-    print(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    print(readable(object.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
 }
 
 Progress Session::progress() const

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -24,6 +25,10 @@ public:
     bool force = false;       ///< Existing outputs are overwritten.
     std::int64_t threads = 0; ///< 0: as many as there are processors.
     std::int64_t seed = 1;
+    /// What people read instead of a text: `-` for standard streams (StandardStreams::readable()).
+    std::function<std::string(const std::string&)> readable = [](const std::string& text) {
+        return text;
+    };
 
     /// Text on stderr, unless quiet or JSON is wanted.
     void message(const std::string& text) const;

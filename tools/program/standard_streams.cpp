@@ -14,6 +14,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/output_file.h"
 #include "tools/program/arguments.h"
@@ -68,7 +69,7 @@ std::string read_standard_input()
             throw FileError(join("standard input: ", std::strerror(errno)));
         if (got == 0)
             return content;
-        content.append(block.data(), static_cast<std::size_t>(got));
+        content.append(block.data(), to_size(got));
         if (content.size() > limit)
             throw LimitExceeded(join("standard input: more than ", limit, " bytes"));
     }

@@ -3,11 +3,11 @@
 #include "libshape/embedding/closure/closure.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/embedding/start/face_layout.h"
 
@@ -65,6 +65,9 @@ ClosureEnergy::ClosureEnergy(const Topology& topology, const Points& corner_angl
     corner_sine_.assign(rows, Row::Zero());
     step_edge_.assign(rows, Eigen::Array<int, lanes, 1>::Constant(edge_count));
     edge_slots_.setConstant(edge_count, 2, static_cast<int>(rows * lanes));
+    Points sines(corner_angles.rows(), 3), cosines(corner_angles.rows(), 3);
+    sines_cosines(corner_angles.data(), to_size(corner_angles.size()),
+                  sines.data(), cosines.data());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const auto ring = topology.outgoing(vertices[i]);
         const auto lane = static_cast<Eigen::Index>(i % lanes);
@@ -73,8 +76,8 @@ ClosureEnergy::ClosureEnergy(const Topology& topology, const Points& corner_angl
             const int h = ring[step];
             const int turn = ring[(step + 1) % ring.size()];
             const std::size_t row = blocks_[i / lanes].first + step;
-            corner_cosine_[row][lane] = std::cos(corner_angles(h / 3, h % 3));
-            corner_sine_[row][lane] = std::sin(corner_angles(h / 3, h % 3));
+            corner_cosine_[row][lane] = cosines(h / 3, h % 3);
+            corner_sine_[row][lane] = sines(h / 3, h % 3);
             const int edge = topology.edge(turn);
             step_edge_[row][lane] = edge;
             const bool at_lower_end = topology.edges()(edge, 0) == vertices[i];
@@ -82,8 +85,8 @@ ClosureEnergy::ClosureEnergy(const Topology& topology, const Points& corner_angl
                 static_cast<int>(row * lanes) + static_cast<int>(lane);
         }
     }
-    cosine_.assign(static_cast<std::size_t>(edge_count) + 1, 1.0);
-    sine_.assign(static_cast<std::size_t>(edge_count) + 1, 0.0);
+    cosine_.assign(to_size(edge_count) + 1, 1.0);
+    sine_.assign(to_size(edge_count) + 1, 0.0);
     slot_derivative_.assign(rows * lanes + 1, 0.0);
 }
 
@@ -94,7 +97,7 @@ double ClosureEnergy::evaluate(const Eigen::Ref<const Eigen::VectorXd>& dihedral
         throw InvalidInput(join("dihedral_angles has ", dihedral_angles.size(),
                                 " entries and gradient ", gradient.size(), ", the topology ",
                                 edge_count(), " edges"));
-    const auto edges = static_cast<std::size_t>(edge_count());
+    const auto edges = to_size(edge_count());
     parallel_for(edges, edge_grain, [&](std::size_t begin, std::size_t end) {
         sines_cosines(dihedral_angles.data() + begin, end - begin, sine_.data() + begin,
                       cosine_.data() + begin);
@@ -111,8 +114,8 @@ double ClosureEnergy::evaluate(const Eigen::Ref<const Eigen::VectorXd>& dihedral
         });
     parallel_for(edges, edge_grain, [&](std::size_t begin, std::size_t end) {
         for (auto e = static_cast<Eigen::Index>(begin); e < static_cast<Eigen::Index>(end); ++e)
-            gradient[e] = slot_derivative_[static_cast<std::size_t>(edge_slots_(e, 0))] +
-                          slot_derivative_[static_cast<std::size_t>(edge_slots_(e, 1))];
+            gradient[e] = slot_derivative_[to_size(edge_slots_(e, 0))] +
+                          slot_derivative_[to_size(edge_slots_(e, 1))];
     });
     return energy;
 }
@@ -141,7 +144,7 @@ double ClosureEnergy::walk(const Block& block, Rows& scratch)
         scratch[3 * step + 2] = x2;
         Row xc, xs;
         for (int lane = 0; lane < lanes; ++lane) {
-            const auto e = static_cast<std::size_t>(step_edge_[row][lane]);
+            const auto e = to_size(step_edge_[row][lane]);
             xc[lane] = cosine_[e];
             xs[lane] = sine_[e];
         }

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/closure/closure.h"
 
 namespace shape::internal {
@@ -24,8 +25,7 @@ DihedralSolution solve_dihedrals(const Topology& topology, const Points& corner_
     };
     const auto report = [&](int iterations) {
         if (progress)
-            progress("closing the walks", static_cast<std::size_t>(iterations),
-                     static_cast<std::size_t>(options.max_iterations));
+            progress("closing the walks", to_size(iterations), to_size(options.max_iterations));
     };
     Minimum minimum = minimize_lbfgs(evaluate, initial, options, report);
     Eigen::VectorXd gradient(initial.size());

@@ -4,6 +4,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/linalg/sparse_cholesky.h"
 
 namespace shape::internal {
@@ -18,10 +19,10 @@ Points vertex_positions(const Topology& topology, const Eigen::VectorXd& lengths
     if (lengths.size() != edge_count)
         throw InvalidInput(
             join("lengths has ", lengths.size(), " entries, the topology ", edge_count, " edges"));
-    if (local_frames.size() != static_cast<std::size_t>(halfedge_count))
+    if (local_frames.size() != to_size(halfedge_count))
         throw InvalidInput(join("local_frames has ", local_frames.size(), " entries, the topology ",
                                 halfedge_count, " half-edges"));
-    if (frames.size() != static_cast<std::size_t>(vertex_count))
+    if (frames.size() != to_size(vertex_count))
         throw InvalidInput(join("frames has ", frames.size(), " entries, the topology ",
                                 vertex_count, " vertices"));
 
@@ -31,15 +32,14 @@ Points vertex_positions(const Topology& topology, const Eigen::VectorXd& lengths
         const int u = topology.target(h);
         const Eigen::RowVector3d step =
             lengths[topology.edge(h)] *
-            (frames[static_cast<std::size_t>(v)] * local_frames[static_cast<std::size_t>(h)].col(0))
-                .transpose();
+            (frames[to_size(v)] * local_frames[to_size(h)].col(0)).transpose();
         rhs.row(u) += step;
         rhs.row(v) -= step;
     }
     // The normal matrix is a Laplacian of the graph: weight 2 on interior edges, 1 on the boundary.
     Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(vertex_count);
     std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(vertex_count + edge_count));
+    entries.reserve(to_size(vertex_count + edge_count));
     for (int e = 0; e < edge_count; ++e) {
         const int v = topology.edges()(e, 0);
         const int u = topology.edges()(e, 1);

@@ -44,12 +44,6 @@ void check(const Topology& topology, const std::vector<Points>& references)
             throw InvalidInput("a reference mesh has an edge of length 0");
 }
 
-Points centred(Points points)
-{
-    points.rowwise() -= centroid(points);
-    return points;
-}
-
 /// While the mesh is held by so much, it shows how E resists.
 constexpr double probing_anchor = 0.003;
 
@@ -95,6 +89,33 @@ struct DihedralEmbedder::State
         return ordered;
     }
 };
+
+namespace {
+
+/// A target in the order of the renumbering, fit for the energy.
+ShapePoint target_of(const Renumbering& renumbering, const ShapePoint& point)
+{
+    const Topology& topology = renumbering.topology;
+    if (point.edge_lengths.size() != topology.edge_count() ||
+        point.dihedral_angles.size() != topology.edge_count())
+        throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
+                                point.dihedral_angles.size(), " dihedral angles, the topology ",
+                                topology.edge_count(), " edges"));
+    return {positive_lengths(renumbered(renumbering, point.edge_lengths)),
+            renumbered(renumbering, point.dihedral_angles), point.patch_turns};
+}
+
+/// Vertices row by row in the order of the renumbering, in their own, about their centroid.
+Points result_of(const Renumbering& renumbering, const VectorXd& points)
+{
+    Points result =
+        restored(renumbering,
+                 Eigen::Map<const Points>(points.data(), renumbering.topology.vertex_count(), 3));
+    result.rowwise() -= centroid(result);
+    return result;
+}
+
+} // namespace
 
 void check(const DihedralEmbeddingOptions& options)
 {
@@ -159,13 +180,7 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     check(options);
     State& s = *state_;
     const Topology& topology = s.renumbering.topology;
-    if (point.edge_lengths.size() != topology.edge_count() ||
-        point.dihedral_angles.size() != topology.edge_count())
-        throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
-                                point.dihedral_angles.size(), " dihedral angles, the topology ",
-                                topology.edge_count(), " edges"));
-    const ShapePoint target{positive_lengths(renumbered(s.renumbering, point.edge_lengths)),
-                            renumbered(s.renumbering, point.dihedral_angles), point.patch_turns};
+    const ShapePoint target = target_of(s.renumbering, point);
     const bool has_companion = point.patch_turns.size() > 0;
     const auto pairs = static_cast<Eigen::Index>(s.reference.patches.pairs.size());
     if (has_companion && (point.patch_turns.size() != 3 * pairs || !point.patch_turns.allFinite()))
@@ -182,7 +197,7 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     const double nothing = 1e-24 * topology.edge_count();
     VectorXd points = linear.reshaped<Eigen::RowMajor>();
     if (has_companion)
-        result.companion = centred(restored(s.renumbering, linear));
+        result.companion = result_of(s.renumbering, linear.reshaped<Eigen::RowMajor>());
     int first_linear_steps = options.first_linear_steps;
     Descender descender(energy, s.laplacian.single_precision());
     const auto descend_to = [&](int iterations) {
@@ -234,8 +249,28 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
         descend_to(options.max_iterations);
     }
     result.back_substitutions += result.iterations;
-    const Eigen::Map<const Points> vertices(points.data(), topology.vertex_count(), 3);
-    result.points = centred(restored(s.renumbering, vertices));
+    result.points = result_of(s.renumbering, points);
+    return result;
+}
+
+DihedralEmbedding DihedralEmbedder::sweep(const ShapePoint& point, const Points& start,
+                                          int linear_steps, double smoothness) const
+{
+    const State& s = *state_;
+    const ShapePoint target = target_of(s.renumbering, point);
+    if (start.rows() != s.renumbering.topology.vertex_count())
+        throw InvalidInput(join("sweep: the start has ", start.rows(), " vertices, the topology ",
+                                s.renumbering.topology.vertex_count()));
+    LengthDihedralEnergy energy(s.renumbering.topology, target, smoothness);
+    Descender descender(energy, s.laplacian.single_precision());
+    const Descent descent =
+        descender.descend(renumbered(s.renumbering, start).reshaped<Eigen::RowMajor>(),
+                          {.max_linear_steps = linear_steps, .first_linear_steps = linear_steps});
+    DihedralEmbedding result;
+    result.points = result_of(s.renumbering, descent.points);
+    result.energy = descent.energy;
+    result.iterations = result.back_substitutions = descent.linear_steps;
+    result.converged = descent.converged;
     return result;
 }
 

@@ -10,6 +10,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/gauss_newton_operator.h"
 
 namespace shape::internal {
@@ -23,7 +24,7 @@ template <class Work>
 void for_columns(Index columns, const Work& work)
 {
     constexpr std::size_t grain = 2048;
-    parallel_for(static_cast<std::size_t>(columns), grain, work);
+    parallel_for(to_size(columns), grain, work);
 }
 
 /// to += factor * by, for a range of vectors.

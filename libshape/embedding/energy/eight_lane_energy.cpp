@@ -2,8 +2,7 @@
 
 #include "libshape/embedding/energy/eight_lane_energy.h"
 
-#include <cmath>
-
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/embedding/energy/stretch_term.h"
@@ -162,8 +161,8 @@ SHAPE_VECTORISED void gather(int moving, const int* halfedge_begins, const int* 
 EightLaneEnergy::EightLaneEnergy(const LengthDihedralEnergy& energy, const RegionMesh& region)
     : region_(region),
       unit_(energy.target().edge_lengths(region.edges).mean()),
-      normals_(static_cast<std::size_t>(region.face_count())),
-      hinges_(3 * static_cast<std::size_t>(region.moving_faces)),
+      normals_(to_size(region.face_count())),
+      hinges_(3 * to_size(region.moving_faces)),
       directions_(region.edges.size()),
       strains_(region.edges.size()),
       bends_(region.edges.size()),
@@ -173,11 +172,9 @@ EightLaneEnergy::EightLaneEnergy(const LengthDihedralEnergy& energy, const Regio
       halfedge_terms_(region.corners.size())
 {
     for (const int e : region.edges) {
-        const bool inner = !energy.topology().is_boundary_edge(e);
-        const double angle = inner ? energy.target().dihedral_angles[e] : 0.0;
         inverse_lengths_.push_back(static_cast<float>(unit_ / energy.target().edge_lengths[e]));
-        sines_.push_back(static_cast<float>(std::sin(angle)));
-        cosines_.push_back(static_cast<float>(std::cos(angle)));
+        sines_.push_back(static_cast<float>(energy.sines()[e]));
+        cosines_.push_back(static_cast<float>(energy.cosines()[e]));
         bend_weights_.push_back(static_cast<float>(energy.bend_weights()[e]));
     }
 }
@@ -201,7 +198,7 @@ void EightLaneEnergy::transpose(const std::vector<EightLanes>& tensions,
                                 const std::vector<EightLanes>& moments, EightLanePoints& forces)
 {
     const RegionMesh& r = region_;
-    forces.resize(static_cast<std::size_t>(r.moving_vertices));
+    forces.resize(to_size(r.moving_vertices));
     lift_corners(r.moving_faces, r.face_edges.data(), hinges_.data(), moments.data(),
                  halfedge_terms_.data());
     gather(r.moving_vertices, r.halfedge_begins.data(), r.halfedges.data(), r.edge_begins.data(),

@@ -10,6 +10,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/require.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/hinge.h"
@@ -72,18 +73,17 @@ GaussNewton::GaussNewton(const Topology& topology, const GradedUnknowns& unknown
 void GaussNewton::find_pattern(const std::vector<std::vector<int>>& rows)
 {
     const auto size = static_cast<int>(vertices_.size());
-    carried_begin_.assign(static_cast<std::size_t>(size) + 1, 0);
+    carried_begin_.assign(to_size(size) + 1, 0);
     for (const std::vector<int>& of_vertex : rows)
         for (const int r : of_vertex)
-            ++carried_begin_[static_cast<std::size_t>(r) + 1];
-    for (std::size_t r = 0; r < static_cast<std::size_t>(size); ++r)
+            ++carried_begin_[to_size(r) + 1];
+    for (std::size_t r = 0; r < to_size(size); ++r)
         carried_begin_[r + 1] += carried_begin_[r];
-    carried_.resize(static_cast<std::size_t>(carried_begin_.back()));
+    carried_.resize(to_size(carried_begin_.back()));
     std::vector<int> next = carried_begin_;
     for (std::size_t v = 0; v < rows.size(); ++v)
         for (const int r : rows[v])
-            carried_[static_cast<std::size_t>(next[static_cast<std::size_t>(r)]++)] =
-                static_cast<int>(v);
+            carried_[to_size(next[to_size(r)]++)] = static_cast<int>(v);
 
     for (const int v : vertices_)
         for (const int h : topology_.outgoing(v))
@@ -99,13 +99,13 @@ void GaussNewton::find_pattern(const std::vector<std::vector<int>>& rows)
         std::map<int, unsigned> moved;
         for (std::size_t a = 0; a < 4; ++a)
             if (hinge[a] >= 0)
-                for (const int r : rows[static_cast<std::size_t>(hinge[a])])
+                for (const int r : rows[to_size(hinge[a])])
                     moved[r] |= 1u << a;
         const unsigned all = hinge[3] < 0 ? 7u : 15u;
         for (const auto& [r, bits] : moved)
             if (bits != all) // a translation of the whole hinge changes nothing
                 parts_.push_back({r, bits});
-        for (auto j = static_cast<std::size_t>(part_begin_.back()); j < parts_.size(); ++j)
+        for (auto j = to_size(part_begin_.back()); j < parts_.size(); ++j)
             for (std::size_t i = j; i < parts_.size(); ++i)
                 blocks.emplace_back(parts_[j].row, parts_[i].row);
     }
@@ -113,12 +113,12 @@ void GaussNewton::find_pattern(const std::vector<std::vector<int>>& rows)
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
 
-    block_begin_.assign(static_cast<std::size_t>(size) + 1, 0);
+    block_begin_.assign(to_size(size) + 1, 0);
     for (const auto& [column, block_row] : blocks) {
-        ++block_begin_[static_cast<std::size_t>(column) + 1];
+        ++block_begin_[to_size(column) + 1];
         block_row_.push_back(block_row);
     }
-    for (std::size_t j = 0; j < static_cast<std::size_t>(size); ++j)
+    for (std::size_t j = 0; j < to_size(size); ++j)
         block_begin_[j + 1] += block_begin_[j];
 
     pattern_.resize(3 * size, 3 * size);
@@ -127,11 +127,9 @@ void GaussNewton::find_pattern(const std::vector<std::vector<int>>& rows)
     for (int j = 0; j < size; ++j)
         for (int c = 0; c < 3; ++c) {
             pattern_.outerIndexPtr()[3 * j + c] = entry;
-            for (int k = block_begin_[static_cast<std::size_t>(j)];
-                 k < block_begin_[static_cast<std::size_t>(j) + 1]; ++k)
+            for (int k = block_begin_[to_size(j)]; k < block_begin_[to_size(j) + 1]; ++k)
                 for (int r = 0; r < 3; ++r)
-                    pattern_.innerIndexPtr()[entry++] =
-                        3 * block_row_[static_cast<std::size_t>(k)] + r;
+                    pattern_.innerIndexPtr()[entry++] = 3 * block_row_[to_size(k)] + r;
         }
     pattern_.outerIndexPtr()[3 * size] = entry;
     std::fill_n(pattern_.valuePtr(), entry, 0.0);
@@ -147,7 +145,7 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
     const auto add = [&](std::size_t i, const std::array<Vector3d, 4>& g, double weight,
                          double residual) {
         const Part* const parts = parts_.data() + part_begin_[i];
-        const auto count = static_cast<std::size_t>(part_begin_[i + 1] - part_begin_[i]);
+        const auto count = to_size(part_begin_[i + 1] - part_begin_[i]);
         by_part.assign(count, Vector3d::Zero());
         for (std::size_t p = 0; p < count; ++p)
             for (std::size_t a = 0; a < 4; ++a)
@@ -156,8 +154,8 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         for (std::size_t q = 0; q < count; ++q) {
             const int column = parts[q].row;
             linearisation->gradient.segment<3>(3 * column) += weight * residual * by_part[q];
-            const auto begin = block_begin_[static_cast<std::size_t>(column)];
-            const auto end = block_begin_[static_cast<std::size_t>(column) + 1];
+            const auto begin = block_begin_[to_size(column)];
+            const auto end = block_begin_[to_size(column) + 1];
             for (std::size_t p = q; p < count; ++p) {
                 const auto k = std::lower_bound(block_row_.begin() + begin,
                                                 block_row_.begin() + end, parts[p].row) -
@@ -259,7 +257,7 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
             next = result.points;
             for (std::size_t i = 0; i < vertices_.size(); ++i)
                 for (int k = carried_begin_[i]; k < carried_begin_[i + 1]; ++k)
-                    next.segment<3>(3 * carried_[static_cast<std::size_t>(k)]) -=
+                    next.segment<3>(3 * carried_[to_size(k)]) -=
                         scale * step.segment<3>(3 * static_cast<Eigen::Index>(i));
             value = evaluate(energy, next, options.stiffness, nullptr);
             if (value < result.value)

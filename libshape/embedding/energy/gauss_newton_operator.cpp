@@ -10,6 +10,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/mesh/hinge.h"
@@ -264,7 +265,7 @@ double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
     const int* const faces = t.faces().data();
     const Lanes* const motion = internal::lanes(v);
     const Lanes* const normals = internal::lanes(normals_);
-    const auto face_count = static_cast<std::size_t>(t.face_count());
+    const auto face_count = to_size(t.face_count());
     parallel_for(face_count, grain, [&](std::size_t begin, std::size_t end) {
         bend_faces(begin, end, faces, normals, internal::lanes(cotangents_), motion,
                    internal::lanes(bends_));
@@ -274,21 +275,20 @@ double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
                    internal::lanes(cotangents_), internal::lanes(bends_), internal::lanes(lifts_));
     });
     double square =
-        parallel_sum(static_cast<std::size_t>(t.vertex_count()), grain / 2,
-                     [&](std::size_t begin, std::size_t end) {
-                         const float* const holds = holds_.size() > 0 ? holds_.data() : nullptr;
-                         return gather_forces(begin, end, t, normals, internal::lanes(lifts_),
-                                              internal::lanes(directions_), holds, motion,
-                                              internal::lanes(product));
-                     });
+        parallel_sum(to_size(t.vertex_count()), grain / 2, [&](std::size_t begin, std::size_t end) {
+            const float* const holds = holds_.size() > 0 ? holds_.data() : nullptr;
+            return gather_forces(begin, end, t, normals, internal::lanes(lifts_),
+                                 internal::lanes(directions_), holds, motion,
+                                 internal::lanes(product));
+        });
     for (const auto& [face, residual, gradients] : collapses_) {
         double change = 0.0;
         for (int k = 0; k < 3; ++k)
-            change += unit_ * gradients[static_cast<std::size_t>(k)].dot(
-                                  v.col(t.faces()(face, k)).head<3>().cast<double>());
+            change += unit_ *
+                      gradients[to_size(k)].dot(v.col(t.faces()(face, k)).head<3>().cast<double>());
         for (int k = 0; k < 3; ++k)
             product.col(t.faces()(face, k)).head<3>() +=
-                (unit_ * change * gradients[static_cast<std::size_t>(k)]).cast<float>();
+                (unit_ * change * gradients[to_size(k)]).cast<float>();
         square += change * change;
     }
     return square;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "libshape/base/to_size.h"
+
 namespace shape::internal {
 
 using Eigen::VectorXd;
@@ -25,14 +27,14 @@ VectorXd vertex_scales(const Topology& topology, const VectorXd& lengths)
 std::vector<std::vector<int>> fine_regions(const Topology& topology, const VectorXd& scales)
 {
     constexpr double ratio = 300.0;
-    std::vector<std::vector<int>> carriers(static_cast<std::size_t>(topology.vertex_count()));
+    std::vector<std::vector<int>> carriers(to_size(topology.vertex_count()));
     std::vector<char> carries(carriers.size(), 0);
     for (double bound = scales.maxCoeff() / ratio; scales.minCoeff() < bound; bound /= ratio) {
         std::vector<char> seen(carriers.size(), 0);
         for (int v = 0; v < topology.vertex_count(); ++v) {
             std::vector<int> region;
             const auto visit = [&](int w) {
-                if (scales[w] < bound && std::exchange(seen[static_cast<std::size_t>(w)], 1) == 0)
+                if (scales[w] < bound && std::exchange(seen[to_size(w)], 1) == 0)
                     region.push_back(w);
             };
             visit(v);
@@ -44,11 +46,11 @@ std::vector<std::vector<int>> fine_regions(const Topology& topology, const Vecto
             const int root = *std::max_element(region.begin(), region.end(),
                                                [&](int a, int b) { return scales[a] < scales[b]; });
             // Larger regions had the same vertex if there is nothing between the bounds.
-            if (std::exchange(carries[static_cast<std::size_t>(root)], 1) != 0)
+            if (std::exchange(carries[to_size(root)], 1) != 0)
                 continue;
             for (const int w : region)
                 if (w != root)
-                    carriers[static_cast<std::size_t>(w)].push_back(root);
+                    carriers[to_size(w)].push_back(root);
         }
     }
     return carriers;
@@ -65,12 +67,12 @@ GradedUnknowns graded_unknowns(const Topology& topology, const VectorXd& lengths
     std::vector<int> row(unknowns.rows.size(), -1);
     for (int v = 0; v < topology.vertex_count(); ++v)
         if (v != held) {
-            row[static_cast<std::size_t>(v)] = static_cast<int>(unknowns.vertices.size());
+            row[to_size(v)] = static_cast<int>(unknowns.vertices.size());
             unknowns.vertices.push_back(v);
         }
     for (std::size_t v = 0; v < row.size(); ++v) {
         for (int& carrier : unknowns.rows[v])
-            carrier = row[static_cast<std::size_t>(carrier)];
+            carrier = row[to_size(carrier)];
         if (row[v] >= 0)
             unknowns.rows[v].push_back(row[v]);
     }

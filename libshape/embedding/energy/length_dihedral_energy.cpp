@@ -11,6 +11,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/embedding/energy/stretch_term.h"
@@ -183,8 +184,7 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
     inverse_lengths_ = target.edge_lengths.cwiseInverse();
     sines_.resize(edges);
     cosines_.resize(edges);
-    sines_cosines(target.dihedral_angles.data(), static_cast<std::size_t>(edges), sines_.data(),
-                  cosines_.data());
+    sines_cosines(target.dihedral_angles.data(), to_size(edges), sines_.data(), cosines_.data());
     for (int e = 0; e < edges; ++e)
         if (topology.is_boundary_edge(e)) {
             sines_[e] = 0.0;
@@ -306,7 +306,7 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
         bends(count, p, q, left, right, sines_.data() + first, cosines_.data() + first,
               lengths_.data() + first, sines, cosines);
         double* const angles = moments_.data() + first;
-        vector_angles(sines, cosines, static_cast<std::size_t>(count), angles);
+        vector_angles(sines, cosines, to_size(count), angles);
         edge_terms(count, bend_weights_.data() + first, lengths_.data() + first,
                    inverse_lengths_.data() + first, energies_.data() + first, pulls_.data() + first,
                    angles);
@@ -329,16 +329,14 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
     });
 
     gradient.resize(points.size());
-    parallel_for(
-        static_cast<std::size_t>(t.vertex_count()), 512, [&](std::size_t begin, std::size_t end) {
-            gather_gradient(static_cast<int>(begin), static_cast<int>(end), t, points.data(),
-                            normals_.data(), lifts_.data(), pulls_.data(), gradient.data());
+    parallel_for(to_size(t.vertex_count()), 512, [&](std::size_t begin, std::size_t end) {
+        gather_gradient(static_cast<int>(begin), static_cast<int>(end), t, points.data(),
+                        normals_.data(), lifts_.data(), pulls_.data(), gradient.data());
+    });
+    double energy = parallel_sum(
+        to_size(t.edge_count()), 8 * block_size, [&](std::size_t begin, std::size_t end) {
+            return std::accumulate(energies_.data() + begin, energies_.data() + end, 0.0);
         });
-    double energy = parallel_sum(static_cast<std::size_t>(t.edge_count()), 8 * block_size,
-                                 [&](std::size_t begin, std::size_t end) {
-                                     return std::accumulate(energies_.data() + begin,
-                                                            energies_.data() + end, 0.0);
-                                 });
     if (hold_weights_.size() > 0) {
         for_blocks(t.vertex_count(), [&](int first, int count) {
             for (int v = first; v < first + count; ++v)

@@ -85,6 +85,10 @@ public:
     /// the two wanted triangles over its longest side, divided by this side.
     [[nodiscard]] const Eigen::VectorXd& bend_weights() const { return bend_weights_; }
 
+    /// Of the wanted angles; of 0 on the boundary.
+    [[nodiscard]] const Eigen::VectorXd& sines() const { return sines_; }
+    [[nodiscard]] const Eigen::VectorXd& cosines() const { return cosines_; }
+
 private:
     void add_collapses(const Eigen::VectorXd& points);
 

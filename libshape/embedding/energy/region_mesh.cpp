@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "libshape/base/to_size.h"
+
 namespace shape::internal {
 namespace {
 
@@ -35,9 +37,9 @@ private:
     [[nodiscard]] std::size_t find(int name, const std::vector<int>& names) const
     {
         constexpr std::size_t golden = 0x9E3779B9; // 2^32 / 1.618: spreads neighbours
-        for (std::size_t i = golden * static_cast<std::size_t>(name) >> 7;; ++i) {
+        for (std::size_t i = golden * to_size(name) >> 7;; ++i) {
             const int number = slots_[i & (slots_.size() - 1)];
-            if (number < 0 || names[static_cast<std::size_t>(number)] == name)
+            if (number < 0 || names[to_size(number)] == name)
                 return i & (slots_.size() - 1);
         }
     }
@@ -51,17 +53,17 @@ std::pair<std::vector<int>, std::vector<int>> grouped(int count,
 {
     std::pair<std::vector<int>, std::vector<int>> groups;
     auto& [begins, members] = groups;
-    begins.assign(static_cast<std::size_t>(count) + 1, 0);
+    begins.assign(to_size(count) + 1, 0);
     for (const auto& [number, item] : items)
         if (number < count)
-            ++begins[static_cast<std::size_t>(number) + 1];
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+            ++begins[to_size(number) + 1];
+    for (std::size_t i = 0; i < to_size(count); ++i)
         begins[i + 1] += begins[i];
-    members.resize(static_cast<std::size_t>(begins.back()));
+    members.resize(to_size(begins.back()));
     std::vector<int> next = begins;
     for (const auto& [number, item] : items)
         if (number < count)
-            members[static_cast<std::size_t>(next[static_cast<std::size_t>(number)]++)] = item;
+            members[to_size(next[to_size(number)]++)] = item;
     return groups;
 }
 
@@ -75,12 +77,11 @@ RegionMesh::RegionMesh(const Topology& t, const std::vector<int>& moving)
     const auto add_faces_around = [&](int first, int end) {
         const auto known = static_cast<int>(faces.size());
         for (int v = first; v < end; ++v)
-            for (const int h : t.outgoing(vertices[static_cast<std::size_t>(v)]))
+            for (const int h : t.outgoing(vertices[to_size(v)]))
                 local_face(Topology::face(h), faces);
         for (auto f = known; f < static_cast<int>(faces.size()); ++f)
             for (int c = 0; c < 3; ++c) {
-                corners.push_back(
-                    local_vertex(t.faces()(faces[static_cast<std::size_t>(f)], c), vertices));
+                corners.push_back(local_vertex(t.faces()(faces[to_size(f)], c), vertices));
                 leaving.emplace_back(corners.back(), 3 * f + c);
             }
     };
@@ -94,12 +95,11 @@ RegionMesh::RegionMesh(const Topology& t, const std::vector<int>& moving)
     std::tie(halfedge_begins, halfedges) = grouped(moving_vertices + rim_vertices, leaving);
 
     for (int h = 0; h < 3 * moving_faces; ++h)
-        face_edges.push_back(
-            local_edge(t.face_edges()(faces[static_cast<std::size_t>(h / 3)], h % 3), edges));
+        face_edges.push_back(local_edge(t.face_edges()(faces[to_size(h / 3)], h % 3), edges));
     std::vector<std::pair<int, int>> touching; // vertex, edge
     for (int e = 0; e < edge_count(); ++e) {
-        const int left = t.edge_halfedges()(edges[static_cast<std::size_t>(e)], 0);
-        const int right = t.edge_halfedges()(edges[static_cast<std::size_t>(e)], 1);
+        const int left = t.edge_halfedges()(edges[to_size(e)], 0);
+        const int right = t.edge_halfedges()(edges[to_size(e)], 1);
         for (const int h : {left, right < 0 ? left : right})
             sides.push_back(3 * local_face(Topology::face(h), faces) + h % 3);
         ends.push_back(local_vertex(t.source(left), vertices));

@@ -15,6 +15,7 @@
 #include "libshape/base/pool.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/multiscale/multiscale_hierarchy.h"
 #include "libshape/embedding/multiscale/patch_registration.h"
 #include "libshape/linalg/packed_cholesky.h"
@@ -27,11 +28,6 @@ namespace {
 constexpr int supernodal_vertices = 10000; // larger systems go to CHOLMOD
 
 using Clock = std::chrono::steady_clock;
-
-std::size_t at(int i)
-{
-    return static_cast<std::size_t>(i);
-}
 
 /// Adds the time since the last call to the given sum.
 class Stopwatch
@@ -115,10 +111,11 @@ struct Part
 
 LeafFrame leaf_frame(const MultiscaleHierarchy& hierarchy, int node, const Points& reference)
 {
-    const PatchNode& patch = hierarchy.nodes[at(node)];
+    const PatchNode& patch = hierarchy.nodes[to_size(node)];
     const auto& corners = hierarchy.gluing[patch.gluing.begin].vertices;
     const auto corner = [&](std::size_t c) -> Eigen::Vector3d {
-        return reference.row(hierarchy.vertices[patch.vertices.begin + at(corners[c])]).transpose();
+        return reference.row(hierarchy.vertices[patch.vertices.begin + to_size(corners[c])])
+            .transpose();
     };
     const Eigen::Vector3d edge = corner(1) - corner(0);
     const Eigen::Vector3d normal = edge.cross(corner(2) - corner(0));
@@ -131,13 +128,13 @@ LeafFrame leaf_frame(const MultiscaleHierarchy& hierarchy, int node, const Point
 /// edge. The last vertex is held at 0.
 void factorise(const MultiscaleHierarchy& hierarchy, Part& part, InnerNode& inner)
 {
-    const PatchNode& patch = hierarchy.nodes[at(inner.node)];
+    const PatchNode& patch = hierarchy.nodes[to_size(inner.node)];
     const int last = patch.vertices.count - 1;
     Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(last + 1);
     std::vector<SymmetricEntry> entries;
-    entries.reserve(at(patch.edges.count));
+    entries.reserve(to_size(patch.edges.count));
     for (int e = 0; e < patch.edges.count; ++e) {
-        const PatchEdge& edge = hierarchy.edges[patch.edges.begin + at(e)];
+        const PatchEdge& edge = hierarchy.edges[patch.edges.begin + to_size(e)];
         diagonal[edge.lower] += edge.copies;
         diagonal[edge.upper] += edge.copies;
         if (edge.upper != last)
@@ -149,7 +146,7 @@ void factorise(const MultiscaleHierarchy& hierarchy, Part& part, InnerNode& inne
         return;
     }
     std::vector<Eigen::Triplet<double>> triplets;
-    triplets.reserve(entries.size() + at(last));
+    triplets.reserve(entries.size() + to_size(last));
     for (int v = 0; v < last; ++v)
         triplets.emplace_back(v, v, diagonal[v]);
     for (const SymmetricEntry& entry : entries)
@@ -164,10 +161,10 @@ void prepare(const MultiscaleHierarchy& hierarchy, const Points& reference, Part
     for (Leaf& leaf : part.leaves)
         leaf.frame = leaf_frame(hierarchy, leaf.node, reference);
     for (InnerNode& inner : part.inner) {
-        const PatchNode& patch = hierarchy.nodes[at(inner.node)];
+        const PatchNode& patch = hierarchy.nodes[to_size(inner.node)];
         const Eigen::MatrixXd inverse = translation_inverse(
             patch.child_count,
-            {hierarchy.overlaps.data() + patch.overlaps.begin, at(patch.overlaps.count)});
+            {hierarchy.overlaps.data() + patch.overlaps.begin, to_size(patch.overlaps.count)});
         part.inverses.insert(part.inverses.end(), inverse.data(), inverse.data() + inverse.size());
         factorise(hierarchy, part, inner);
     }
@@ -186,24 +183,25 @@ void glue(const Leaf& leaf, std::span<const GlueStep> steps, const Target& targe
           PaddedPoint* positions)
 {
     const auto lay_out = [&](const GlueStep& step) {
-        return foot_and_height(target.lengths[at(step.edges[0])], target.lengths[at(step.edges[1])],
-                               target.lengths[at(step.edges[2])]);
+        return foot_and_height(target.lengths[to_size(step.edges[0])],
+                               target.lengths[to_size(step.edges[1])],
+                               target.lengths[to_size(step.edges[2])]);
     };
     const auto place = [&](int row, const Eigen::Vector3d& point) { positions[row] << point, 1.0; };
     const GlueStep& first = steps.front();
     const Eigen::Vector2d layout = lay_out(first);
     place(first.vertices[0], Eigen::Vector3d::Zero());
-    place(first.vertices[1], target.lengths[at(first.edges[0])] * leaf.frame.edge);
+    place(first.vertices[1], target.lengths[to_size(first.edges[0])] * leaf.frame.edge);
     place(first.vertices[2], layout[0] * leaf.frame.edge + layout[1] * leaf.frame.height);
     for (const GlueStep& step : steps.subspan(1)) {
         const Eigen::Vector3d a = positions[step.vertices[0]].head<3>();
         const Eigen::Vector3d b = positions[step.vertices[1]].head<3>();
         const Eigen::Vector3d apex = positions[step.vertices[2]].head<3>() - a;
-        const Eigen::Vector3d axis = (b - a) / target.lengths[at(step.edges[0])];
+        const Eigen::Vector3d axis = (b - a) / target.lengths[to_size(step.edges[0])];
         const Eigen::Vector3d inward = (apex - axis.dot(apex) * axis).normalized();
         const Eigen::Vector3d normal = axis.cross(inward);
         const Eigen::Vector2d next = lay_out(step);
-        const Eigen::Vector2d& bend = target.bends[at(step.edges[0])];
+        const Eigen::Vector2d& bend = target.bends[to_size(step.edges[0])];
         place(step.vertices[3],
               a + next[0] * axis - next[1] * (bend[0] * inward + bend[1] * normal));
     }
@@ -216,9 +214,9 @@ void diverge(std::span<const PatchEdge> edges, const Target& target, const Padde
     for (const PatchEdge& edge : edges) {
         Eigen::Vector4d vector = positions[edge.lower] - positions[edge.upper];
         const double squared = vector.squaredNorm();
-        vector *= squared > 0.0 ? target.lengths[at(edge.edge)] / std::sqrt(squared) : 0.0;
-        divergence[at(edge.lower)] += vector;
-        divergence[at(edge.upper)] -= vector;
+        vector *= squared > 0.0 ? target.lengths[to_size(edge.edge)] / std::sqrt(squared) : 0.0;
+        divergence[to_size(edge.lower)] += vector;
+        divergence[to_size(edge.upper)] -= vector;
     }
 }
 
@@ -255,26 +253,26 @@ public:
         MultiscalePoseTimes times;
         Stopwatch watch;
         for (const Leaf& leaf : part.leaves) {
-            const PatchNode& patch = hierarchy_.nodes[at(leaf.node)];
-            glue(leaf, {hierarchy_.gluing.data() + patch.gluing.begin, at(patch.gluing.count)},
+            const PatchNode& patch = hierarchy_.nodes[to_size(leaf.node)];
+            glue(leaf, {hierarchy_.gluing.data() + patch.gluing.begin, to_size(patch.gluing.count)},
                  target_, positions(patch, own));
         }
         watch.add_to(times.interpolation);
         for (const Leaf& leaf : part.leaves)
-            diverge_patch(hierarchy_.nodes[at(leaf.node)], own);
+            diverge_patch(hierarchy_.nodes[to_size(leaf.node)], own);
         watch.add_to(times.blending);
         const double* inverse = part.inverses.data();
         for (const InnerNode& inner : part.inner) {
-            const PatchNode& patch = hierarchy_.nodes[at(inner.node)];
+            const PatchNode& patch = hierarchy_.nodes[to_size(inner.node)];
             const std::span<const PatchNode> children(hierarchy_.nodes.data() + patch.first_child,
-                                                      at(patch.child_count));
+                                                      to_size(patch.child_count));
             std::array<const PaddedPoint*, max_patches> patches;
             std::array<Eigen::Matrix3d, max_patches> rotations;
             for (std::size_t k = 0; k < children.size(); ++k)
                 patches[k] = positions(children[k], own);
             register_patches(
                 {patches.data(), children.size()},
-                {hierarchy_.overlaps.data() + patch.overlaps.begin, at(patch.overlaps.count)},
+                {hierarchy_.overlaps.data() + patch.overlaps.begin, to_size(patch.overlaps.count)},
                 hierarchy_.common.data(), inverse, options_, {rotations.data(), children.size()});
             inverse += (patch.child_count - 1) * (patch.child_count - 1);
             watch.add_to(times.registration);
@@ -299,14 +297,14 @@ private:
 
     void diverge_patch(const PatchNode& patch, Workspace& own) const
     {
-        diverge({hierarchy_.edges.data() + patch.edges.begin, at(patch.edges.count)}, target_,
-                positions(patch, own), {divergence(patch, own), at(patch.vertices.count)});
+        diverge({hierarchy_.edges.data() + patch.edges.begin, to_size(patch.edges.count)}, target_,
+                positions(patch, own), {divergence(patch, own), to_size(patch.vertices.count)});
     }
 
     void blend(const Part& part, const InnerNode& inner, std::span<const PatchNode> children,
                const Eigen::Matrix3d* rotations, Workspace& own) const
     {
-        const PatchNode& patch = hierarchy_.nodes[at(inner.node)];
+        const PatchNode& patch = hierarchy_.nodes[to_size(inner.node)];
         PaddedPoint* x = positions(patch, own);
         std::fill(x, x + patch.vertices.count, Eigen::Vector4d::Zero());
         for (std::size_t k = 0; k < children.size(); ++k) {
@@ -373,8 +371,8 @@ struct MultiscaleEmbedder::State
 
     [[nodiscard]] std::size_t top_vertices() const
     {
-        const Slice& last = hierarchy.nodes[at(hierarchy.top - 1)].vertices;
-        return last.begin + at(last.count);
+        const Slice& last = hierarchy.nodes[to_size(hierarchy.top - 1)].vertices;
+        return last.begin + to_size(last.count);
     }
 
     void plan_stages();
@@ -385,18 +383,18 @@ void MultiscaleEmbedder::State::plan_stages()
 {
     const std::vector<PatchNode>& nodes = hierarchy.nodes;
     stages.emplace_back();
-    std::vector<char> is_subtree(at(hierarchy.top), 0);
+    std::vector<char> is_subtree(to_size(hierarchy.top), 0);
     for (const Subtree& subtree : hierarchy.subtrees) {
         Part part;
-        is_subtree[at(subtree.root)] = 1;
+        is_subtree[to_size(subtree.root)] = 1;
         part.first_vertex = part.end_vertex = top_vertices();
         if (subtree.end > subtree.begin) {
-            const Slice& last = nodes[at(subtree.end - 1)].vertices;
-            part.first_vertex = nodes[at(subtree.begin)].vertices.begin;
-            part.end_vertex = last.begin + at(last.count);
+            const Slice& last = nodes[to_size(subtree.end - 1)].vertices;
+            part.first_vertex = nodes[to_size(subtree.begin)].vertices.begin;
+            part.end_vertex = last.begin + to_size(last.count);
         }
         const auto add = [&](int node) {
-            if (nodes[at(node)].is_leaf())
+            if (nodes[to_size(node)].is_leaf())
                 part.leaves.push_back({node, {}});
             else
                 part.inner.push_back({node, 0, nullptr});
@@ -406,14 +404,14 @@ void MultiscaleEmbedder::State::plan_stages()
         add(subtree.root);
         stages.front().push_back(std::move(part));
     }
-    std::vector<int> depth(at(hierarchy.top), 0);
+    std::vector<int> depth(to_size(hierarchy.top), 0);
     std::vector<std::vector<Part>> levels;
     for (int node = 0; node < hierarchy.top; ++node) {
         if (node > 0)
-            depth[at(node)] = depth[at(nodes[at(node)].parent)] + 1;
-        if (is_subtree[at(node)] != 0)
+            depth[to_size(node)] = depth[to_size(nodes[to_size(node)].parent)] + 1;
+        if (is_subtree[to_size(node)] != 0)
             continue;
-        levels.resize(at(depth[at(node)] + 1));
+        levels.resize(to_size(depth[to_size(node)] + 1));
         Part part;
         part.first_vertex = part.end_vertex = top_vertices();
         part.inner.push_back({node, 0, nullptr});
@@ -458,8 +456,8 @@ MultiscaleEmbedding MultiscaleEmbedder::embed(const ShapePoint& target) const
     MultiscaleEmbedding result;
     Stopwatch wall;
     check_target(state.topology, target);
-    Target local{{target.edge_lengths.data(), at(state.topology.edge_count())},
-                 std::vector<Eigen::Vector2d>(at(state.topology.edge_count()))};
+    Target local{{target.edge_lengths.data(), to_size(state.topology.edge_count())},
+                 std::vector<Eigen::Vector2d>(to_size(state.topology.edge_count()))};
     parallel_for(local.bends.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {
             const double angle = target.dihedral_angles[static_cast<Eigen::Index>(e)];
@@ -488,8 +486,8 @@ MultiscaleEmbedding MultiscaleEmbedder::embed(const ShapePoint& target) const
 
     result.points.resize(state.topology.vertex_count(), 3);
     for (int v = 0; v < state.topology.vertex_count(); ++v)
-        result.points.row(state.hierarchy.vertices[at(v)]) =
-            top->positions[at(v)].head<3>().transpose();
+        result.points.row(state.hierarchy.vertices[to_size(v)]) =
+            top->positions[to_size(v)].head<3>().transpose();
     result.points.rowwise() -= result.points.colwise().mean().eval();
     if (!result.points.allFinite())
         throw NumericalError("multi-scale embedding: a position is not finite");

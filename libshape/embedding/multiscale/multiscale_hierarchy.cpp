@@ -14,6 +14,7 @@
 #include "libshape/base/random.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -23,11 +24,6 @@ constexpr int subtree_faces = 1500; // positions of a subtree fit a processor's 
 
 using ChildSet = std::uint32_t; // bit k: in child k
 static_assert(max_patches <= 32);
-
-std::size_t at(int i)
-{
-    return static_cast<std::size_t>(i);
-}
 
 /// What a split needs to know of a face, by rows of its patch.
 struct LocalFace
@@ -74,7 +70,7 @@ public:
     }
 
 private:
-    PatchNode& node(int i) { return tree_.hierarchy.nodes[at(i)]; }
+    PatchNode& node(int i) { return tree_.hierarchy.nodes[to_size(i)]; }
     LocalFace* local_faces(int i) { return tree_.local_faces.data() + node(i).faces.begin; }
 
     bool split(int parent);
@@ -116,7 +112,7 @@ bool Splitter::split(int parent)
 
     std::array<int, max_patches> sizes{};
     for (const ChildSet set : in_faces_)
-        for_each_bit(set, [&](int k) { ++sizes[at(k)]; });
+        for_each_bit(set, [&](int k) { ++sizes[to_size(k)]; });
     if (*std::max_element(sizes.begin(), sizes.end()) == node(parent).faces.count)
         return false;
 
@@ -147,14 +143,14 @@ void Splitter::choose_seeds(int faces)
 void Splitter::grow(int parent)
 {
     const LocalFace* faces = local_faces(parent);
-    core_.assign(at(node(parent).faces.count), -1);
+    core_.assign(to_size(node(parent).faces.count), -1);
     queue_ = seeds_;
     for (int k = 0; k < children_; ++k)
-        core_[at(seeds_[at(k)])] = k;
+        core_[to_size(seeds_[to_size(k)])] = k;
     for (std::size_t i = 0; i < queue_.size(); ++i)
         for (const int neighbour : faces[queue_[i]].neighbours)
-            if (neighbour >= 0 && core_[at(neighbour)] < 0) {
-                core_[at(neighbour)] = core_[at(queue_[i])];
+            if (neighbour >= 0 && core_[to_size(neighbour)] < 0) {
+                core_[to_size(neighbour)] = core_[to_size(queue_[i])];
                 queue_.push_back(neighbour);
             }
 }
@@ -167,26 +163,26 @@ void Splitter::centre_seeds(int parent)
     std::array<Eigen::Vector4d, max_patches> sums; // then the middles
     sums.fill(Eigen::Vector4d::Zero());
     for (int f = 0; f < count; ++f)
-        sums[at(core_[at(f)])] += Eigen::Vector4d(centroids_(faces[f], 0), centroids_(faces[f], 1),
-                                                  centroids_(faces[f], 2), 1.0);
+        sums[to_size(core_[to_size(f)])] += Eigen::Vector4d(
+            centroids_(faces[f], 0), centroids_(faces[f], 1), centroids_(faces[f], 2), 1.0);
     for (Eigen::Vector4d& sum : sums)
         sum.head<3>() /= sum[3];
     std::array<double, max_patches> nearest, farthest;
     nearest.fill(std::numeric_limits<double>::infinity());
     farthest.fill(0.0);
-    distances_.resize(at(count));
+    distances_.resize(to_size(count));
     for (int f = 0; f < count; ++f) {
-        const std::size_t k = at(core_[at(f)]);
+        const std::size_t k = to_size(core_[to_size(f)]);
         const double distance =
             (centroids_.row(faces[f]).transpose() - sums[k].head<3>()).squaredNorm();
-        distances_[at(f)] = distance;
+        distances_[to_size(f)] = distance;
         nearest[k] = std::min(nearest[k], distance);
         farthest[k] = std::max(farthest[k], distance);
     }
     // Of faces as near as rounding can tell, the last: a rigid motion must not change the choice.
     for (int f = 0; f < count; ++f) {
-        const std::size_t k = at(core_[at(f)]);
-        if (distances_[at(f)] <= nearest[k] + 1e-9 * farthest[k])
+        const std::size_t k = to_size(core_[to_size(f)]);
+        if (distances_[to_size(f)] <= nearest[k] + 1e-9 * farthest[k])
             seeds_[k] = f;
     }
 }
@@ -196,22 +192,22 @@ void Splitter::mark(int parent)
 {
     const PatchNode& patch = node(parent);
     const LocalFace* faces = local_faces(parent);
-    in_faces_.assign(at(patch.faces.count), 0);
+    in_faces_.assign(to_size(patch.faces.count), 0);
     for (const int f : queue_) {
-        const ChildSet own = ChildSet{1} << core_[at(f)];
+        const ChildSet own = ChildSet{1} << core_[to_size(f)];
         for (const int neighbour : faces[f].neighbours)
             // Bit `own` of a face that has been visited tells that this edge has been, too.
-            if (neighbour >= 0 && core_[at(neighbour)] != core_[at(f)] &&
-                (in_faces_[at(neighbour)] & (ChildSet{1} << core_[at(neighbour)])) == 0)
-                in_faces_[at(neighbour)] |= own;
-        in_faces_[at(f)] |= own;
+            if (neighbour >= 0 && core_[to_size(neighbour)] != core_[to_size(f)] &&
+                (in_faces_[to_size(neighbour)] & (ChildSet{1} << core_[to_size(neighbour)])) == 0)
+                in_faces_[to_size(neighbour)] |= own;
+        in_faces_[to_size(f)] |= own;
     }
-    in_vertices_.assign(at(patch.vertices.count), 0);
-    in_edges_.assign(at(patch.edges.count), 0);
+    in_vertices_.assign(to_size(patch.vertices.count), 0);
+    in_edges_.assign(to_size(patch.edges.count), 0);
     for (int f = 0; f < patch.faces.count; ++f)
         for (std::size_t c = 0; c < 3; ++c) {
-            in_vertices_[at(faces[f].vertices[c])] |= in_faces_[at(f)];
-            in_edges_[at(faces[f].edges[c])] |= in_faces_[at(f)];
+            in_vertices_[to_size(faces[f].vertices[c])] |= in_faces_[to_size(f)];
+            in_edges_[to_size(faces[f].edges[c])] |= in_faces_[to_size(f)];
         }
 }
 
@@ -222,36 +218,37 @@ void Splitter::order_children(int parent)
     for (auto& row : shared_)
         row.fill(0);
     for (int v = 0; v < node(parent).vertices.count; ++v) {
-        const ChildSet set = in_vertices_[at(v)];
+        const ChildSet set = in_vertices_[to_size(v)];
         if (std::has_single_bit(set))
             continue;
-        for_each_bit(set,
-                     [&](int k) { for_each_bit(set, [&](int l) { ++shared_[at(k)][at(l)]; }); });
+        for_each_bit(set, [&](int k) {
+            for_each_bit(set, [&](int l) { ++shared_[to_size(k)][to_size(l)]; });
+        });
     }
     for (std::size_t k = 0; k < max_patches; ++k)
         shared_[k][k] = 0;
 
     std::array<int, max_patches> score{}, place{};
     place.fill(-1);
-    for (std::size_t k = 0; k < at(children_); ++k)
-        for (std::size_t l = 0; l < at(children_); ++l)
+    for (std::size_t k = 0; k < to_size(children_); ++k)
+        for (std::size_t l = 0; l < to_size(children_); ++l)
             score[k] += shared_[k][l];
     for (int placed = 0; placed < children_; ++placed) {
         int best = -1;
         for (int k = 0; k < children_; ++k)
-            if (place[at(k)] < 0 && (best < 0 || score[at(k)] > score[at(best)]))
+            if (place[to_size(k)] < 0 && (best < 0 || score[to_size(k)] > score[to_size(best)]))
                 best = k;
-        place[at(best)] = placed;
+        place[to_size(best)] = placed;
         if (placed == 0)
             score.fill(0);
-        for (std::size_t l = 0; l < at(children_); ++l)
-            score[l] = std::max(score[l], shared_[at(best)][l]);
+        for (std::size_t l = 0; l < to_size(children_); ++l)
+            score[l] = std::max(score[l], shared_[to_size(best)][l]);
     }
 
     const auto renumber = [&](std::vector<ChildSet>& sets) {
         for (ChildSet& set : sets) {
             ChildSet renumbered = 0;
-            for_each_bit(set, [&](int k) { renumbered |= ChildSet{1} << place[at(k)]; });
+            for_each_bit(set, [&](int k) { renumbered |= ChildSet{1} << place[to_size(k)]; });
             set = renumbered;
         }
     };
@@ -259,9 +256,9 @@ void Splitter::order_children(int parent)
     renumber(in_vertices_);
     renumber(in_edges_);
     const auto old = shared_;
-    for (std::size_t k = 0; k < at(children_); ++k)
-        for (std::size_t l = 0; l < at(children_); ++l)
-            shared_[at(place[k])][at(place[l])] = old[k][l];
+    for (std::size_t k = 0; k < to_size(children_); ++k)
+        for (std::size_t l = 0; l < to_size(children_); ++l)
+            shared_[to_size(place[k])][to_size(place[l])] = old[k][l];
 }
 
 /// Gives each child a slice of an array, at its end, for what `sets` assign to it; fills `rows`.
@@ -273,10 +270,10 @@ std::size_t lay_out(const std::vector<ChildSet>& sets, std::span<PatchNode> chil
     rows.resize(sets.size() * m);
     std::array<int, max_patches> counts{};
     for (std::size_t i = 0; i < sets.size(); ++i)
-        for_each_bit(sets[i], [&](int k) { rows[i * m + at(k)] = counts[at(k)]++; });
+        for_each_bit(sets[i], [&](int k) { rows[i * m + to_size(k)] = counts[to_size(k)]++; });
     for (std::size_t k = 0; k < m; ++k) {
         children[k].*slice = {end, counts[k]};
-        end += at(counts[k]);
+        end += to_size(counts[k]);
     }
     return end;
 }
@@ -284,16 +281,17 @@ std::size_t lay_out(const std::vector<ChildSet>& sets, std::span<PatchNode> chil
 void Splitter::emit_vertices(int parent)
 {
     MultiscaleHierarchy& h = tree_.hierarchy;
-    const std::span<PatchNode> children(h.nodes.data() + node(parent).first_child, at(children_));
+    const std::span<PatchNode> children(h.nodes.data() + node(parent).first_child,
+                                        to_size(children_));
     const std::size_t size =
         lay_out(in_vertices_, children, &PatchNode::vertices, h.vertices.size(), vertex_rows_);
     h.vertices.resize(size);
     h.in_parent.resize(size);
     for (int v = 0; v < node(parent).vertices.count; ++v)
-        for_each_bit(in_vertices_[at(v)], [&](int k) {
-            const std::size_t row =
-                children[at(k)].vertices.begin + at(vertex_rows_[at(v * children_ + k)]);
-            h.vertices[row] = h.vertices[node(parent).vertices.begin + at(v)];
+        for_each_bit(in_vertices_[to_size(v)], [&](int k) {
+            const std::size_t row = children[to_size(k)].vertices.begin +
+                                    to_size(vertex_rows_[to_size(v * children_ + k)]);
+            h.vertices[row] = h.vertices[node(parent).vertices.begin + to_size(v)];
             h.in_parent[row] = v;
         });
 }
@@ -301,15 +299,17 @@ void Splitter::emit_vertices(int parent)
 void Splitter::emit_edges(int parent)
 {
     MultiscaleHierarchy& h = tree_.hierarchy;
-    const std::span<PatchNode> children(h.nodes.data() + node(parent).first_child, at(children_));
+    const std::span<PatchNode> children(h.nodes.data() + node(parent).first_child,
+                                        to_size(children_));
     h.edges.resize(lay_out(in_edges_, children, &PatchNode::edges, h.edges.size(), edge_rows_));
     for (int e = 0; e < node(parent).edges.count; ++e) {
-        PatchEdge& edge = h.edges[node(parent).edges.begin + at(e)];
-        edge.copies = std::popcount(in_edges_[at(e)]);
-        for_each_bit(in_edges_[at(e)], [&](int k) {
-            h.edges[children[at(k)].edges.begin + at(edge_rows_[at(e * children_ + k)])] = {
-                vertex_rows_[at(edge.lower * children_ + k)],
-                vertex_rows_[at(edge.upper * children_ + k)], edge.edge, 0};
+        PatchEdge& edge = h.edges[node(parent).edges.begin + to_size(e)];
+        edge.copies = std::popcount(in_edges_[to_size(e)]);
+        for_each_bit(in_edges_[to_size(e)], [&](int k) {
+            h.edges[children[to_size(k)].edges.begin +
+                    to_size(edge_rows_[to_size(e * children_ + k)])] = {
+                vertex_rows_[to_size(edge.lower * children_ + k)],
+                vertex_rows_[to_size(edge.upper * children_ + k)], edge.edge, 0};
         });
     }
 }
@@ -317,25 +317,27 @@ void Splitter::emit_edges(int parent)
 void Splitter::emit_faces(int parent)
 {
     MultiscaleHierarchy& h = tree_.hierarchy;
-    const std::span<PatchNode> children(h.nodes.data() + node(parent).first_child, at(children_));
+    const std::span<PatchNode> children(h.nodes.data() + node(parent).first_child,
+                                        to_size(children_));
     const std::size_t size =
         lay_out(in_faces_, children, &PatchNode::faces, h.faces.size(), face_rows_);
     h.faces.resize(size);
     tree_.local_faces.resize(size);
     for (int f = 0; f < node(parent).faces.count; ++f)
-        for_each_bit(in_faces_[at(f)], [&](int k) {
+        for_each_bit(in_faces_[to_size(f)], [&](int k) {
             const std::size_t row =
-                children[at(k)].faces.begin + at(face_rows_[at(f * children_ + k)]);
-            h.faces[row] = h.faces[node(parent).faces.begin + at(f)];
+                children[to_size(k)].faces.begin + to_size(face_rows_[to_size(f * children_ + k)]);
+            h.faces[row] = h.faces[node(parent).faces.begin + to_size(f)];
             const LocalFace& face = local_faces(parent)[f];
             LocalFace& copy = tree_.local_faces[row];
             for (std::size_t c = 0; c < 3; ++c) {
                 const int neighbour = face.neighbours[c];
-                copy.vertices[c] = vertex_rows_[at(face.vertices[c] * children_ + k)];
-                copy.edges[c] = edge_rows_[at(face.edges[c] * children_ + k)];
-                copy.neighbours[c] = neighbour >= 0 && (in_faces_[at(neighbour)] >> k & 1U) != 0
-                                         ? face_rows_[at(neighbour * children_ + k)]
-                                         : -1;
+                copy.vertices[c] = vertex_rows_[to_size(face.vertices[c] * children_ + k)];
+                copy.edges[c] = edge_rows_[to_size(face.edges[c] * children_ + k)];
+                copy.neighbours[c] =
+                    neighbour >= 0 && (in_faces_[to_size(neighbour)] >> k & 1U) != 0
+                        ? face_rows_[to_size(neighbour * children_ + k)]
+                        : -1;
             }
         });
 }
@@ -349,21 +351,22 @@ void Splitter::emit_overlaps(int parent)
     std::size_t end = h.common.size();
     for (int k = 0; k < children_; ++k)
         for (int l = k + 1; l < children_; ++l) {
-            const int count = shared_[at(k)][at(l)];
+            const int count = shared_[to_size(k)][to_size(l)];
             if (count == 0)
                 continue;
             h.overlaps.push_back({k, l, end, count});
-            cursor[at(k)][at(l)] = end;
-            end += at(count);
+            cursor[to_size(k)][to_size(l)] = end;
+            end += to_size(count);
         }
     slice.count = static_cast<int>(h.overlaps.size() - slice.begin);
     h.common.resize(end);
     for (int v = 0; v < node(parent).vertices.count; ++v)
-        for_each_bit(in_vertices_[at(v)], [&](int k) {
-            const ChildSet later = in_vertices_[at(v)] & ~((ChildSet{2} << k) - 1);
+        for_each_bit(in_vertices_[to_size(v)], [&](int k) {
+            const ChildSet later = in_vertices_[to_size(v)] & ~((ChildSet{2} << k) - 1);
             for_each_bit(later, [&](int l) {
-                h.common[cursor[at(k)][at(l)]++] = {vertex_rows_[at(v * children_ + k)],
-                                                    vertex_rows_[at(v * children_ + l)]};
+                h.common[cursor[to_size(k)][to_size(l)]++] = {
+                    vertex_rows_[to_size(v * children_ + k)],
+                    vertex_rows_[to_size(v * children_ + l)]};
             });
         });
 }
@@ -374,35 +377,34 @@ void Splitter::plan_gluing(int leaf)
     MultiscaleHierarchy& h = tree_.hierarchy;
     PatchNode& patch = node(leaf);
     const LocalFace* faces = local_faces(leaf);
-    const auto edge = [&](int local) { return h.edges[patch.edges.begin + at(local)].edge; };
+    const auto edge = [&](int local) { return h.edges[patch.edges.begin + to_size(local)].edge; };
     patch.gluing.begin = h.gluing.size();
     std::vector<ChildSet>& reached = in_faces_; // workspaces of split(), idle here
     std::vector<ChildSet>& placed = in_vertices_;
-    reached.assign(at(patch.faces.count), 0);
-    placed.assign(at(patch.vertices.count), 0);
+    reached.assign(to_size(patch.faces.count), 0);
+    placed.assign(to_size(patch.vertices.count), 0);
 
     const LocalFace& start = faces[0];
     h.gluing.push_back({{start.vertices[0], start.vertices[1], start.vertices[2], -1},
                         {edge(start.edges[0]), edge(start.edges[2]), edge(start.edges[1])}});
     reached[0] = 1;
     for (const int v : start.vertices)
-        placed[at(v)] = 1;
+        placed[to_size(v)] = 1;
     queue_.assign(1, 0);
     for (std::size_t i = 0; i < queue_.size(); ++i) {
         const LocalFace& face = faces[queue_[i]];
         for (std::size_t c = 0; c < 3; ++c) {
-            if (face.neighbours[c] < 0 || reached[at(face.neighbours[c])] != 0)
+            if (face.neighbours[c] < 0 || reached[to_size(face.neighbours[c])] != 0)
                 continue;
-            reached[at(face.neighbours[c])] = 1;
+            reached[to_size(face.neighbours[c])] = 1;
             queue_.push_back(face.neighbours[c]);
             const LocalFace& next = faces[face.neighbours[c]];
-            const auto d = static_cast<std::size_t>(
-                std::find(next.edges.begin(), next.edges.end(), face.edges[c]) -
-                next.edges.begin());
+            const auto d = to_size(std::find(next.edges.begin(), next.edges.end(), face.edges[c]) -
+                                   next.edges.begin());
             const int apex = next.vertices[(d + 2) % 3];
-            if (placed[at(apex)] != 0)
+            if (placed[to_size(apex)] != 0)
                 continue;
-            placed[at(apex)] = 1;
+            placed[to_size(apex)] = 1;
             h.gluing.push_back(
                 {{face.vertices[c], face.vertices[(c + 1) % 3], face.vertices[(c + 2) % 3], apex},
                  {edge(face.edges[c]), edge(next.edges[(d + 1) % 3]),
@@ -418,7 +420,7 @@ std::vector<int> elimination_order(const Topology& topology)
 {
     using Pattern = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
     std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(at(topology.edge_count() + topology.vertex_count()));
+    entries.reserve(to_size(topology.edge_count() + topology.vertex_count()));
     for (int v = 0; v < topology.vertex_count(); ++v)
         entries.emplace_back(v, v, 1.0);
     for (int e = 0; e < topology.edge_count(); ++e)
@@ -439,22 +441,23 @@ Tree whole_mesh(const Topology& topology)
     h.in_parent.assign(h.vertices.size(), 0);
     std::vector<int> row(h.vertices.size());
     for (int i = 0; i < topology.vertex_count(); ++i)
-        row[at(h.vertices[at(i)])] = i;
-    h.edges.resize(at(topology.edge_count()));
+        row[to_size(h.vertices[to_size(i)])] = i;
+    h.edges.resize(to_size(topology.edge_count()));
     for (int e = 0; e < topology.edge_count(); ++e) {
         const auto [lower, upper] =
-            std::minmax(row[at(topology.edges()(e, 0))], row[at(topology.edges()(e, 1))]);
-        h.edges[at(e)] = {lower, upper, e, 0};
+            std::minmax(row[to_size(topology.edges()(e, 0))], row[to_size(topology.edges()(e, 1))]);
+        h.edges[to_size(e)] = {lower, upper, e, 0};
     }
-    h.faces.resize(at(topology.face_count()));
+    h.faces.resize(to_size(topology.face_count()));
     tree.local_faces.resize(h.faces.size());
     for (int f = 0; f < topology.face_count(); ++f) {
-        h.faces[at(f)] = f;
+        h.faces[to_size(f)] = f;
         for (int c = 0; c < 3; ++c) {
             const int opposite = topology.opposite(3 * f + c);
-            tree.local_faces[at(f)].vertices[at(c)] = row[at(topology.faces()(f, c))];
-            tree.local_faces[at(f)].edges[at(c)] = topology.face_edges()(f, c);
-            tree.local_faces[at(f)].neighbours[at(c)] =
+            tree.local_faces[to_size(f)].vertices[to_size(c)] =
+                row[to_size(topology.faces()(f, c))];
+            tree.local_faces[to_size(f)].edges[to_size(c)] = topology.face_edges()(f, c);
+            tree.local_faces[to_size(f)].neighbours[to_size(c)] =
                 opposite < 0 ? -1 : Topology::face(opposite);
         }
     }
@@ -490,7 +493,7 @@ Tree cut_out(const Tree& tree, const PatchNode& patch)
 template <class Value>
 std::size_t append(std::vector<Value>& target, const std::vector<Value>& source, int skip)
 {
-    const std::size_t shift = target.size() - at(skip);
+    const std::size_t shift = target.size() - to_size(skip);
     target.insert(target.end(), source.begin() + skip, source.end());
     return shift;
 }
@@ -499,9 +502,9 @@ std::size_t append(std::vector<Value>& target, const std::vector<Value>& source,
 void graft(MultiscaleHierarchy& whole, int root, const MultiscaleHierarchy& part)
 {
     const PatchNode& old_root = part.nodes[0];
-    PatchNode& new_root = whole.nodes[at(root)];
+    PatchNode& new_root = whole.nodes[to_size(root)];
     for (int e = 0; e < old_root.edges.count; ++e)
-        whole.edges[new_root.edges.begin + at(e)].copies = part.edges[at(e)].copies;
+        whole.edges[new_root.edges.begin + to_size(e)].copies = part.edges[to_size(e)].copies;
     const std::size_t faces = append(whole.faces, part.faces, old_root.faces.count);
     const std::size_t vertices = append(whole.vertices, part.vertices, old_root.vertices.count);
     append(whole.in_parent, part.in_parent, old_root.vertices.count);
@@ -560,12 +563,12 @@ MultiscaleHierarchy build_hierarchy(const Topology& topology, const Points& poin
 
     std::vector<int> roots;
     for (int i = 0; i < whole.top; ++i)
-        if (whole.nodes[at(i)].is_leaf())
+        if (whole.nodes[to_size(i)].is_leaf())
             roots.push_back(i);
     std::vector<Tree> parts(roots.size());
     parallel_for(roots.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            parts[i] = cut_out(tree, whole.nodes[at(roots[i])]);
+            parts[i] = cut_out(tree, whole.nodes[to_size(roots[i])]);
             Random seeds(options.seed + i + 1);
             Splitter(parts[i], centroids, options.children, seeds.bits()).run(0);
             parts[i].local_faces = {};

@@ -8,6 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/rotation_fit.h"
 
 namespace shape::internal {
@@ -24,11 +25,8 @@ struct Problem
     /// Column l of entry k: what a rotation of patch k adds to the translations' equation l.
     std::array<Eigen::Matrix<double, 3, max_patches>, max_patches> shifts;
 
-    Block& block(int k, int l) { return blocks[static_cast<std::size_t>(k * max_patches + l)]; }
-    const Block& block(int k, int l) const
-    {
-        return blocks[static_cast<std::size_t>(k * max_patches + l)];
-    }
+    Block& block(int k, int l) { return blocks[to_size(k * max_patches + l)]; }
+    const Block& block(int k, int l) const { return blocks[to_size(k * max_patches + l)]; }
 };
 
 Moments gather_moments(const PaddedPoint* first, const PaddedPoint* second,
@@ -45,7 +43,7 @@ void build(Problem& problem, std::span<const PaddedPoint* const> patches,
            const double* inverse)
 {
     const int n = static_cast<int>(patches.size());
-    const auto at = [](int k) { return static_cast<std::size_t>(k); };
+    const auto at = [](int k) { return to_size(k); };
     for (int k = 0; k < n; ++k) {
         problem.shifts[at(k)].leftCols(n).setZero();
         for (int l = 0; l < n; ++l)
@@ -93,18 +91,17 @@ void start_incrementally(const Problem& problem, std::span<const PatchOverlap> o
             if (overlaps[i].second != k)
                 continue;
             const Moments& m = problem.moments[i];
-            const Eigen::Matrix3d& placed = rotations[static_cast<std::size_t>(overlaps[i].first)];
+            const Eigen::Matrix3d& placed = rotations[to_size(overlaps[i].first)];
             const Eigen::Matrix3d covariance =
                 m.topLeftCorner<3, 3>() -
                 m.topRightCorner<3, 1>() * m.bottomLeftCorner<1, 3>() / m(3, 3);
             fit.noalias() += placed * covariance;
             if (overlaps[i].count > most) {
                 most = overlaps[i].count;
-                rotations[static_cast<std::size_t>(k)] = placed;
+                rotations[to_size(k)] = placed;
             }
         }
-        rotations[static_cast<std::size_t>(k)] =
-            nearest_rotation(fit, rotations[static_cast<std::size_t>(k)]);
+        rotations[to_size(k)] = nearest_rotation(fit, rotations[to_size(k)]);
     }
 }
 
@@ -158,9 +155,8 @@ void register_patches(std::span<const PaddedPoint* const> patches,
             Eigen::Matrix3d fit = Eigen::Matrix3d::Zero();
             for (int l = 0; l < n; ++l)
                 if (l != k)
-                    fit.noalias() += rotations[static_cast<std::size_t>(l)] * problem.block(l, k);
-            rotations[static_cast<std::size_t>(k)] =
-                nearest_rotation(fit, rotations[static_cast<std::size_t>(k)]);
+                    fit.noalias() += rotations[to_size(l)] * problem.block(l, k);
+            rotations[to_size(k)] = nearest_rotation(fit, rotations[to_size(k)]);
         }
 }
 

@@ -11,6 +11,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/gauss_newton.h"
 #include "libshape/embedding/energy/graded_unknowns.h"
 #include "libshape/embedding/energy/length_dihedral_energy.h"
@@ -37,8 +38,7 @@ public:
         for (int e = 0; e < topology_.edge_count(); ++e) {
             std::map<int, int> signs; // an unknown that moves both ends changes nothing
             for (const int end : {0, 1})
-                for (const int row :
-                     unknowns_.rows[static_cast<std::size_t>(topology_.edges()(e, end))])
+                for (const int row : unknowns_.rows[to_size(topology_.edges()(e, end))])
                     signs[row] += end == 0 ? -1 : 1;
             std::erase_if(signs, [](const auto& part) { return part.second == 0; });
             parts_.emplace_back(signs.begin(), signs.end());
@@ -51,8 +51,8 @@ public:
         std::vector<Eigen::Triplet<double, int>> entries;
         for (int e = 0; e < topology_.edge_count(); ++e) {
             const double weight = (topology_.is_boundary_edge(e) ? 1.0 : 2.0) * weights_[e];
-            for (const auto& [i, a] : parts_[static_cast<std::size_t>(e)])
-                for (const auto& [j, b] : parts_[static_cast<std::size_t>(e)])
+            for (const auto& [i, a] : parts_[to_size(e)])
+                for (const auto& [j, b] : parts_[to_size(e)])
                     if (i >= j)
                         entries.emplace_back(i, j, a * b * weight);
         }
@@ -73,13 +73,13 @@ public:
         Eigen::MatrixXd rhs =
             Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(unknowns_.vertices.size()), 3);
         for (int f = 0; f < topology_.face_count(); ++f) {
-            const Matrix3d frame = frames[static_cast<std::size_t>(f)].toRotationMatrix();
+            const Matrix3d frame = frames[to_size(f)].toRotationMatrix();
             for (int h = 3 * f; h < 3 * f + 3; ++h) {
                 const int e = topology_.edge(h);
                 const double forward = topology_.source(h) == topology_.edges()(e, 0) ? 1.0 : -1.0;
                 const Vector3d pull =
                     forward * weights_[e] * (frame.leftCols<2>() * layout.halfedge(h));
-                for (const auto& [row, sign] : parts_[static_cast<std::size_t>(e)])
+                for (const auto& [row, sign] : parts_[to_size(e)])
                     rhs.row(row) += sign * pull.transpose();
             }
         }

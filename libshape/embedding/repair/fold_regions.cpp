@@ -10,6 +10,7 @@
 #include "libshape/base/blocks.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -69,7 +70,7 @@ std::vector<Suspect> suspects_among(const Topology& t, const VectorXd& points,
         }
         Row sines, cosines, angles;
         bends(count, corners[0], corners[1], corners[2], corners[3], sines, cosines);
-        vector_angles(sines, cosines, static_cast<std::size_t>(count), angles);
+        vector_angles(sines, cosines, to_size(count), angles);
         for (int e = first; e < first + count; ++e) {
             const double difference = angles[e - first] - dihedral_angles[e];
             if (std::abs(difference) <= suspect_angle || t.is_boundary_edge(e))
@@ -99,7 +100,7 @@ std::vector<std::vector<int>> folded_regions(const Topology& t, const VectorXd& 
 {
     check(options);
     constexpr std::size_t grain = 64 * block_size; // so much that handing it over costs little
-    const auto edges = static_cast<std::size_t>(t.edge_count());
+    const auto edges = to_size(t.edge_count());
     std::vector<std::vector<Suspect>> suspects((edges + grain - 1) / grain);
     parallel_for(edges, grain, [&](std::size_t begin, std::size_t end) {
         suspects[begin / grain] = suspects_among(t, points, dihedral_angles, options.suspect_angle,
@@ -107,7 +108,7 @@ std::vector<std::vector<int>> folded_regions(const Topology& t, const VectorXd& 
     });
 
     std::vector<int> seeds;
-    std::vector<char> folded(static_cast<std::size_t>(t.vertex_count()), 0);
+    std::vector<char> folded(to_size(t.vertex_count()), 0);
     for (const std::vector<Suspect>& part : suspects)
         for (const auto& [edge, drift] : part) {
             for (const int h : {t.edge_halfedges()(edge, 0), t.edge_halfedges()(edge, 1)}) {
@@ -115,12 +116,12 @@ std::vector<std::vector<int>> folded_regions(const Topology& t, const VectorXd& 
                 seeds.push_back(t.source(Topology::previous(h)));
             }
             if (drift > options.fold_angle)
-                folded[static_cast<std::size_t>(t.edges()(edge, 0))] = 1;
+                folded[to_size(t.edges()(edge, 0))] = 1;
         }
     std::vector<std::vector<int>> regions = regions_around(t, seeds, options.rings);
     std::erase_if(regions, [&](const std::vector<int>& region) {
         return std::none_of(region.begin(), region.end(),
-                            [&](int v) { return folded[static_cast<std::size_t>(v)] != 0; });
+                            [&](int v) { return folded[to_size(v)] != 0; });
     });
     return regions;
 }

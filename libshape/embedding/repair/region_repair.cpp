@@ -11,6 +11,7 @@
 #include "libshape/base/random.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/embedding/repair/rigid_filling.h"
 #include "libshape/mesh/alignment.h"
@@ -28,8 +29,8 @@ Points gathered(const RegionMesh& region, int count, const double* mesh)
 {
     Points points(count, 3);
     for (int v = 0; v < count; ++v)
-        points.row(v) = Eigen::Map<const Eigen::RowVector3d>(
-            mesh + 3 * region.vertices[static_cast<std::size_t>(v)]);
+        points.row(v) =
+            Eigen::Map<const Eigen::RowVector3d>(mesh + 3 * region.vertices[to_size(v)]);
     return points;
 }
 
@@ -37,8 +38,7 @@ Points gathered(const RegionMesh& region, int count, const double* mesh)
 void scatter(const RegionMesh& region, const Points& points, double* mesh)
 {
     for (int v = 0; v < points.rows(); ++v)
-        Eigen::Map<Eigen::RowVector3d>(mesh + 3 * region.vertices[static_cast<std::size_t>(v)]) =
-            points.row(v);
+        Eigen::Map<Eigen::RowVector3d>(mesh + 3 * region.vertices[to_size(v)]) = points.row(v);
 }
 
 void set_lane(const Points& from, int lane, EightLanePoints& to)
@@ -55,7 +55,7 @@ Points lane_of(const EightLanePoints& from, int lane, int count)
 {
     Points points(count, 3);
     for (int v = 0; v < count; ++v) {
-        const EightLanePoint& p = from[static_cast<std::size_t>(v)];
+        const EightLanePoint& p = from[to_size(v)];
         points.row(v) << p.x.of[lane], p.y.of[lane], p.z.of[lane];
     }
     return points;
@@ -88,13 +88,12 @@ Points perturbed(const RegionMesh& region, std::uint64_t seed, const Points& bef
     for (int v = 0; v < region.moving_vertices; ++v) {
         Vector3d normal = Vector3d::Zero();
         double lengths = 0.0;
-        const int begin = region.halfedge_begins[static_cast<std::size_t>(v)];
-        const int end = region.halfedge_begins[static_cast<std::size_t>(v) + 1];
+        const int begin = region.halfedge_begins[to_size(v)];
+        const int end = region.halfedge_begins[to_size(v) + 1];
         for (int i = begin; i < end; ++i) {
-            const int h = region.halfedges[static_cast<std::size_t>(i)];
+            const int h = region.halfedges[to_size(i)];
             const auto from_vertex = [&](int halfedge) -> Vector3d {
-                return before.row(region.corners[static_cast<std::size_t>(halfedge)]) -
-                       before.row(v);
+                return before.row(region.corners[to_size(halfedge)]) - before.row(v);
             };
             const Vector3d a = from_vertex(Topology::next(h));
             normal += a.cross(from_vertex(Topology::previous(h)));
@@ -157,8 +156,7 @@ Repaired repaired(const LengthDihedralEnergy& energy, const std::vector<Points>&
     };
 
     // Start 0 is the region as it is, then come references, then random perturbations.
-    const std::size_t starts =
-        1 + references.size() + static_cast<std::size_t>(options.perturbed_starts);
+    const std::size_t starts = 1 + references.size() + to_size(options.perturbed_starts);
     Repaired best{region, {}};
     float least = std::numeric_limits<float>::infinity();
     for (std::size_t first = 0; first < starts; first += EightLanes::lanes) {
@@ -168,13 +166,13 @@ Repaired repaired(const LengthDihedralEnergy& energy, const std::vector<Points>&
         if (first <= references.size()) {
             EightLanePoints bent = eight;
             for (int lane = 0; lane < EightLanes::lanes; ++lane)
-                if (const std::size_t start = first + static_cast<std::size_t>(lane);
+                if (const std::size_t start = first + to_size(lane);
                     start >= 1 && start <= references.size())
                     set_lane(turned_reference(references[start - 1]), lane, bent);
             fill_rigidly(region, lengths, solve, bent, options.filling_sweeps, eight);
         }
         for (int lane = 0; lane < EightLanes::lanes; ++lane) {
-            const std::size_t start = first + static_cast<std::size_t>(lane);
+            const std::size_t start = first + to_size(lane);
             if (start == 0)
                 set_lane(present, lane, eight);
             else if (start > references.size())
@@ -182,7 +180,7 @@ Repaired repaired(const LengthDihedralEnergy& energy, const std::vector<Points>&
         }
         const auto energies = descend(lanes, solve, eight, options.descent);
         for (int lane = 0; lane < EightLanes::lanes; ++lane)
-            if (const float value = energies[static_cast<std::size_t>(lane)]; value < least) {
+            if (const float value = energies[to_size(lane)]; value < least) {
                 least = value;
                 best.points = lane_of(eight, lane, region.moving_vertices);
             }
@@ -209,8 +207,8 @@ RegionRepair repair_regions(const LengthDihedralEnergy& energy,
     check(options);
     RegionRepair repair{std::move(points), 0, 0.0};
     std::erase_if(regions, [&](const std::vector<int>& vertices) {
-        return vertices.size() > static_cast<std::size_t>(options.largest_region) ||
-               vertices.size() == static_cast<std::size_t>(energy.topology().vertex_count());
+        return vertices.size() > to_size(options.largest_region) ||
+               vertices.size() == to_size(energy.topology().vertex_count());
     });
     std::vector<std::optional<Repaired>> results(regions.size());
     parallel_for(regions.size(), 1, [&](std::size_t k, std::size_t) {

@@ -2,6 +2,7 @@
 
 #include "libshape/embedding/repair/rigid_filling.h"
 
+#include "libshape/base/to_size.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape::internal {
@@ -159,15 +160,14 @@ template <class Value>
 EightLanePoints pull_of_rim(const RegionMesh& region, const std::vector<float>& lengths,
                             const Value& value)
 {
-    EightLanePoints sums(static_cast<std::size_t>(region.moving_vertices));
+    EightLanePoints sums(to_size(region.moving_vertices));
     for (std::size_t e = 0; e < lengths.size(); ++e) {
         const int a = region.ends[2 * e];
         const int b = region.ends[2 * e + 1];
         for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
             if (from < region.moving_vertices && to >= region.moving_vertices) {
-                EightLanePoint& sum = sums[static_cast<std::size_t>(from)];
-                sum =
-                    sum + (1.0F / (lengths[e] * lengths[e])) * value(static_cast<std::size_t>(to));
+                EightLanePoint& sum = sums[to_size(from)];
+                sum = sum + (1.0F / (lengths[e] * lengths[e])) * value(to_size(to));
             }
     }
     return sums;
@@ -180,9 +180,8 @@ void fill_rigidly(const RegionMesh& region, const std::vector<float>& lengths,
                   EightLanePoints& points)
 {
     const EightLanes one = EightLanes::all(1.0F);
-    std::vector<EightLaneMatrix> rotations(
-        static_cast<std::size_t>(region.moving_vertices + region.rim_vertices),
-        {{one, {}, {}}, {{}, one, {}}, {{}, {}, one}});
+    std::vector<EightLaneMatrix> rotations(to_size(region.moving_vertices + region.rim_vertices),
+                                           {{one, {}, {}}, {{}, one, {}}, {{}, {}, one}});
     turn_rim(region, references.data(), points.data(), rotations.data());
 
     // Blended inwards by columns.

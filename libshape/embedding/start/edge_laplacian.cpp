@@ -10,6 +10,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape::internal {
@@ -19,7 +20,9 @@ using Eigen::VectorXd;
 
 VectorXd weights_of(const VectorXd& lengths)
 {
-    constexpr double shortest = 1e-3; // of the mean: more would cost the factor its digits
+    // Of the mean length. Weights then span 1e6, of which a factor in single precision keeps a digit;
+    // shorter edges are as good as points in the start, and the descent gives them their length.
+    constexpr double shortest = 1e-3;
     return lengths.cwiseMax(shortest * lengths.mean()).array().square().inverse();
 }
 
@@ -109,7 +112,7 @@ void for_pulls(const Topology& topology, const VectorXd& weights, const FaceLayo
             of.first_weight[i] = weights[edges[0]];
             of.second_weight[i] = weights[edges[1]];
             of.third_weight[i] = weights[edges[2]];
-            const Eigen::Quaterniond& frame = frames[static_cast<std::size_t>(f)];
+            const Eigen::Quaterniond& frame = frames[to_size(f)];
             of.w[i] = frame.w();
             of.x[i] = frame.x();
             of.y[i] = frame.y();
@@ -127,11 +130,10 @@ void for_pulls(const Topology& topology, const VectorXd& weights, const FaceLayo
 template <class Work>
 void for_vertices(const Topology& topology, const Work& work)
 {
-    parallel_for(static_cast<std::size_t>(topology.vertex_count()), 2048,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v)
-                         work(v);
-                 });
+    parallel_for(to_size(topology.vertex_count()), 2048, [&](std::size_t begin, std::size_t end) {
+        for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v)
+            work(v);
+    });
 }
 
 } // namespace
@@ -166,6 +168,7 @@ Points EdgeLaplacian::solve(const Points& rhs) const
 
 Points EdgeLaplacian::solve_by_conjugate_gradients(const Points& rhs) const
 {
+    // A bound for weights so far apart that the factor in single precision is no help; else a few do.
     constexpr int most_steps = 60;
     constexpr double rounding = 1e-15; // of the right-hand side, in the norm of the factor
     Points solution = Points::Zero(rhs.rows(), 3);
@@ -191,8 +194,7 @@ Points EdgeLaplacian::solve_by_conjugate_gradients(const Points& rhs) const
         const Eigen::Array3d along = (last > 0.0).select(square / last, 0.0);
         direction = next + direction * along.matrix().asDiagonal();
         const Points image = matrix_.selfadjointView<Eigen::Lower>() * direction;
-        const Eigen::Array3d curvature =
-            direction.cwiseProduct(image).colwise().sum().transpose();
+        const Eigen::Array3d curvature = direction.cwiseProduct(image).colwise().sum().transpose();
         const Eigen::Array3d length = (curvature > 0.0).select(square / curvature, 0.0);
         solution += direction * length.matrix().asDiagonal();
         residual -= image * length.matrix().asDiagonal();

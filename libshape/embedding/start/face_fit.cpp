@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libshape/base/blocks.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/mesh/rotation_fit.h"
 
@@ -51,7 +52,7 @@ struct Covariances
     {
         Matrix3d m;
         for (int k = 0; k < 9; ++k)
-            m(k / 3, k % 3) = entries[static_cast<std::size_t>(k)][i];
+            m(k / 3, k % 3) = entries[to_size(k)][i];
         return m;
     }
 };
@@ -105,10 +106,11 @@ SHAPE_VECTORISED void add_side(int count, const Side& side, const Vectors& p, co
 SHAPE_VECTORISED void turn_frames(int count, const Covariances& sums,
                                   Quaternions& __restrict frames, double* __restrict found)
 {
-    constexpr int steps = 4;
-    constexpr double max_turn = 0.5;     // |tan(angle / 2)|^2
-    constexpr double rounding = 1e-14;   // of t, over the trace
-    constexpr double flat_limit = 1e-12; // determinant over cubed trace
+    constexpr int steps = 4;         // of Newton's method: digits double, and frames turn little
+    constexpr double max_turn = 0.5; // |tan(angle / 2)|^2: beyond 70 degrees another branch is near
+    constexpr double rounding = 1e-14; // of t, over the trace
+    constexpr double flat_limit =
+        1e-12; // determinant over cubed trace: a line, any turn about it fits
     const auto& m = sums.entries;
     for (int i = 0; i < count; ++i) {
         const double qw = frames.w[i], qx = frames.x[i], qy = frames.y[i], qz = frames.z[i];
@@ -181,7 +183,7 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
         const int opposite = topology.opposite(h);
         const bool alone = opposite < 0; // a neighbour without weight
         const int other = (alone ? h : opposite) / 3;
-        const auto corner = static_cast<std::size_t>((alone ? h : opposite) - 3 * other);
+        const auto corner = to_size((alone ? h : opposite) - 3 * other);
         const int near = 3 * other + next[corner];
         const int far = 3 * other + previous[corner];
         const Vector2d along = layout.halfedge(face, c);
@@ -194,7 +196,7 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
         side.apex.set(i, position(faces[far]));
         side.out_u[i] = out.x();
         side.out_v[i] = out.y();
-        side.turn.set(i, layout.transitions[static_cast<std::size_t>(edge)], way);
+        side.turn.set(i, layout.transitions[to_size(edge)], way);
         side.near_w[i] = alone ? 0.0 : 0.5 * weights[face_edges[near]];
         side.far_w[i] = alone ? 0.0 : 0.5 * weights[face_edges[far]];
     };
@@ -203,8 +205,7 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
         Covariances sums{};
         for (int i = 0; i < count; ++i)
             for (int c = 0; c < 3; ++c)
-                corners[static_cast<std::size_t>(c)].set(i,
-                                                         position(topology.faces()(first + i, c)));
+                corners[to_size(c)].set(i, position(topology.faces()(first + i, c)));
         for (std::size_t c = 0; c < 3; ++c) {
             Side side;
             for (int i = 0; i < count; ++i)
@@ -214,10 +215,10 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
         Quaternions turned;
         Row found;
         for (int i = 0; i < count; ++i)
-            turned.set(i, frames[static_cast<std::size_t>(first + i)]);
+            turned.set(i, frames[to_size(first + i)]);
         turn_frames(count, sums, turned, found);
         for (int i = 0; i < count; ++i) {
-            Quaterniond& frame = frames[static_cast<std::size_t>(first + i)];
+            Quaterniond& frame = frames[to_size(first + i)];
             if (found[i] == 1.0)
                 frame = turned.get(i);
             else

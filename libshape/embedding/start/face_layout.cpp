@@ -8,6 +8,7 @@
 #include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/mesh/triangle_area.h"
@@ -102,7 +103,7 @@ FaceLayout lay_out_faces(const Topology& topology, const VectorXd& lengths,
         for (int i = 0; i < count; ++i)
             layout.sides.col(first + i) << a[i], p[i], -q[i], y[i];
     });
-    layout.transitions.resize(static_cast<std::size_t>(topology.edge_count()));
+    layout.transitions.resize(to_size(topology.edge_count()));
     for_blocks(topology.edge_count(), [&](int first, int count) {
         Row halves{}, sines, cosines;
         Sides sides;
@@ -117,10 +118,10 @@ FaceLayout lay_out_faces(const Topology& topology, const VectorXd& lengths,
             sides.right_y[i] = right.y();
             halves[i] = 0.5 * dihedral_angles[first + i];
         }
-        sines_cosines(halves, static_cast<std::size_t>(count), sines, cosines);
+        sines_cosines(halves, to_size(count), sines, cosines);
         transitions_of(count, sides, lengths.data() + first, sines, cosines, turns);
         for (int i = 0; i < count; ++i)
-            layout.transitions[static_cast<std::size_t>(first + i)] =
+            layout.transitions[to_size(first + i)] =
                 topology.is_boundary_edge(first + i)
                     ? Quaterniond::Identity()
                     : Quaterniond(turns.w[i], turns.x[i], turns.y[i], turns.z[i]);
@@ -140,12 +141,12 @@ VectorXd closure_angles(const Topology& topology, const Rotations& transitions)
                     const int e = topology.face_edges().data()[h];
                     // The faces come counter-clockwise: from right to left.
                     const bool forward = h != topology.edge_halfedges()(e, 0);
-                    walk = followed_by(walk, transitions[static_cast<std::size_t>(e)], forward);
+                    walk = followed_by(walk, transitions[to_size(e)], forward);
                 }
             sines[i] = walk.vec().norm();
             cosines[i] = std::abs(walk.w());
         }
-        vector_angles(sines, cosines, static_cast<std::size_t>(count), angles.data() + first);
+        vector_angles(sines, cosines, to_size(count), angles.data() + first);
         angles.segment(first, count) *= 2.0;
     });
     return angles;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/start/face_fit.h"
 
 namespace shape::internal {
@@ -21,14 +22,13 @@ void set_transition_weights(const Topology& topology, const Rotations& transitio
     constexpr double scale = 0.1;
     const VectorXd angles = closure_angles(topology, transitions);
     weights.resize(topology.edge_count());
-    parallel_for(static_cast<std::size_t>(topology.edge_count()), 8192,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (int e = static_cast<int>(begin); e < static_cast<int>(end); ++e) {
-                         const double u = angles[topology.edges()(e, 0)];
-                         const double v = angles[topology.edges()(e, 1)];
-                         weights[e] = 1.0 / (1.0 + (u * u + v * v) / (scale * scale));
-                     }
-                 });
+    parallel_for(to_size(topology.edge_count()), 8192, [&](std::size_t begin, std::size_t end) {
+        for (int e = static_cast<int>(begin); e < static_cast<int>(end); ++e) {
+            const double u = angles[topology.edges()(e, 0)];
+            const double v = angles[topology.edges()(e, 1)];
+            weights[e] = 1.0 / (1.0 + (u * u + v * v) / (scale * scale));
+        }
+    });
 }
 
 } // namespace

@@ -8,6 +8,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -30,21 +31,20 @@ std::vector<Eigen::Matrix3d> halfedge_frames(const Topology& topology, const Poi
     if (dihedral_angles.size() != topology.edge_count())
         throw InvalidInput(join("dihedral_angles has ", dihedral_angles.size(),
                                 " entries, the topology ", topology.edge_count(), " edges"));
-    std::vector<Eigen::Matrix3d> frames(static_cast<std::size_t>(topology.halfedge_count()));
-    parallel_for(static_cast<std::size_t>(topology.vertex_count()), grain,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (std::size_t v = begin; v < end; ++v) {
-                         Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
-                         int before = -1;
-                         for (const int h : topology.outgoing(static_cast<int>(v))) {
-                             if (before >= 0)
-                                 frame = frame * turn_about_z(corner(corner_angles, before)) *
-                                         turn_about_x(-dihedral_angles[topology.edge(h)]);
-                             frames[static_cast<std::size_t>(h)] = frame;
-                             before = h;
-                         }
-                     }
-                 });
+    std::vector<Eigen::Matrix3d> frames(to_size(topology.halfedge_count()));
+    parallel_for(to_size(topology.vertex_count()), grain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+            int before = -1;
+            for (const int h : topology.outgoing(static_cast<int>(v))) {
+                if (before >= 0)
+                    frame = frame * turn_about_z(corner(corner_angles, before)) *
+                            turn_about_x(-dihedral_angles[topology.edge(h)]);
+                frames[to_size(h)] = frame;
+                before = h;
+            }
+        }
+    });
     return frames;
 }
 
@@ -55,17 +55,17 @@ std::vector<Eigen::Matrix3d> frame_transitions(const Topology& topology,
     if (corner_angles.rows() != topology.face_count())
         throw InvalidInput(join("corner_angles has ", corner_angles.rows(), " rows, the topology ",
                                 topology.face_count(), " faces"));
-    if (frames.size() != static_cast<std::size_t>(topology.halfedge_count()))
+    if (frames.size() != to_size(topology.halfedge_count()))
         throw InvalidInput(join("frames has ", frames.size(), " entries, the topology ",
                                 topology.halfedge_count(), " half-edges"));
-    std::vector<Eigen::Matrix3d> transitions(static_cast<std::size_t>(topology.edge_count()));
+    std::vector<Eigen::Matrix3d> transitions(to_size(topology.edge_count()));
     parallel_for(transitions.size(), grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {
             const int h = topology.edge_halfedges()(static_cast<Eigen::Index>(e), 0);
             const int next = Topology::next(h);
-            transitions[e] = frames[static_cast<std::size_t>(h)] *
+            transitions[e] = frames[to_size(h)] *
                              turn_about_z(std::numbers::pi - corner(corner_angles, next)) *
-                             frames[static_cast<std::size_t>(next)].transpose();
+                             frames[to_size(next)].transpose();
         }
     });
     return transitions;

@@ -13,6 +13,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/alignment.h"
 
 namespace shape::internal {
@@ -22,37 +23,32 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::VectorXd;
 
-std::size_t index(int i)
-{
-    return static_cast<std::size_t>(i);
-}
-
 /// Half-edges by the weight of their edges: the heaviest first, those of about the same weight first
 /// in, first out, so that trees stay shallow.
 class Front
 {
 public:
-    explicit Front(int capacity) : next_(index(capacity)) {}
+    explicit Front(int capacity) : next_(to_size(capacity)) {}
 
     void push(int halfedge, double weight)
     {
         const int level = level_of(weight);
-        Queue& queue = queues_[index(level)];
-        (queue.first < 0 ? queue.first : next_[index(queue.last)]) = halfedge;
+        Queue& queue = queues_[to_size(level)];
+        (queue.first < 0 ? queue.first : next_[to_size(queue.last)]) = halfedge;
         queue.last = halfedge;
-        next_[index(halfedge)] = -1;
+        next_[to_size(halfedge)] = -1;
         highest_ = std::max(highest_, level);
     }
 
     /// -1 where none is left.
     int pop()
     {
-        while (highest_ >= 0 && queues_[index(highest_)].first < 0)
+        while (highest_ >= 0 && queues_[to_size(highest_)].first < 0)
             --highest_;
         if (highest_ < 0)
             return -1;
-        int& first = queues_[index(highest_)].first;
-        return std::exchange(first, next_[index(first)]);
+        int& first = queues_[to_size(highest_)].first;
+        return std::exchange(first, next_[to_size(first)]);
     }
 
 private:
@@ -71,7 +67,7 @@ private:
         int exponent = 0;
         const double mantissa = 2.0 * std::frexp(weight, &exponent);
         int eighths = static_cast<int>(8.0 * (mantissa - 1.0)); // that or one more
-        if (mantissa >= eighth_powers[index(eighths)])
+        if (mantissa >= eighth_powers[to_size(eighths)])
             ++eighths;
         return std::max(0, levels - 1 + 8 * (exponent - 1) + eighths);
     }
@@ -110,9 +106,12 @@ SparseMatrix pattern(const FacePatches& patches)
 /// The three smallest eigenvectors, stacked 3 by 3 blocks, by inverse iterations from a fixed start.
 Eigen::MatrixXd smallest_eigenvectors(const SparseCholesky& factor)
 {
-    constexpr int max_iterations =
-        12; // where loops are far from closing the fourth is about as small
-    constexpr double settled = 1e-2; // what is left is less by the ratio of the last two changes
+    // Where loops are far from closing the fourth eigenvalue is about as small: no number of steps would
+    // tell them apart, and any of these vectors does.
+    constexpr int max_iterations = 12;
+    // Of the norm: half a degree in the frames, which local steps and descent turn further than that.
+    // What is left is less, by the ratio of the last two changes.
+    constexpr double settled = 1e-2;
     Random random(1);
     Eigen::MatrixXd vectors =
         Eigen::MatrixXd::NullaryExpr(factor.size(), 3, [&] { return random.uniform(-1.0, 1.0); });
@@ -141,9 +140,9 @@ void PatchFrames::grow_trees(const Rotations& transitions, const VectorXd& weigh
                              Rotations& frames)
 {
     const FacePatches& patches = *patches_;
-    parallel_for(index(patches.count()), 16, [&](std::size_t begin, std::size_t end) {
+    parallel_for(to_size(patches.count()), 16, [&](std::size_t begin, std::size_t end) {
         // Of the patch at hand, by place.
-        Rotations frame(index(patches.largest));
+        Rotations frame(to_size(patches.largest));
         std::vector<double> trust(frame.size());
         Front front(3 * patches.largest);
         for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
@@ -152,24 +151,24 @@ void PatchFrames::grow_trees(const Rotations& transitions, const VectorXd& weigh
             constexpr double none = -1.0;
             std::fill_n(trust.begin(), patches.size(p), none);
             const auto place = [&](int face, const Quaterniond& its_frame, double its_trust) {
-                frame[index(face)] = its_frame;
-                trust[index(face)] = its_trust;
+                frame[to_size(face)] = its_frame;
+                trust[to_size(face)] = its_trust;
                 for (int h = 3 * face; h < 3 * face + 3; ++h)
-                    if (ways[h].neighbour >= 0 && trust[index(ways[h].neighbour)] == none)
+                    if (ways[h].neighbour >= 0 && trust[to_size(ways[h].neighbour)] == none)
                         front.push(h, weights[ways[h].edge]);
             };
             place(0, Quaterniond::Identity(), 1.0);
             for (int h = front.pop(); h >= 0; h = front.pop()) {
                 const auto [face, edge, from_left] = ways[h];
-                if (trust[index(face)] == none)
+                if (trust[to_size(face)] == none)
                     place(face,
-                          followed_by(frame[index(h / 3)], transitions[index(edge)], from_left),
-                          std::min(trust[index(h / 3)], weights[edge]));
+                          followed_by(frame[to_size(h / 3)], transitions[to_size(edge)], from_left),
+                          std::min(trust[to_size(h / 3)], weights[edge]));
             }
             for (int i = 0; i < patches.size(p); ++i) {
-                const int face = patches.faces[index(first + i)];
-                frames[index(face)] = frame[index(i)];
-                trust_[face] = trust[index(i)];
+                const int face = patches.faces[to_size(first + i)];
+                frames[to_size(face)] = frame[to_size(i)];
+                trust_[face] = trust[to_size(i)];
             }
         }
     });
@@ -209,8 +208,8 @@ void PatchFrames::connect(const Rotations& transitions, const VectorXd& weights,
                 const double weight =
                     (1.0 - turned) * weights[edge] * trust_[lower] * trust_[higher];
                 const Quaterniond turn = followed_by(
-                    followed_by(frames[index(lower)], transitions[index(edge)], from_left),
-                    frames[index(higher)], false);
+                    followed_by(frames[to_size(lower)], transitions[to_size(edge)], from_left),
+                    frames[to_size(higher)], false);
                 block -= weight * turn.toRotationMatrix().transpose();
                 pair_weights[k] += weight;
             }
@@ -258,7 +257,7 @@ Rotations PatchFrames::face_frames(const Rotations& transitions, const VectorXd&
                                    Rotations memory, const PatchTurning* turning)
 {
     const FacePatches& patches = *patches_;
-    if (transitions.size() != index(patches.edge_count) || weights.size() != patches.edge_count)
+    if (transitions.size() != to_size(patches.edge_count) || weights.size() != patches.edge_count)
         throw InvalidInput(join("face frames: ", transitions.size(), " transitions and ",
                                 weights.size(), " weights for ", patches.edge_count, " edges"));
     if (turning != nullptr &&
@@ -279,11 +278,11 @@ Rotations PatchFrames::face_frames(const Rotations& transitions, const VectorXd&
     for (int p = 0; p < patches.count(); ++p)
         determinants += block(p).determinant();
     const double sign = determinants < 0.0 ? -1.0 : 1.0;
-    parallel_for(index(patches.count()), 64, [&](std::size_t begin, std::size_t end) {
+    parallel_for(to_size(patches.count()), 64, [&](std::size_t begin, std::size_t end) {
         for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
             const Quaterniond turn(nearest_rotation(sign * block(p)));
             for (int i = patches.begin(p); i < patches.begin(p + 1); ++i) {
-                Quaterniond& frame = frames[index(patches.faces[index(i)])];
+                Quaterniond& frame = frames[to_size(patches.faces[to_size(i)])];
                 frame = turn * frame;
             }
         }

@@ -12,6 +12,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -51,7 +52,7 @@ public:
                 fail(std::strerror(errno));
             if (got == 0)
                 fail("became shorter while it was read");
-            done += static_cast<std::size_t>(got);
+            done += to_size(got);
         }
         return content;
     }

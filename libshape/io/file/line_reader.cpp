@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -140,8 +141,7 @@ void LineReader::join_next_line()
     // Appended in place, so that many short lines cost no more than one long one.
     const bool is_joined = !joined_.empty() && before.data() >= joined_.data() &&
                            before.data() <= joined_.data() + joined_.size();
-    const std::size_t begin =
-        is_joined ? static_cast<std::size_t>(before.data() - joined_.data()) : 0;
+    const std::size_t begin = is_joined ? to_size(before.data() - joined_.data()) : 0;
     if (is_joined)
         joined_.resize(begin + before.size());
     else

@@ -13,6 +13,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
@@ -62,7 +63,7 @@ public:
                 continue;
             if (done < 0)
                 fail(target_, std::strerror(errno));
-            content.remove_prefix(static_cast<std::size_t>(done));
+            content.remove_prefix(to_size(done));
         }
     }
 

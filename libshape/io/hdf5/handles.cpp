@@ -2,27 +2,46 @@
 
 #include "libshape/io/hdf5/handles.h"
 
+#include <new>
 #include <string>
+
+#include "libshape/base/memory_limit.h"
 
 namespace shape::internal {
 namespace {
 
-/// What HDF5 says about its last error, as the innermost function put it.
-std::string last_error()
+/// HDF5's last error.
+struct LastError
 {
-    std::string text;
+    std::string text; ///< As the innermost function put it.
+    bool is_allocation = false;
+};
+
+LastError last_error()
+{
+    LastError last;
     const auto take = [](unsigned n, const H5E_error2_t* error, void* out) -> herr_t {
+        auto& found = *static_cast<LastError*>(out);
         if (n == 0 && error->desc != nullptr)
-            *static_cast<std::string*>(out) = error->desc;
+            found.text = error->desc;
+        found.is_allocation = found.is_allocation ||
+                              (error->maj_num == H5E_RESOURCE &&
+                               (error->min_num == H5E_NOSPACE || error->min_num == H5E_CANTALLOC));
         return 0;
     };
-    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take, &text);
-    return text.empty() ? "unknown cause" : text;
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take, &last);
+    return last;
 }
 
 } // namespace
 
-Hdf5Failure::Hdf5Failure() : std::runtime_error(last_error()) {}
+void throw_last_failure()
+{
+    const LastError last = last_error();
+    if (last.is_allocation && is_memory_limited())
+        throw std::bad_alloc();
+    throw Hdf5Failure(last.text.empty() ? "unknown cause" : last.text);
+}
 
 std::vector<hsize_t> dimensions(const Extents& extents)
 {

@@ -5,6 +5,7 @@
 #include <hdf5.h>
 
 #include <cstddef>
+#include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -16,7 +17,8 @@ namespace shape::internal {
 
 inline constexpr std::size_t longest_string = 4096; ///< [byte]
 
-/// Keeps HDF5 from printing its errors in this thread while it lives.
+/// Keeps HDF5 from printing its errors in this thread while it lives; for good if an exception ends
+/// it, for HDF5 1.10 loses objects when a call fails, and would print that at exit.
 class Silence
 {
 public:
@@ -27,17 +29,14 @@ public:
     }
     ~Silence()
     {
-        if (!stays_)
+        if (std::uncaught_exceptions() == exceptions_)
             H5Eset_auto2(H5E_DEFAULT, function_, data_);
     }
     Silence(const Silence&) = delete;
     Silence& operator=(const Silence&) = delete;
 
-    /// For good: HDF5 1.10 loses memory when it opens a damaged file, and would print that at exit.
-    void stay() { stays_ = true; }
-
 private:
-    bool stays_ = false;
+    int exceptions_ = std::uncaught_exceptions();
     H5E_auto2_t function_ = nullptr;
     void* data_ = nullptr;
 };
@@ -46,15 +45,20 @@ private:
 class Hdf5Failure : public std::runtime_error
 {
 public:
-    Hdf5Failure(); ///< With what HDF5 says about its last error, as the innermost function put it.
+    using std::runtime_error::runtime_error;
 };
+
+/// Throws Hdf5Failure with what HDF5 says about its last error, as the innermost function put it; or
+/// std::bad_alloc if that was an allocation and the system limits our memory (without a limit it is a
+/// damaged file that asks for too much).
+[[noreturn]] void throw_last_failure();
 
 /// Passes on a result that is not negative: so every call is checked.
 template <class Result>
 Result checked(Result result)
 {
     if (result < 0)
-        throw Hdf5Failure();
+        throw_last_failure();
     return result;
 }
 

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/hdf5/handles.h"
@@ -72,11 +73,10 @@ public:
     template <class Read>
     auto guarded(const Read& read) const
     {
-        Silence silence;
+        const Silence silence;
         try {
             return read();
         } catch (const Hdf5Failure& failure) {
-            silence.stay();
             fail(join("cannot be read, the file is damaged or not written by libshape (HDF5: ",
                       failure.what(), ")"));
         }
@@ -152,7 +152,7 @@ private:
         const int rank = checked(H5Sget_simple_extent_ndims(space));
         if ((kind != H5S_SCALAR && kind != H5S_SIMPLE) || rank > 3)
             fail("must be a single value or an array of at most 3 dimensions");
-        std::vector<hsize_t> lengths(static_cast<std::size_t>(rank));
+        std::vector<hsize_t> lengths(to_size(rank));
         checked(H5Sget_simple_extent_dims(space, lengths.data(), nullptr));
         Extents extents;
         for (const hsize_t length : lengths)
@@ -184,7 +184,7 @@ private:
         std::array<hsize_t, H5S_MAX_RANK> chunk{};
         hsize_t room = largest_chunk / value_size;
         for (int d = checked(H5Pget_chunk(creation, H5S_MAX_RANK, chunk.data())) - 1; d >= 0; --d)
-            room /= std::max<hsize_t>(chunk[static_cast<std::size_t>(d)], 1);
+            room /= std::max<hsize_t>(chunk[to_size(d)], 1);
         if (room == 0)
             fail(join("has chunks of more than ", largest_chunk, " bytes"));
     }
@@ -231,7 +231,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path)
     if (std::string_view(signature.data(), signature.size()) != "\x89HDF\r\n\x1a\n")
         throw InvalidInput(path.string() + ": is not an HDF5 file");
     rehearse_if_wanted(path);
-    Silence silence;
+    const Silence silence;
     try {
         state_.reset(new State{{path.string(), static_cast<Eigen::Index>(size), open_file(path)}});
     } catch (const Hdf5Failure& failure) {
@@ -320,7 +320,7 @@ std::vector<std::string> Hdf5File::strings(const std::string& name, Eigen::Index
         if (!is_fixed_string(stored.type))
             item.fail("must hold strings of fixed length");
         const std::size_t size = H5Tget_size(stored.type);
-        std::string packed(size * static_cast<std::size_t>(stored.count), '\0');
+        std::string packed(size * to_size(stored.count), '\0');
         checked(H5Dread(stored.dataset, stored.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, packed.data()));
         std::vector<std::string> strings;
         for (std::size_t begin = 0; begin < packed.size(); begin += size) {

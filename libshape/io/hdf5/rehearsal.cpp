@@ -17,13 +17,13 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
-#include <fstream>
 #include <mutex>
 #include <set>
 #include <string>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/memory_limit.h"
 #include "libshape/io/hdf5/reader.h"
 #include "libshape/io/hdf5/untrusted_files.h"
 
@@ -55,14 +55,6 @@ Identity identity(const struct stat& status)
             status.st_mtim.tv_nsec,
             status.st_ctim.tv_sec,
             status.st_ctim.tv_nsec};
-}
-
-/// Of this process [byte]; 0 if the system does not say.
-std::uint64_t address_space()
-{
-    std::uint64_t pages = 0;
-    std::ifstream("/proc/self/statm") >> pages;
-    return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 void lower_limit(__rlimit_resource resource, std::uint64_t value)
@@ -112,6 +104,12 @@ std::string ending(int signal)
     return join("crashed (signal ", signal, ")");
 }
 
+/// Address space that reading takes for sure [byte].
+std::uint64_t room(std::uint64_t size)
+{
+    return (std::uint64_t{64} << 20) + 2 * size;
+}
+
 /// Rehearses in a child process and waits for its end.
 void rehearse_apart(const std::filesystem::path& path, std::uint64_t size)
 {
@@ -122,10 +120,15 @@ void rehearse_apart(const std::filesystem::path& path, std::uint64_t size)
     if (child < 0)
         throw LimitExceeded(join(
             path.string(), ": no process can be started to read it first: ", std::strerror(errno)));
+    const bool is_tight = address_space_left() < room(size);
     int status = 0;
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR)
             return; // ECHILD: the program lets the system collect its children; nothing is known
+    if (is_tight && status != 0) // HDF5 does not survive every allocation that fails
+        throw LimitExceeded(join(
+            path.string(), ": too little memory to read it safely: ", address_space_left() >> 20,
+            " MiB of address space are left, ", room(size) >> 20, " MiB are needed (ulimit -v)"));
     if (WIFSIGNALED(status))
         fail(path, ending(WTERMSIG(status)));
     if (WEXITSTATUS(status) != 0)

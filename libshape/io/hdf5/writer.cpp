@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/hdf5/handles.h"
@@ -104,7 +105,7 @@ Encoded encode(const Hdf5Rows& rows, const std::string& name)
 
 std::size_t product(std::span<const Eigen::Index> extents)
 {
-    return static_cast<std::size_t>(
+    return to_size(
         std::accumulate(extents.begin(), extents.end(), Eigen::Index{1}, std::multiplies()));
 }
 
@@ -200,7 +201,7 @@ void write_dataset(hid_t file, const Hdf5Dataset& dataset)
 {
     const Encoded values = encode(dataset);
     const Id space = make_space(dataset.extents);
-    const auto count = static_cast<std::size_t>(checked(H5Sget_simple_extent_npoints(space)));
+    const auto count = to_size(checked(H5Sget_simple_extent_npoints(space)));
     if (count != values.count || count == 0)
         throw InvalidInput(join(dataset.name, ": has ", values.count, " values, must have ", count,
                                 " and at least 1"));

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/closure/vertex_frames.h"
 #include "libshape/embedding/closure/vertex_positions.h"
 #include "libshape/embedding/start/local_frames.h"
@@ -139,9 +140,9 @@ TEST(VertexFrames, AreRotationsThatSatisfyTheirEquations)
         EXPECT_EQ(frames[0], Eigen::Matrix3d::Identity());
         for (int e = 0; e < t.edge_count(); ++e) {
             const int h = t.edge_halfedges()(e, 0);
-            const Eigen::Matrix3d& v = frames[static_cast<std::size_t>(t.source(h))];
-            const Eigen::Matrix3d& u = frames[static_cast<std::size_t>(t.target(h))];
-            EXPECT_LT((v * transitions[static_cast<std::size_t>(e)] - u).norm(), 1e-10);
+            const Eigen::Matrix3d& v = frames[to_size(t.source(h))];
+            const Eigen::Matrix3d& u = frames[to_size(t.target(h))];
+            EXPECT_LT((v * transitions[to_size(e)] - u).norm(), 1e-10);
         }
     }
 }
@@ -198,8 +199,7 @@ TEST(VertexPositions, SatisfyTheNormalEquations)
         const int v = t.source(h);
         const int u = t.target(h);
         const Eigen::Vector3d step =
-            own.edge_lengths[t.edge(h)] *
-            (frames[static_cast<std::size_t>(v)] * local[static_cast<std::size_t>(h)].col(0));
+            own.edge_lengths[t.edge(h)] * (frames[to_size(v)] * local[to_size(h)].col(0));
         const Eigen::RowVector3d gap = points.row(v) + step.transpose() - points.row(u);
         largest = std::max(largest, gap.norm());
         balance.row(v) += gap;

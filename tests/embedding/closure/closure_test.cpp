@@ -11,6 +11,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/start/local_frames.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -62,9 +63,7 @@ TEST(LocalFrames, AreThoseOfTheMeshTheAnglesComeFrom)
         for (int v = 0; v < t.vertex_count(); ++v) {
             const Eigen::Matrix3d global = frame_of_points(mesh, t.outgoing(v).front());
             for (const int h : t.outgoing(v))
-                EXPECT_LT((global * frames[static_cast<std::size_t>(h)] - frame_of_points(mesh, h))
-                              .norm(),
-                          1e-12);
+                EXPECT_LT((global * frames[to_size(h)] - frame_of_points(mesh, h)).norm(), 1e-12);
         }
     }
 }
@@ -80,7 +79,7 @@ TEST(LocalFrames, TransitionsTakeTheFrameOfOneEndToThatOfTheOther)
             const int h = t.edge_halfedges()(e, 0);
             const Eigen::Matrix3d v = frame_of_points(mesh, t.outgoing(t.source(h)).front());
             const Eigen::Matrix3d u = frame_of_points(mesh, t.outgoing(t.target(h)).front());
-            EXPECT_LT((v * transitions[static_cast<std::size_t>(e)] - u).norm(), 1e-12);
+            EXPECT_LT((v * transitions[to_size(e)] - u).norm(), 1e-12);
         }
     }
 }

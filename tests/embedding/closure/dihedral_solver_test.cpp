@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/closure/closure.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -126,7 +127,7 @@ TEST(DihedralSolver, ReportsProgressAndCanBeInterrupted)
     };
     const DihedralSolution solution =
         solve_dihedrals(p.mesh.topology, p.corners, p.initial, {.max_iterations = 50}, count);
-    EXPECT_EQ(calls, static_cast<std::size_t>(solution.iterations));
+    EXPECT_EQ(calls, to_size(solution.iterations));
     const auto stop = [](std::string_view, std::size_t, std::size_t) {
         throw Interrupted("stopped");
     };

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/gauss_newton_operator.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -31,7 +32,7 @@ std::array<float*, 3> numbers(EightLanePoint& p, int k)
 EightLanePoints random_points(std::size_t size, int end, Random& random)
 {
     EightLanePoints points(size);
-    for (std::size_t v = 0; v < static_cast<std::size_t>(end); ++v)
+    for (std::size_t v = 0; v < to_size(end); ++v)
         for (int k = 0; k < lanes; ++k)
             for (float* const number : numbers(points[v], k))
                 *number = static_cast<float>(random.uniform(-1.0, 1.0));
@@ -93,8 +94,7 @@ struct Setting
                          {topology.target(h), topology.source(Topology::previous(h))})
                         if (std::find(vertices.begin(), vertices.end(), other) == vertices.end())
                             vertices.push_back(other);
-        vertices.resize(
-            std::min(vertices.size(), static_cast<std::size_t>(topology.vertex_count()) - 1));
+        vertices.resize(std::min(vertices.size(), to_size(topology.vertex_count()) - 1));
         return vertices;
     }
 
@@ -104,8 +104,8 @@ struct Setting
         VectorXd rows = mesh.points.reshaped<Eigen::RowMajor>();
         for (int v = 0; v < region.moving_vertices; ++v)
             for (std::size_t c = 0; c < 3; ++c) {
-                EightLanePoint point = positions[static_cast<std::size_t>(v)];
-                rows[3 * region.vertices[static_cast<std::size_t>(v)] + static_cast<int>(c)] =
+                EightLanePoint point = positions[to_size(v)];
+                rows[3 * region.vertices[to_size(v)] + static_cast<int>(c)] =
                     eight.unit() * static_cast<double>(*numbers(point, k)[c]);
             }
         return rows;
@@ -123,7 +123,7 @@ TEST(EightLaneEnergy, DiffersBetweenPositionsAsTheEnergyOfTheWholeMesh)
             const double first = s.energy.evaluate(s.whole(s.points, 0), gradient);
             for (int k = 1; k < lanes; ++k) {
                 const double wanted = s.energy.evaluate(s.whole(s.points, k), gradient) - first;
-                const auto at = static_cast<std::size_t>(k);
+                const auto at = to_size(k);
                 EXPECT_NEAR(static_cast<double>(energies[at] - energies[0]), wanted,
                             1e-5 * static_cast<double>(energies[at] + energies[0]));
             }
@@ -142,7 +142,7 @@ TEST(EightLaneEnergy, HasTheGradientOfTheEnergy)
         (void)s.eight.linearise(s.points);
         EightLanePoints half;
         s.eight.gradient(half);
-        ASSERT_EQ(half.size(), static_cast<std::size_t>(s.region.moving_vertices));
+        ASSERT_EQ(half.size(), to_size(s.region.moving_vertices));
         for (int k = 0; k < lanes; ++k) {
             VectorXd gradient;
             (void)s.energy.evaluate(s.whole(s.points, k), gradient);
@@ -217,7 +217,7 @@ TEST(EightLaneDescent, FindsTheMeshThatHasTheTargetFromEightSides)
         Setting s(mesh, 0.0, 3);
         const auto energies = descend(s.eight, laplacian_of(s), s.points, {.newton_steps = 15});
         for (int k = 0; k < lanes; ++k) {
-            EXPECT_LT(energies[static_cast<std::size_t>(k)], 1e-6F);
+            EXPECT_LT(energies[to_size(k)], 1e-6F);
             if (s.region.vertex_count() < s.region.moving_vertices + 3)
                 continue; // what is held leaves it free to turn
             const VectorXd found = s.whole(s.points, k);

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -124,7 +125,7 @@ TEST(GaussNewtonOperator, AddsTheSquaresOfAreasThatAreKept)
             VectorXd row = VectorXd::Zero(motion.size());
             for (int k = 0; k < 3; ++k)
                 row.segment<3>(3 * mesh.topology.faces()(collapse.face, k)) =
-                    matrix.unit() * collapse.gradients[static_cast<std::size_t>(k)];
+                    matrix.unit() * collapse.gradients[to_size(k)];
             sum += row.dot(motion) * row;
         }
         EXPECT_LT((sum - test::flat(product)).norm(), 2e-6 * sum.norm());

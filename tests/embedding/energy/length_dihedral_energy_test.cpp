@@ -13,6 +13,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/gauss_newton.h"
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/linalg/eight_lanes.h"
@@ -405,7 +406,7 @@ TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferencesWithAreasKept)
                                 1e-7 * gradient.norm());
                     const auto& by_corners = collapses[k].gradients;
                     EXPECT_NEAR((residual_above - residual_below) / (2.0 * step),
-                                by_corners[static_cast<std::size_t>(corner)][axis],
+                                by_corners[to_size(corner)][axis],
                                 1e-6 * (by_corners[0].norm() + by_corners[1].norm()));
                 }
     }
@@ -483,10 +484,10 @@ TEST(GaussNewton, MovesTheNamedVerticesOnlyAndEndsWhereTheirGradientVanishes)
     LengthDihedralEnergy energy(mesh.topology, target, 0.1);
     const std::vector<int> some{3, 17, 40, 41, 200};
     const VectorXd start = flat(mesh.points);
-    GradedUnknowns unknowns{some, std::vector<std::vector<int>>(
-                                      static_cast<std::size_t>(mesh.topology.vertex_count()))};
+    GradedUnknowns unknowns{some,
+                            std::vector<std::vector<int>>(to_size(mesh.topology.vertex_count()))};
     for (std::size_t i = 0; i < some.size(); ++i)
-        unknowns.rows[static_cast<std::size_t>(some[i])] = {static_cast<int>(i)};
+        unknowns.rows[to_size(some[i])] = {static_cast<int>(i)};
     const GaussNewtonResult result =
         GaussNewton(mesh.topology, unknowns)
             .minimize(energy, start, {.max_iterations = 200, .decrease_tolerance = 0.0});

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
@@ -33,7 +34,7 @@ TEST(RegionMesh, HasTheFacesAndEdgesOfTheMeshUnderLocalNumbers)
             const Topology& t = mesh.topology;
             const std::vector<int> moving = some_vertices(t, 5, seed);
             const RegionMesh region(t, moving);
-            const auto global = [&](int v) { return region.vertices[static_cast<std::size_t>(v)]; };
+            const auto global = [&](int v) { return region.vertices[to_size(v)]; };
 
             std::set<int> touched; // faces of the mesh that move
             for (const int v : moving)
@@ -50,12 +51,10 @@ TEST(RegionMesh, HasTheFacesAndEdgesOfTheMeshUnderLocalNumbers)
 
             // Every half-edge beside an edge runs along it, or against it on the other side.
             for (int e = 0; e < region.edge_count(); ++e) {
-                const auto at = 2 * static_cast<std::size_t>(e);
-                const int edge = region.edges[static_cast<std::size_t>(e)];
+                const auto at = 2 * to_size(e);
+                const int edge = region.edges[to_size(e)];
                 EXPECT_EQ(t.find_edge(global(region.ends[at]), global(region.ends[at + 1])), edge);
-                const auto source = [&](int h) {
-                    return region.corners[static_cast<std::size_t>(h)];
-                };
+                const auto source = [&](int h) { return region.corners[to_size(h)]; };
                 EXPECT_EQ(source(region.sides[at]), region.ends[at]);
                 EXPECT_EQ(source(Topology::next(region.sides[at])), region.ends[at + 1]);
                 if (t.is_boundary_edge(edge)) {
@@ -66,10 +65,9 @@ TEST(RegionMesh, HasTheFacesAndEdgesOfTheMeshUnderLocalNumbers)
                 }
             }
             for (int h = 0; h < 3 * region.moving_faces; ++h) {
-                const int a = region.corners[static_cast<std::size_t>(h)];
-                const int b = region.corners[static_cast<std::size_t>(Topology::next(h))];
-                const auto e =
-                    static_cast<std::size_t>(region.face_edges[static_cast<std::size_t>(h)]);
+                const int a = region.corners[to_size(h)];
+                const int b = region.corners[to_size(Topology::next(h))];
+                const auto e = to_size(region.face_edges[to_size(h)]);
                 EXPECT_EQ(t.find_edge(global(a), global(b)), region.edges[e]);
             }
         }
@@ -82,22 +80,19 @@ TEST(RegionMesh, KnowsWhatMeetsAtAVertex)
         const Topology& t = mesh.topology;
         const RegionMesh region(t, some_vertices(t, 8, 4));
         for (int v = 0; v < region.moving_vertices + region.rim_vertices; ++v) {
-            const auto at = static_cast<std::size_t>(v);
+            const auto at = to_size(v);
             const int begin = region.halfedge_begins[at];
             const int end = region.halfedge_begins[at + 1];
-            EXPECT_EQ(static_cast<std::size_t>(end - begin),
-                      t.outgoing(region.vertices[at]).size());
+            EXPECT_EQ(to_size(end - begin), t.outgoing(region.vertices[at]).size());
             for (int i = begin; i < end; ++i)
-                EXPECT_EQ(region.corners[static_cast<std::size_t>(
-                              region.halfedges[static_cast<std::size_t>(i)])],
-                          v);
+                EXPECT_EQ(region.corners[to_size(region.halfedges[to_size(i)])], v);
             if (v >= region.moving_vertices)
                 continue;
             const int degree = end - begin + (t.is_boundary_vertex(region.vertices[at]) ? 1 : 0);
             EXPECT_EQ(region.edge_begins[at + 1] - region.edge_begins[at], degree);
             for (int i = region.edge_begins[at]; i < region.edge_begins[at + 1]; ++i) {
-                const int e = region.incident_edges[static_cast<std::size_t>(i)];
-                EXPECT_EQ(region.ends[static_cast<std::size_t>(e < 0 ? 2 * ~e : 2 * e + 1)], v);
+                const int e = region.incident_edges[to_size(i)];
+                EXPECT_EQ(region.ends[to_size(e < 0 ? 2 * ~e : 2 * e + 1)], v);
             }
         }
     }

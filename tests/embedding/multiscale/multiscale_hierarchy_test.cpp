@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "tests/embedding/multiscale/multiscale_meshes.h"
 
 namespace shape {
@@ -20,7 +21,7 @@ namespace {
 template <class Value>
 std::span<const Value> part(const std::vector<Value>& values, Slice slice)
 {
-    return std::span(values).subspan(slice.begin, static_cast<std::size_t>(slice.count));
+    return std::span(values).subspan(slice.begin, to_size(slice.count));
 }
 
 std::set<int> as_set(std::span<const int> values)
@@ -30,8 +31,7 @@ std::set<int> as_set(std::span<const int> values)
 
 std::span<const PatchNode> children(const MultiscaleHierarchy& h, const PatchNode& node)
 {
-    return std::span(h.nodes).subspan(static_cast<std::size_t>(node.first_child),
-                                      static_cast<std::size_t>(node.child_count));
+    return std::span(h.nodes).subspan(to_size(node.first_child), to_size(node.child_count));
 }
 
 /// Number of faces reached from the first across edges of the patch.
@@ -76,7 +76,7 @@ TEST(MultiscaleHierarchy, ChildrenAreSmallerConnectedAndCoverTheirParent)
         for (std::size_t i = 0; i < h.nodes.size(); ++i) {
             const PatchNode& node = h.nodes[i];
             EXPECT_EQ(reached_faces(mesh.topology, as_set(part(h.faces, node.faces))),
-                      static_cast<std::size_t>(node.faces.count));
+                      to_size(node.faces.count));
             if (node.is_leaf()) {
                 EXPECT_LT(node.faces.count, 6);
                 continue;
@@ -107,8 +107,7 @@ TEST(MultiscaleHierarchy, ChildrenOverlapInStripsOfOneTriangle)
             std::map<int, std::set<int>> owners;
             std::size_t copies = 0;
             for (int k = 0; k < node.child_count; ++k)
-                for (const int f :
-                     part(h.faces, children(h, node)[static_cast<std::size_t>(k)].faces)) {
+                for (const int f : part(h.faces, children(h, node)[to_size(k)].faces)) {
                     owners[f].insert(k);
                     ++copies;
                 }
@@ -127,7 +126,7 @@ TEST(MultiscaleHierarchy, ChildrenOverlapInStripsOfOneTriangle)
                 EXPECT_FALSE(both.empty());
                 seams += left.size() > 1 || right.size() > 1 ? 1 : 0;
             }
-            EXPECT_LE(copies - static_cast<std::size_t>(node.faces.count), seams);
+            EXPECT_LE(copies - to_size(node.faces.count), seams);
             for (const auto& [face, set] : owners)
                 EXPECT_LE(set.size(), 4U); // its core and one for each edge
         }
@@ -149,13 +148,12 @@ TEST(MultiscaleHierarchy, RowsOfVerticesAndEdgesAgreeWithTheMesh)
                     edges.insert(t.face_edges()(f, c));
                 }
             EXPECT_EQ(as_set(vertices), corners);
-            EXPECT_EQ(edges.size(), static_cast<std::size_t>(node.edges.count));
+            EXPECT_EQ(edges.size(), to_size(node.edges.count));
             std::map<int, int> copies;
             for (const PatchNode& child : children(h, node)) {
                 const auto rows = part(h.in_parent, child.vertices);
                 for (std::size_t v = 0; v < rows.size(); ++v)
-                    EXPECT_EQ(part(h.vertices, child.vertices)[v],
-                              vertices[static_cast<std::size_t>(rows[v])]);
+                    EXPECT_EQ(part(h.vertices, child.vertices)[v], vertices[to_size(rows[v])]);
                 EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end())); // one order for all patches
                 for (const PatchEdge& edge : part(h.edges, child.edges))
                     ++copies[edge.edge];
@@ -163,8 +161,7 @@ TEST(MultiscaleHierarchy, RowsOfVerticesAndEdgesAgreeWithTheMesh)
             for (const PatchEdge& edge : part(h.edges, node.edges)) {
                 EXPECT_EQ(edges.count(edge.edge), 1U);
                 EXPECT_LT(edge.lower, edge.upper);
-                EXPECT_EQ(t.find_edge(vertices[static_cast<std::size_t>(edge.lower)],
-                                      vertices[static_cast<std::size_t>(edge.upper)]),
+                EXPECT_EQ(t.find_edge(vertices[to_size(edge.lower)], vertices[to_size(edge.upper)]),
                           edge.edge);
                 EXPECT_EQ(edge.copies, copies[edge.edge]);
             }
@@ -179,11 +176,11 @@ TEST(MultiscaleHierarchy, OverlapsListAllCommonVertices)
         const MultiscaleHierarchy h = build_hierarchy(mesh.topology, mesh.points);
         for (const PatchNode& node : h.nodes) {
             std::map<std::pair<int, int>, std::set<int>> listed;
-            std::vector<int> largest(static_cast<std::size_t>(node.child_count), 0);
+            std::vector<int> largest(to_size(node.child_count), 0);
             for (const PatchOverlap& overlap : part(h.overlaps, node.overlaps)) {
                 const auto row = [&](int child, int v) {
-                    const PatchNode& patch = children(h, node)[static_cast<std::size_t>(child)];
-                    return part(h.vertices, patch.vertices)[static_cast<std::size_t>(v)];
+                    const PatchNode& patch = children(h, node)[to_size(child)];
+                    return part(h.vertices, patch.vertices)[to_size(v)];
                 };
                 ASSERT_LT(overlap.first, overlap.second);
                 for (const CommonVertex& common : part(h.common, {overlap.begin, overlap.count})) {
@@ -191,15 +188,15 @@ TEST(MultiscaleHierarchy, OverlapsListAllCommonVertices)
                     listed[{overlap.first, overlap.second}].insert(
                         row(overlap.first, common.first));
                 }
-                int& most = largest[static_cast<std::size_t>(overlap.second)];
+                int& most = largest[to_size(overlap.second)];
                 most = std::max(most, overlap.count);
             }
             for (int k = 0; k < node.child_count; ++k)
                 for (int l = k + 1; l < node.child_count; ++l) {
-                    const std::set<int> first = as_set(
-                        part(h.vertices, children(h, node)[static_cast<std::size_t>(k)].vertices));
-                    const std::set<int> second = as_set(
-                        part(h.vertices, children(h, node)[static_cast<std::size_t>(l)].vertices));
+                    const std::set<int> first =
+                        as_set(part(h.vertices, children(h, node)[to_size(k)].vertices));
+                    const std::set<int> second =
+                        as_set(part(h.vertices, children(h, node)[to_size(l)].vertices));
                     std::set<int> both;
                     std::set_intersection(first.begin(), first.end(), second.begin(), second.end(),
                                           std::inserter(both, both.end()));
@@ -223,8 +220,7 @@ TEST(MultiscaleHierarchy, GluingPlacesEveryVertexOfALeafOnce)
                 continue;
             const auto vertices = part(h.vertices, node.vertices);
             const auto edge = [&](int a, int b) {
-                return t.find_edge(vertices[static_cast<std::size_t>(a)],
-                                   vertices[static_cast<std::size_t>(b)]);
+                return t.find_edge(vertices[to_size(a)], vertices[to_size(b)]);
             };
             std::set<int> placed;
             for (const GlueStep& step : part(h.gluing, node.gluing)) {

@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 
 namespace shape {
 using namespace internal;
@@ -52,12 +53,12 @@ struct Patches
         Eigen::VectorXd gaps(rows);
         for (const PatchOverlap& overlap : overlaps)
             for (int i = 0; i < overlap.count; ++i) {
-                const std::size_t at = overlap.begin + static_cast<std::size_t>(i);
-                const auto k = static_cast<std::size_t>(overlap.first);
-                const auto l = static_cast<std::size_t>(overlap.second);
+                const std::size_t at = overlap.begin + to_size(i);
+                const auto k = to_size(overlap.first);
+                const auto l = to_size(overlap.second);
                 const auto row = 3 * static_cast<Eigen::Index>(at);
                 const auto point = [&](std::size_t p, int v) -> Eigen::Vector3d {
-                    return rotations[p] * points[p][static_cast<std::size_t>(v)].head<3>();
+                    return rotations[p] * points[p][to_size(v)].head<3>();
                 };
                 matrix.block<3, 3>(row, 3 * overlap.first).setIdentity();
                 matrix.block<3, 3>(row, 3 * overlap.second) = -Eigen::Matrix3d::Identity();
@@ -84,7 +85,7 @@ Patches make_patches(int count, double noise, double flatness, std::uint64_t see
         auto& points = patches.points.emplace_back();
         for (int i = 0; i < width; ++i) {
             const Eigen::Vector3d error(random.normal(), random.normal(), random.normal());
-            const Eigen::Vector3d p = cloud[static_cast<std::size_t>(step * k + i)] + noise * error;
+            const Eigen::Vector3d p = cloud[to_size(step * k + i)] + noise * error;
             points.emplace_back((patches.poses.back() * p + shift).homogeneous());
         }
         if (k > 0) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/conformal/conformal_morph.h"
 #include "libshape/embedding/energy/graded_unknowns.h"
 #include "libshape/mesh/alignment.h"
@@ -43,7 +44,7 @@ TEST(GradedUnknowns, MoveFineRegionsAsAWhole)
     const test::TestMesh mesh = test::icosphere(4);
     const VectorXd even = edge_lengths(mesh.topology, mesh.points);
     const GradedUnknowns plain = graded_unknowns(mesh.topology, even);
-    EXPECT_EQ(plain.vertices.size(), static_cast<std::size_t>(mesh.topology.vertex_count()) - 1);
+    EXPECT_EQ(plain.vertices.size(), to_size(mesh.topology.vertex_count()) - 1);
     for (const std::vector<int>& rows : plain.rows)
         EXPECT_LE(rows.size(), 1u);
 
@@ -52,8 +53,8 @@ TEST(GradedUnknowns, MoveFineRegionsAsAWhole)
     std::size_t deepest = 0;
     int free = 0; // edges whose ends every large unknown moves alike
     for (int e = 0; e < mesh.topology.edge_count(); ++e) {
-        const auto& a = graded.rows[static_cast<std::size_t>(mesh.topology.edges()(e, 0))];
-        const auto& b = graded.rows[static_cast<std::size_t>(mesh.topology.edges()(e, 1))];
+        const auto& a = graded.rows[to_size(mesh.topology.edges()(e, 0))];
+        const auto& b = graded.rows[to_size(mesh.topology.edges()(e, 1))];
         deepest = std::max({deepest, a.size(), b.size()});
         free += a.size() > 1 && b.size() > 1 && a.front() == b.front() ? 1 : 0;
     }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
 
@@ -53,7 +54,7 @@ TEST(RigidFilling, PutsAReferenceInAnotherPoseWhereItBelongs)
             points[v].z.of[k] = p[2];
         }
     fill_rigidly(region, lengths, EightLaneSolve(laplacian.sparseView()), references, 10, points);
-    for (std::size_t v = 0; v < static_cast<std::size_t>(region.moving_vertices); ++v)
+    for (std::size_t v = 0; v < to_size(region.moving_vertices); ++v)
         for (int k = 0; k < EightLanes::lanes; ++k) {
             const Eigen::RowVector3f found(points[v].x.of[k], points[v].y.of[k], points[v].z.of[k]);
             EXPECT_LT((found - mesh.points.row(region.vertices[v]).cast<float>()).norm(),

@@ -11,6 +11,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/start/edge_laplacian.h"
 #include "libshape/embedding/start/face_fit.h"
 #include "libshape/embedding/start/face_layout.h"
@@ -89,15 +90,14 @@ TEST(FaceLayout, AgreesWithTheMeshItIsOf)
             const Vector3d edge = (mesh.points.row(t.target(h)) - mesh.points.row(t.source(h)));
             Vector3d side = Vector3d::Zero();
             side.head<2>() = layout.halfedge(h);
-            EXPECT_LT((frames[static_cast<std::size_t>(h / 3)] * side - edge).norm(), 1e-12);
+            EXPECT_LT((frames[to_size(h / 3)] * side - edge).norm(), 1e-12);
         }
         for (int e = 0; e < t.edge_count(); ++e) {
             if (t.is_boundary_edge(e))
                 continue;
-            const auto left = static_cast<std::size_t>(t.edge_halfedges()(e, 0) / 3);
-            const auto right = static_cast<std::size_t>(t.edge_halfedges()(e, 1) / 3);
-            EXPECT_LT(difference(frames[left] * layout.transitions[static_cast<std::size_t>(e)],
-                                 frames[right]),
+            const auto left = to_size(t.edge_halfedges()(e, 0) / 3);
+            const auto right = to_size(t.edge_halfedges()(e, 1) / 3);
+            EXPECT_LT(difference(frames[left] * layout.transitions[to_size(e)], frames[right]),
                       1e-12);
         }
     }
@@ -138,19 +138,19 @@ TEST(FacePatches, HoldEveryFaceOnceAndAreConnected)
         std::vector<int> faces = patches.faces;
         std::sort(faces.begin(), faces.end());
         for (int f = 0; f < mesh.topology.face_count(); ++f)
-            ASSERT_EQ(faces[static_cast<std::size_t>(f)], f);
+            ASSERT_EQ(faces[to_size(f)], f);
         std::size_t ways_inside = 0;
         for (int p = 0; p < patches.count(); ++p) {
             EXPECT_GE(patches.size(p), std::min(8, mesh.topology.face_count()));
             std::vector<int> reached{0};
-            std::vector<char> seen(static_cast<std::size_t>(patches.size(p)), 0);
+            std::vector<char> seen(to_size(patches.size(p)), 0);
             seen[0] = 1;
             for (std::size_t i = 0; i < reached.size(); ++i)
                 for (int c = 0; c < 3; ++c) {
                     const int way = 3 * (patches.begin(p) + reached[i]) + c;
-                    const int next = patches.ways[static_cast<std::size_t>(way)].neighbour;
+                    const int next = patches.ways[to_size(way)].neighbour;
                     ways_inside += next >= 0;
-                    if (next >= 0 && !std::exchange(seen[static_cast<std::size_t>(next)], 1))
+                    if (next >= 0 && !std::exchange(seen[to_size(next)], 1))
                         reached.push_back(next);
                 }
             EXPECT_EQ(static_cast<int>(reached.size()), patches.size(p));

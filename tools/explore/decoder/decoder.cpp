@@ -50,15 +50,17 @@ int open_model(const unsigned char* block, std::size_t size)
     });
 }
 
-/// @param fine  0: preview.
+/// @param quality  0: draft, 1: preview, 2: fine.
 int decode(const double* scores, int score_count, const double* amounts, int amount_count,
-           double size, int fine)
+           double size, int quality)
 {
     return guarded([&] {
         using Map = Eigen::Map<const Eigen::VectorXd>;
-        shown = decoder->decode(Map(scores, score_count), Map(amounts, amount_count), size,
-                                fine != 0 ? DihedralEmbeddingOptions()
-                                          : dihedral_preview());
+        const Map coordinates(scores, score_count);
+        const Map added(amounts, amount_count);
+        shown = quality == 0   ? decoder->draft(coordinates, added, size)
+                : quality == 1 ? decoder->decode(coordinates, added, size, dihedral_preview())
+                               : decoder->decode(coordinates, added, size, {});
         const shape::EmbeddingReport& report = shown.embedding.report;
         figures = {static_cast<double>(report.status),
                    report.edge_rms,

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: MIT
 
-import type { Answer, Ready, Shape, Wanted } from "./shape";
+import type { Answer, Ready, Shape, Start, Wanted } from "./shape";
 
 declare const WORKER_SOURCE: string; // worker.ts, bundled; put in by build.mjs
 
 type Request = Omit<Wanted, "ticket">;
 
-/// One worker with the model in it. Of requests that come while it works, only the last one is met.
+interface Errand {
+    request: Request;
+    done: (answer: Answer) => void;
+    mustBeDone: boolean;
+}
+
+/// One worker with the model in it. Of requests that come while it works only the last one is met, but for those that
+/// must be.
 class Channel {
     private worker: Worker;
-    private busy: { request: Request; done: (answer: Answer) => void } | null = null;
-    private next: { request: Request; done: (answer: Answer) => void } | null = null;
+    private busy: Errand | null = null;
+    private waiting: Errand[] = [];
     private ticket = 0;
     readonly ready: Promise<Ready>;
 
@@ -24,33 +31,36 @@ class Channel {
                 if (data.kind === "failure" && data.ticket < 0) return fail(new Error(data.message));
                 const answered = this.busy!;
                 this.busy = null;
-                const next = this.next;
-                this.next = null;
-                if (next) this.send(next.request, next.done);
+                this.send();
                 answered.done(data);
             };
         });
-        this.worker.postMessage({ kind: "start", wasm: wasm.slice().buffer, block: block.slice().buffer });
+        const start: Start = { kind: "start", wasm: wasm.slice().buffer, block: block.slice().buffer };
+        this.worker.postMessage(start, [start.wasm, start.block]);
     }
 
-    ask(request: Request, done: (answer: Answer) => void) {
-        if (this.busy) this.next = { request, done };
-        else this.send(request, done);
+    ask(request: Request, done: (answer: Answer) => void, mustBeDone = false) {
+        if (!mustBeDone) this.waiting = this.waiting.filter((errand) => errand.mustBeDone);
+        this.waiting.push({ request, done, mustBeDone });
+        this.send();
     }
-    private send(request: Request, done: (answer: Answer) => void) {
-        this.busy = { request, done };
-        this.worker.postMessage({ ...request, ticket: ++this.ticket });
+    private send() {
+        if (this.busy) return;
+        this.busy = this.waiting.shift() ?? null;
+        if (this.busy) this.worker.postMessage({ ...this.busy.request, ticket: ++this.ticket });
     }
 }
 
-/// Previews as fast as they come, and fine meshes once nothing moves. Two workers: a fine mesh that
-/// nobody waits for any more must not hold up a preview.
+/// A mesh as fast as they come, the preview as soon as nothing moves, and the fine one a while later. Two workers:
+/// a mesh that nobody waits for any more must not hold up the next.
 export class Decoder {
-    private preview: Channel;
-    private fine: Channel | null = null;
+    private quick: Channel;
+    private slow: Channel | null = null;
     private rest: ReturnType<typeof setTimeout> | undefined;
     private moves = 0;
     private settled = true;
+    frame = 16; // [ms]; of most screens. Where a preview takes longer, drafts are shown while something moves
+    private previewTime = Infinity; // [ms]; the shortest there was, as code is slow at first
     readonly ready: Promise<Ready>;
 
     constructor(
@@ -60,8 +70,8 @@ export class Decoder {
         private onFailure: (message: string) => void,
         private restMilliseconds = 250,
     ) {
-        this.preview = new Channel(wasm, block);
-        this.ready = this.preview.ready;
+        this.quick = new Channel(wasm, block);
+        this.ready = this.quick.ready;
     }
 
     /// Whether the fine mesh of the last place is there.
@@ -70,43 +80,58 @@ export class Decoder {
     }
 
     show(scores: number[], amounts: number[], size: number) {
+        const place = { kind: "decode" as const, scores, amounts, size };
         const move = ++this.moves;
         this.settled = false;
         clearTimeout(this.rest);
-        this.preview.ask({ kind: "decode", scores, amounts, size, fine: false }, (answer) => {
-            if (answer.kind === "failure") this.onFailure(answer.message);
-            else if (answer.kind === "shape") this.onShape(answer);
+        const quality = this.previewTime > this.frame && this.previewTime < Infinity ? "draft" : "preview";
+        this.quick.ask({ ...place, quality }, (answer) => {
+            this.deliver(answer);
             if (move !== this.moves) return;
-            this.rest = setTimeout(() => this.refine(move, { kind: "decode", scores, amounts, size, fine: true }),
-                this.restMilliseconds);
+            if (quality === "draft") this.improve(move, { ...place, quality: "preview" });
+            else this.restBefore(move, { ...place, quality: "fine" });
         });
     }
 
-    private refine(move: number, request: Request) {
-        this.fine ??= new Channel(this.wasm, this.block);
-        this.fine.ask(request, (answer) => {
+    private deliver(answer: Answer) {
+        if (answer.kind === "failure") this.onFailure(answer.message);
+        else if (answer.kind === "shape") {
+            if (answer.quality === "preview") this.previewTime = Math.min(this.previewTime, answer.milliseconds);
+            this.onShape(answer);
+        }
+    }
+
+    private restBefore(move: number, request: Request) {
+        this.rest = setTimeout(() => this.improve(move, request), this.restMilliseconds);
+    }
+
+    private improve(move: number, request: Request) {
+        this.slowChannel().ask(request, (answer) => {
             if (move !== this.moves) return; // somebody moved on
-            this.settled = true;
-            if (answer.kind === "failure") this.onFailure(answer.message);
-            else if (answer.kind === "shape") this.onShape(answer);
+            this.settled = request.quality === "fine";
+            this.deliver(answer);
+            if (!this.settled) this.restBefore(move, { ...request, quality: "fine" });
         });
+    }
+
+    private slowChannel(): Channel {
+        return (this.slow ??= new Channel(this.wasm, this.block));
     }
 
     /// A preview beside what is shown, for ghosts.
     once(scores: number[], amounts: number[], size: number): Promise<Shape> {
-        this.fine ??= new Channel(this.wasm, this.block);
         return new Promise((done, fail) =>
-            this.fine!.ask({ kind: "decode", scores, amounts, size, fine: false }, (answer) =>
+            this.slowChannel().ask({ kind: "decode", scores, amounts, size, quality: "preview" }, (answer) =>
                 answer.kind === "shape" ? done(answer) : fail(new Error((answer as { message: string }).message)),
-            ),
+                true),
         );
     }
 
     feasibleShare(scores: number[], amounts: number[], size: number): Promise<number> {
         return new Promise((done) =>
-            this.preview.ask({ kind: "feasible", scores, amounts, size, fine: false }, (answer) =>
+            this.quick.ask({ kind: "feasible", scores, amounts, size, quality: "draft" }, (answer) =>
                 done(answer.kind === "feasible" ? answer.share : 1),
-            ),
+                true),
         );
     }
 }

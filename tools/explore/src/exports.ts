@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 import type { Facts } from "./model";
+import type { Quality } from "./shape";
 import { decimals, totalScores, type Place } from "./state";
 
 /// Offers bytes under a name, as a download.
@@ -108,13 +109,13 @@ export function stemOf(facts: Facts, place: Place): string {
 }
 
 /// What makes the same mesh on the command line; null where differences are added.
-export function commandOf(facts: Facts, place: Place, fine: boolean): string | null {
+export function commandOf(facts: Facts, place: Place, quality: Quality): string | null {
     if (place.amounts.some((amount) => amount !== 0)) return null;
-    const quoted = (text: string) => (/^[\w./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+    const quoted = (text: string) => (/^[\w./+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
     const scores = totalScores(facts, place);
     const last = scores.findLastIndex((score) => score !== 0);
     const point = last < 0 ? "--mean" : `--scores=${scores.slice(0, last + 1).map((s) => Number(s.toFixed(decimals))).join(",")}`;
-    const options = [facts.space === "edge" && !fine ? " --quality preview" : "",
+    const options = [facts.space === "edge" && quality !== "fine" ? " --quality preview" : "",
                      facts.space === "edge" && facts.smoothness !== 0.005 ? ` --smoothness ${facts.smoothness}` : ""];
-    return `shape generate ${quoted(facts.file)} ${point}${options.join("")} -o ${quoted(stemOf(facts, place))}.ply`;
+    return `shape generate ${quoted(facts.file)} ${point}${options.join("")} -o ${quoted(`${stemOf(facts, place)}.ply`)}`;
 }

@@ -5,10 +5,10 @@ import { Decoder } from "./decoder";
 import { find, make, percent } from "./dom";
 import { commandOf, csvOf, glbOf, objOf, plyOf, save, stemOf } from "./exports";
 import { bytesOf, readFacts, takeBytes } from "./model";
-import { ScorePlot } from "./plot";
-import { displacement, type Shape } from "./shape";
+import { markOf, ScorePlot } from "./plot";
+import { displacement, type Quality, type Shape } from "./shape";
 import { modeSlider, Slider } from "./sliders";
-import { groupPlace, History, linkOf, meanPlace, placeOf, specimenPlace, totalScores, rounded, type Place } from "./state";
+import { groupPlace, History, linkOf, meanPlace, placeOf, rounded, specimenPlace, tidied, totalScores, type Place } from "./state";
 import { Viewer } from "./viewer";
 
 const facts = readFacts();
@@ -80,23 +80,28 @@ function goTo(to: Place, text = "") {
 }
 
 function showCommand() {
-    const command = commandOf(facts, place, !!shown?.fine);
+    const command = commandOf(facts, place, shown?.quality ?? "preview");
     find("#command").textContent = command ?? "None: `shape generate` adds no differences. Save the mesh instead.";
     find<HTMLButtonElement>("#copy-command").disabled = command === null;
 }
 
 // The mesh and its certificate.
 
-const digits = (share: number) => percent(share, share < 0.001 && share > 0 ? 4 : share < 0.1 ? 3 : 2);
+/// Three digits; what rounding leaves is nothing.
+function digits(value: number): string {
+    if (value < 1e-9) return "0";
+    const text = value.toPrecision(3);
+    return text.includes("e") ? String(Number(text)) : text;
+}
 
-function showCertificate({ certificate, fine, milliseconds }: Shape) {
+function showCertificate({ certificate, quality, milliseconds }: Shape) {
     const status = find("#status");
     status.textContent = certificate.status;
     status.className = certificate.status;
-    find("#quality").textContent = facts.space === "procrustes" ? "linear model" : fine ? "fine" : "preview";
-    find("#edge-rms").textContent = digits(certificate.edgeRms);
-    find("#edge-max").textContent = digits(certificate.edgeMax);
-    find("#drift").textContent = `${certificate.driftP99.toFixed(certificate.driftP99 < 1 ? 3 : 2)}°`;
+    find("#quality").textContent = facts.space === "procrustes" ? "linear model" : quality;
+    find("#edge-rms").textContent = `${digits(100 * certificate.edgeRms)} %`;
+    find("#edge-max").textContent = `${digits(100 * certificate.edgeMax)} %`;
+    find("#drift").textContent = `${digits(certificate.driftP99)}°`;
     find("#inverted").textContent = String(certificate.invertedFaces);
     find("#time").textContent = `${milliseconds.toFixed(milliseconds < 10 ? 1 : 0)} ms`;
     const reason = find("#reason");
@@ -152,18 +157,19 @@ function draw() {
 }
 
 let shapes = 0; // that came since the page was opened
-let preview: Shape | null = null; // the last one
+const last: Record<Quality, Shape | null> = { draft: null, preview: null, fine: null };
 
 function take(shape: Shape) {
     const isFirst = !shown;
     shown = shape;
-    if (!shape.fine) preview = shape;
+    last[shape.quality] = shape;
     ++shapes;
     showCertificate(shape);
     draw();
     showCommand();
     if (isFirst) {
         viewer.frame(shape.points);
+        find<HTMLSelectElement>("#view").value = "front";
         find("#waiting").hidden = true;
     }
 }
@@ -219,13 +225,13 @@ const modeSliders = facts.modes.map((_, k) =>
     modeSlider(facts, k, { onInput: moved((value) => (place.scores[k] = value)), onChange: settle, onPlay: () => playAlong(k) }));
 const amountSliders = facts.differences.map(
     ({ name, meaning }, i) => new Slider({
-        name, note: meaning, low: -1, high: 2, rest: 0, unit: "times the difference",
+        name, note: meaning, low: -1, high: 2, rest: 0, unit: "times the difference", tidy: rounded,
         onInput: moved((value) => (place.amounts[i] = value)), onChange: settle,
     }));
 const valueSliders = facts.regressions.map(
     ({ name, low, high, mean }, i) => new Slider({
-        name, note: "regression", low: low - 0.25 * (high - low), high: high + 0.25 * (high - low), rest: rounded(mean), unit: `units of ${name}`,
-        feasible: undefined, onInput: moved((value) => (place.values[i] = value)), onChange: settle,
+        name, note: "regression", low: low - 0.25 * (high - low), high: high + 0.25 * (high - low), rest: tidied(mean), unit: `units of ${name}`, tidy: tidied,
+        onInput: moved((value) => (place.values[i] = value)), onChange: settle,
     }));
 let plot: ScorePlot | null = null;
 
@@ -258,6 +264,7 @@ function goToSpecimen(i: number) {
     plot?.mark(i);
     find<HTMLSelectElement>("#specimen").value = String(i);
     const labels = facts.labels.map(({ name, values }) => `${name}: ${values[i]}`);
+    find("#specimen-ghost").hidden = false;
     find("#specimen-facts").textContent = [...labels, `size ${Number(size.toPrecision(5))}`].join(", ");
     goTo(specimenPlace(facts, i), `The model's shape of ${name}.`);
 }
@@ -302,7 +309,7 @@ function setUpPlot() {
 }
 
 const swatch = (group: number) =>
-    make("svg", { viewBox: "-4 -4 8 8", "aria-hidden": "true" }, make("rect", { x: -3, y: -3, width: 6, height: 6, fill: groupColours[group % groupColours.length] }));
+    make("svg", { viewBox: "-4 -4 8 8", "aria-hidden": "true" }, make("path", { d: markOf(group), fill: groupColours[group % groupColours.length] }));
 
 /// The mean of every group as a button.
 function setUpGroups(label: number) {
@@ -337,9 +344,9 @@ const views: Record<string, [number, number, number]> = {
     front: [0, 0, 1], back: [0, 0, -1], left: [-1, 0, 0], right: [1, 0, 0], top: [0, 1, 0.001], bottom: [0, -1, 0.001],
 };
 
-function toggleFrames() {
+function showFrames(on: boolean) {
     const output = find("#frames");
-    output.hidden = !output.hidden;
+    output.hidden = !on;
     let [lastShapes, last] = [shapes, performance.now()];
     const count = () => {
         if (output.hidden) return;
@@ -367,7 +374,15 @@ function setUpButtons() {
     view.onchange = () => viewer.lookFrom(views[view.value]);
     const wireframe = find<HTMLInputElement>("#wireframe");
     wireframe.onchange = () => viewer.setWireframe(wireframe.checked);
+    const rate = find<HTMLInputElement>("#rate");
+    rate.onchange = () => showFrames(rate.checked);
     find("#canvas").addEventListener("pointerdown", () => (view.value = ""));
+    on("#specimen-ghost", async () => {
+        const i = Number(find<HTMLSelectElement>("#specimen").value);
+        const at = specimenPlace(facts, i);
+        pin(await decoder.once(coordinates(at), at.amounts, facts.size), facts.specimens[i].name);
+        say(`${facts.specimens[i].name} is the ghost now.`);
+    });
 
     const copy = (text: string, what: string) =>
         navigator.clipboard.writeText(text).then(() => say(`${what} copied.`), () => say(`Copy it by hand: ${text}`));
@@ -405,7 +420,7 @@ function setUpButtons() {
             if (event.key === "m") find("#mean").click();
             else if (event.key === "r") find("#random").click();
             else if (event.key === "w") wireframe.click();
-            else if (event.key === "f") toggleFrames();
+            else if (event.key === "f") rate.click();
             else if (event.key === "g") {
                 const ghost = find<HTMLSelectElement>("#ghost");
                 ghost.value = ghost.value === "mean" ? "none" : "mean";
@@ -472,13 +487,19 @@ Object.assign(window, {
             return shown;
         },
         get preview() {
-            return preview;
+            return last.preview;
+        },
+        get last() {
+            return [last.draft, last.preview, last.fine];
+        },
+        get decoder() {
+            return decoder;
         },
         get place() {
             return place;
         },
         get settled() {
-            return !!shown?.fine && decoder.isSettled;
+            return shown?.quality === "fine" && decoder.isSettled;
         },
         get shapes() {
             return shapes;

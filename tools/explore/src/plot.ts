@@ -6,6 +6,9 @@ import type { Facts } from "./model";
 
 const width = 360, height = 300, left = 38, right = 8, top = 8, bottom = 34;
 
+/// The mark of a group, about 0, as a path.
+export const markOf = (group: number) => marks[groupMarks[group % groupMarks.length]];
+
 const marks: Record<string, string> = {
     circle: "M-3.2,0a3.2,3.2 0 1,0 6.4,0a3.2,3.2 0 1,0 -6.4,0",
     square: "M-2.8,-2.8h5.6v5.6h-5.6z",
@@ -113,7 +116,7 @@ export class ScorePlot {
             ...facts.specimens.map(({ name }, i) => {
                 const group = this.groupOf(i);
                 return make("path", {
-                    d: marks[groupMarks[group % groupMarks.length]],
+                    d: markOf(group),
                     fill: groupColours[group % groupColours.length],
                     transform: `translate(${this.placeOfX(this.inDeviations(i, this.x))} ${this.placeOfY(this.inDeviations(i, this.y))})`,
                     class: "specimen",

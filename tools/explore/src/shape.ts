@@ -8,13 +8,17 @@ export interface Start {
     block: ArrayBuffer;
 }
 
+/// How much is done for a mesh: vertices to first order and one sweep; what the program calls preview and fine.
+export type Quality = "draft" | "preview" | "fine";
+export const qualities: Quality[] = ["draft", "preview", "fine"]; // as the decoder numbers them
+
 export interface Wanted {
     kind: "decode" | "feasible";
     ticket: number;
     scores: number[]; // coordinates along the modes
     amounts: number[];
     size: number;
-    fine: boolean;
+    quality: Quality;
 }
 
 export interface Certificate {
@@ -36,7 +40,7 @@ export interface Certificate {
 export interface Shape {
     kind: "shape";
     ticket: number;
-    fine: boolean;
+    quality: Quality;
     points: Float64Array<ArrayBuffer>; // x y z of one vertex after the other
     normals: Float32Array<ArrayBuffer>;
     edgeError: Float32Array<ArrayBuffer>; // #V
@@ -79,7 +83,7 @@ export function vertexNormals(points: Float64Array, faces: Uint32Array): Float32
         normals[r] += x; normals[r + 1] += y; normals[r + 2] += z;
     }
     for (let v = 0; v < normals.length; v += 3) {
-        const length = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
+        const length = Math.sqrt(normals[v] ** 2 + normals[v + 1] ** 2 + normals[v + 2] ** 2) || 1;
         normals[v] /= length; normals[v + 1] /= length; normals[v + 2] /= length;
     }
     return normals;

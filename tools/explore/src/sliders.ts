@@ -2,7 +2,8 @@
 
 import { make, percent } from "./dom";
 import type { Facts } from "./model";
-import { decimals, rounded } from "./state";
+import { niceAbove } from "./colours";
+import { rounded } from "./state";
 
 export interface SliderOptions {
     name: string;
@@ -12,6 +13,7 @@ export interface SliderOptions {
     rest: number; // the value of the mean shape
     unit: string; // for assistive technology
     feasible?: [number, number];
+    tidy: (value: number) => number; // what is set, of what was wanted
     onInput: (value: number) => void;
     onChange: () => void;
     onPlay?: () => void;
@@ -26,10 +28,13 @@ export class Slider {
     private factor = 1; // of the field: typed units a unit of the value
 
     constructor(private options: SliderOptions) {
-        const { name, low, high, unit } = options;
-        const step = (high - low) / 400;
+        const { name, unit } = options;
+        // Numbers that people like are on the way.
+        const step = niceAbove((options.high - options.low) / 1000);
+        const low = options.tidy(step * Math.floor(options.low / step));
+        const high = options.tidy(step * Math.ceil(options.high / step));
         this.range = make<HTMLInputElement>("input", {
-            type: "range", min: low, max: high, step: Math.min(0.01, step), value: options.rest, "aria-label": `${name}, ${unit}`,
+            type: "range", min: low, max: high, step, value: options.rest, "aria-label": `${name}, ${unit}`,
             oninput: () => this.take(Number(this.range.value)),
             onchange: () => options.onChange(),
             ondblclick: () => {
@@ -58,7 +63,7 @@ export class Slider {
     }
 
     private take(value: number) {
-        this.options.onInput(rounded(value));
+        this.options.onInput(this.options.tidy(value));
     }
 
     private typed() {
@@ -93,9 +98,7 @@ export function modeSlider(facts: Facts, k: number, to: Pick<SliderOptions, "onI
     const most = Math.max(sliderReach, ...facts.specimens.map(({ scores }) => Math.abs(scores[k] / mode.deviation)));
     const reach = Math.ceil(2 * most) / 2;
     return new Slider({
-        name: `mode ${k + 1}`, note: percent(mode.share), low: -reach, high: reach, rest: 0, unit: "standard deviations",
+        name: `mode ${k + 1}`, note: percent(mode.share), low: -reach, high: reach, rest: 0, unit: "standard deviations", tidy: rounded,
         feasible: facts.space === "edge" ? [mode.low, mode.high] : undefined, ...to,
     });
 }
-
-export { decimals };

@@ -9,17 +9,22 @@ export interface Place {
     values: number[]; // of the regressions
 }
 
-export const decimals = 4; // of everything one can set, so that a command line makes the same mesh
+export const decimals = 4; // of scores and amounts, so that a command line makes the same mesh
 
 export function rounded(value: number): number {
     return Number(value.toFixed(decimals)) || 0;
+}
+
+/// Of values in whatever unit: what decimal fractions leave behind, no more.
+export function tidied(value: number): number {
+    return Number(value.toPrecision(12));
 }
 
 export function meanPlace(facts: Facts): Place {
     return {
         scores: facts.modes.map(() => 0),
         amounts: facts.differences.map(() => 0),
-        values: facts.regressions.map((regression) => rounded(regression.mean)),
+        values: facts.regressions.map((regression) => tidied(regression.mean)),
     };
 }
 
@@ -39,7 +44,7 @@ export function totalScores(facts: Facts, place: Place): number[] {
     return facts.modes.map((mode, k) =>
         rounded(
             facts.regressions.reduce(
-                (sum, { slope, mean }, r) => sum + ((place.values[r] - rounded(mean)) * slope[k]) / mode.deviation,
+                (sum, { slope, mean }, r) => sum + ((place.values[r] - tidied(mean)) * slope[k]) / mode.deviation,
                 place.scores[k],
             ),
         ),
@@ -69,7 +74,7 @@ export function placeOf(link: string, facts: Facts): Place | null {
         const [name, text = ""] = part.split("=");
         const values = text.split(",").filter(Boolean).map(Number);
         if (!(name in fields) || values.length > fields[name].length || !values.every(Number.isFinite)) return null;
-        values.forEach((value, i) => (fields[name][i] = rounded(value)));
+        values.forEach((value, i) => (fields[name][i] = (name === "r" ? tidied : rounded)(value)));
     }
     return place;
 }

@@ -2,7 +2,7 @@
 
 /// Decodes in the background: the library, compiled to WebAssembly, and the model.
 
-import { vertexNormals, type Answer, type Certificate, type Shape, type Start, type Wanted } from "./shape";
+import { qualities, vertexNormals, type Answer, type Certificate, type Shape, type Start, type Wanted } from "./shape";
 
 interface Module {
     memory: WebAssembly.Memory;
@@ -10,7 +10,7 @@ interface Module {
     malloc(size: number): number;
     free(address: number): void;
     open_model(block: number, size: number): number;
-    decode(scores: number, count: number, amounts: number, amountCount: number, size: number, fine: number): number;
+    decode(scores: number, count: number, amounts: number, amountCount: number, size: number, quality: number): number;
     feasible_share(scores: number, count: number, amounts: number, amountCount: number, size: number): number;
     vertex_count(): number;
     face_count(): number;
@@ -86,10 +86,10 @@ function findFeasible({ ticket, scores, amounts, size }: Wanted) {
     answer({ kind: "feasible", ticket, share });
 }
 
-function decode({ ticket, scores, amounts, size, fine }: Wanted) {
+function decode({ ticket, scores, amounts, size, quality }: Wanted) {
     const begin = performance.now();
     const [s, a] = [placed(scores), placed(amounts)];
-    const decoded = module.decode(s, scores.length, a, amounts.length, size, fine ? 1 : 0);
+    const decoded = module.decode(s, scores.length, a, amounts.length, size, qualities.indexOf(quality));
     module.free(s);
     module.free(a);
     if (!decoded) throw new Error(text(module.last_message()));
@@ -119,7 +119,7 @@ function decode({ ticket, scores, amounts, size, fine }: Wanted) {
     const shape: Shape = {
         kind: "shape",
         ticket,
-        fine,
+        quality,
         points,
         normals: vertexNormals(points, faces),
         edgeError: copied(Float32Array, module.shown_edge_error(), vertices) as Float32Array<ArrayBuffer>,

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
 
-#include "libshape/mesh/mending.h"
+#include "libshape/mesh/mesh_repair.h"
 
 #include <gtest/gtest.h>
 
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/seams.h"
 
 namespace shape {
+using namespace internal;
 namespace {
 
 using test::TestMesh;
@@ -35,30 +37,30 @@ std::vector<NamedMesh> spheres(int count)
 }
 
 /// What was made is the sound meshes, after one change.
-void expect_mended(const MendedMeshes& mended, const std::string& change)
+void expect_repaired(const RepairedMeshes& repaired, const std::string& change)
 {
-    ASSERT_EQ(mended.changes.size(), 1U) << mended.changes.size();
-    EXPECT_NE(mended.changes[0].find(change), std::string::npos) << mended.changes[0];
-    const std::vector<NamedMesh> sound = spheres(static_cast<int>(mended.meshes.size()));
+    ASSERT_EQ(repaired.changes.size(), 1U) << repaired.changes.size();
+    EXPECT_NE(repaired.changes[0].find(change), std::string::npos) << repaired.changes[0];
+    const std::vector<NamedMesh> sound = spheres(static_cast<int>(repaired.meshes.size()));
     for (std::size_t i = 0; i < sound.size(); ++i) {
         SCOPED_TRACE(sound[i].name);
-        EXPECT_EQ(mended.meshes[i].name, sound[i].name);
-        EXPECT_EQ(mended.meshes[i].faces, sound[i].faces);
-        ASSERT_EQ(mended.meshes[i].points.rows(), sound[i].points.rows());
-        EXPECT_TRUE(mended.meshes[i].points.isApprox(sound[i].points, 1e-12));
+        EXPECT_EQ(repaired.meshes[i].name, sound[i].name);
+        EXPECT_EQ(repaired.meshes[i].faces, sound[i].faces);
+        ASSERT_EQ(repaired.meshes[i].points.rows(), sound[i].points.rows());
+        EXPECT_TRUE(repaired.meshes[i].points.isApprox(sound[i].points, 1e-12));
     }
 }
 
-TEST(Mending, LeavesSoundMeshesAsTheyAre)
+TEST(MeshRepair, LeavesSoundMeshesAsTheyAre)
 {
-    const MendedMeshes mended = mend(spheres(5));
-    EXPECT_TRUE(mended.changes.empty());
-    EXPECT_EQ(mended.meshes.size(), 5U);
-    EXPECT_EQ(mended.meshes[3].points, spheres(5)[3].points);
-    EXPECT_TRUE(mend({}).meshes.empty());
+    const RepairedMeshes repaired = repair_meshes(spheres(5));
+    EXPECT_TRUE(repaired.changes.empty());
+    EXPECT_EQ(repaired.meshes.size(), 5U);
+    EXPECT_EQ(repaired.meshes[3].points, spheres(5)[3].points);
+    EXPECT_TRUE(repair_meshes({}).meshes.empty());
 }
 
-TEST(Mending, WeldsSeamsAlikeInAllMeshes)
+TEST(MeshRepair, WeldsSeamsAlikeInAllMeshes)
 {
     std::vector<NamedMesh> meshes = spheres(5);
     const test::CutMesh cut = test::cut_along_the_equator(sphere(0));
@@ -67,12 +69,12 @@ TEST(Mending, WeldsSeamsAlikeInAllMeshes)
         mesh.faces = cut.faces;
     }
     std::vector<NamedMesh> apart = meshes;
-    expect_mended(mend(std::move(meshes)), "vertices welded");
+    expect_repaired(repair_meshes(std::move(meshes)), "vertices welded");
     apart[2].points.bottomRows(cut.doubled(sphere(0).points)) *= 1.01; // open in one: meant
-    EXPECT_TRUE(mend(std::move(apart)).changes.empty());
+    EXPECT_TRUE(repair_meshes(std::move(apart)).changes.empty());
 }
 
-TEST(Mending, WeldsSoupsOfSingleTriangles)
+TEST(MeshRepair, WeldsSoupsOfSingleTriangles)
 {
     std::vector<NamedMesh> meshes = spheres(2);
     for (NamedMesh& mesh : meshes) {
@@ -86,13 +88,13 @@ TEST(Mending, WeldsSoupsOfSingleTriangles)
         mesh.points = points;
         mesh.faces = faces;
     }
-    const MendedMeshes mended = mend(std::move(meshes));
-    const Collection collection = collect(mended.meshes);
+    const RepairedMeshes repaired = repair_meshes(std::move(meshes));
+    const Collection collection = collect(repaired.meshes);
     EXPECT_EQ(collection.topology.vertex_count(), sphere(0).topology.vertex_count());
     EXPECT_TRUE(collection.topology.is_closed());
 }
 
-TEST(Mending, KeepsTouchingPartsApartWhereWeldingBreaksTheSurface)
+TEST(MeshRepair, KeepsTouchingPartsApartWhereWeldingBreaksTheSurface)
 {
     // Two tetrahedra that touch at a corner: as one vertex it would be a bow-tie.
     const TestMesh one = test::tetrahedron();
@@ -101,16 +103,16 @@ TEST(Mending, KeepsTouchingPartsApartWhereWeldingBreaksTheSurface)
     points.bottomRows(4).rowwise() += one.points.row(0) * 2.0;
     Faces faces(8, 3);
     faces << one.topology.faces(), test::reversed_faces(one.topology.faces()).array() + 4;
-    const MendedMeshes mended =
-        mend({named("a", points, faces)}, {.components = Components::Split});
-    ASSERT_EQ(mended.meshes.size(), 2U);
-    EXPECT_EQ(mended.meshes[0].name, "a_part1");
-    EXPECT_EQ(mended.meshes[0].points, one.points);
-    EXPECT_EQ(mended.meshes[1].faces.rows(), 4);
-    EXPECT_NE(mended.changes[0].find("split into 2 pieces"), std::string::npos);
+    const RepairedMeshes repaired =
+        repair_meshes({named("a", points, faces)}, {.components = Components::Split});
+    ASSERT_EQ(repaired.meshes.size(), 2U);
+    EXPECT_EQ(repaired.meshes[0].name, "a_part1");
+    EXPECT_EQ(repaired.meshes[0].points, one.points);
+    EXPECT_EQ(repaired.meshes[1].faces.rows(), 4);
+    EXPECT_NE(repaired.changes[0].find("split into 2 pieces"), std::string::npos);
 }
 
-TEST(Mending, TakesAwayWhatBelongsToNoSurface)
+TEST(MeshRepair, TakesAwayWhatBelongsToNoSurface)
 {
     std::vector<NamedMesh> loose = spheres(3);
     for (NamedMesh& mesh : loose) {
@@ -118,7 +120,7 @@ TEST(Mending, TakesAwayWhatBelongsToNoSurface)
         mesh.points.bottomRows(2).setConstant(9.0);
         mesh.points(mesh.points.rows() - 1, 0) = 8.0;
     }
-    expect_mended(mend(std::move(loose)), "2 vertices without a face");
+    expect_repaired(repair_meshes(std::move(loose)), "2 vertices without a face");
 
     std::vector<NamedMesh> crumbs = spheres(3);
     for (NamedMesh& mesh : crumbs) {
@@ -128,66 +130,67 @@ TEST(Mending, TakesAwayWhatBelongsToNoSurface)
         mesh.faces.conservativeResize(mesh.faces.rows() + 1, 3);
         mesh.faces.bottomRows(1) << first, first + 1, first + 2;
     }
-    expect_mended(mend(std::move(crumbs)), "largest of 2 pieces (320 of 321 faces)");
+    expect_repaired(repair_meshes(std::move(crumbs)), "largest of 2 pieces (320 of 321 faces)");
 
     std::vector<NamedMesh> repeated = spheres(3);
     for (NamedMesh& mesh : repeated) {
         mesh.faces.conservativeResize(mesh.faces.rows() + 2, 3);
         mesh.faces.bottomRows(2) << 4, 4, 5, mesh.faces(0, 2), mesh.faces(0, 1), mesh.faces(0, 0);
     }
-    expect_mended(mend(std::move(repeated)), "2 faces taken away");
+    expect_repaired(repair_meshes(std::move(repeated)), "2 faces taken away");
 }
 
-TEST(Mending, TurnsFacesThatDisagree)
+TEST(MeshRepair, TurnsFacesThatDisagree)
 {
     std::vector<NamedMesh> meshes = spheres(3);
     for (NamedMesh& mesh : meshes)
         for (const int f : {0, 17, 18, 200})
             std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
-    expect_mended(mend(std::move(meshes)), "4 faces turned");
+    expect_repaired(repair_meshes(std::move(meshes)), "4 faces turned");
 }
 
-TEST(Mending, TurnsMirrorImagesAndSurfacesInsideOut)
+TEST(MeshRepair, TurnsMirrorImagesAndSurfacesInsideOut)
 {
     std::vector<NamedMesh> mirrored = spheres(5);
     mirrored[1].points = test::mirror_image(mirrored[1].points);
-    expect_mended(mend(std::move(mirrored)), "b: x taken times -1");
+    expect_repaired(repair_meshes(std::move(mirrored)), "b: x taken times -1");
 
     std::vector<NamedMesh> inside_out = spheres(5);
     for (NamedMesh& mesh : inside_out)
         mesh.faces = test::reversed_faces(mesh.faces);
-    expect_mended(mend(std::move(inside_out)), "faces reversed (inside out)");
+    expect_repaired(repair_meshes(std::move(inside_out)), "faces reversed (inside out)");
 
     std::vector<NamedMesh> one_reversed = spheres(5);
     one_reversed[2].faces = test::reversed_faces(one_reversed[2].faces);
-    expect_mended(mend(std::move(one_reversed)), "c: faces reversed (it was inside out)");
+    expect_repaired(repair_meshes(std::move(one_reversed)),
+                    "c: faces reversed (it was inside out)");
 
     std::vector<NamedMesh> sound_mirror_image = spheres(5);
     sound_mirror_image[3].faces = test::reversed_faces(sound_mirror_image[3].faces);
     sound_mirror_image[3].points = test::mirror_image(sound_mirror_image[3].points);
-    expect_mended(mend(std::move(sound_mirror_image)), "it was a mirror image");
+    expect_repaired(repair_meshes(std::move(sound_mirror_image)), "it was a mirror image");
 
     std::vector<NamedMesh> shuffled = spheres(5);
     shuffled[4].faces = shuffled[4].faces.colwise().reverse().eval();
-    expect_mended(mend(std::move(shuffled)), "e: faces put into the order of a");
+    expect_repaired(repair_meshes(std::move(shuffled)), "e: faces put into the order of a");
 }
 
-TEST(Mending, ScalesByRatiosOfUnitsAlone)
+TEST(MeshRepair, ScalesByRatiosOfUnitsAlone)
 {
     std::vector<NamedMesh> meshes = spheres(5);
     meshes[0].points *= 1e-3;
     meshes[3].points *= 10.0;
-    const MendedMeshes mended = mend(std::move(meshes));
-    EXPECT_EQ(mended.changes.size(), 2U);
+    const RepairedMeshes repaired = repair_meshes(std::move(meshes));
+    EXPECT_EQ(repaired.changes.size(), 2U);
     for (int i : {0, 3})
-        EXPECT_TRUE(mended.meshes[static_cast<std::size_t>(i)].points.isApprox(
-            spheres(5)[static_cast<std::size_t>(i)].points, 1e-12));
+        EXPECT_TRUE(
+            repaired.meshes[to_size(i)].points.isApprox(spheres(5)[to_size(i)].points, 1e-12));
     std::vector<NamedMesh> odd = spheres(5);
     odd[1].points *= 6.0;
-    EXPECT_TRUE(mend(std::move(odd)).changes.empty());
+    EXPECT_TRUE(repair_meshes(std::move(odd)).changes.empty());
 }
 
-TEST(Mending, LeavesMoebiusStripsAndThreeFacesAtAnEdge)
+TEST(MeshRepair, LeavesMoebiusStripsAndThreeFacesAtAnEdge)
 {
     Faces strip(10, 3);
     Points points(10, 3);
@@ -206,13 +209,13 @@ TEST(Mending, LeavesMoebiusStripsAndThreeFacesAtAnEdge)
         strip.row(2 * i + 1) << b, c, d;
     }
     ASSERT_FALSE(find_defects(strip, 10).empty());
-    const MendedMeshes mended = mend({named("a", points, strip)});
-    EXPECT_TRUE(mended.changes.empty());
-    EXPECT_EQ(mended.meshes[0].faces, strip);
+    const RepairedMeshes repaired = repair_meshes({named("a", points, strip)});
+    EXPECT_TRUE(repaired.changes.empty());
+    EXPECT_EQ(repaired.meshes[0].faces, strip);
 
     const Points fan = (Points(5, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, -1).finished();
     const Faces three = (Faces(3, 3) << 0, 1, 2, 1, 0, 3, 0, 1, 4).finished();
-    EXPECT_TRUE(mend({named("a", fan, three)}).changes.empty());
+    EXPECT_TRUE(repair_meshes({named("a", fan, three)}).changes.empty());
 }
 
 } // namespace

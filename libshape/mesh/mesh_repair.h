@@ -16,19 +16,19 @@ enum class Components
     Split,       ///< Each piece becomes a mesh of its own, NAME_part1 and so on, in order of faces.
 };
 
-struct MendingOptions
+struct MeshRepairOptions
 {
     Components components = Components::KeepLargest;
 };
 
 /// Meshes made from others, and what was done.
-struct MendedMeshes
+struct RepairedMeshes
 {
     std::vector<NamedMesh> meshes;
     std::vector<std::string> changes; ///< A sentence each, naming the meshes.
 };
 
-/// Mends what can be mended without a guess about the shape. In this order:
+/// Repairs what can be repaired without a guess about the shape. In this order:
 /// 1. a mesh with the faces of the first one, but in another order, reversed, or reversed and mirrored,
 ///    gets those of the first one (and is mirrored back);
 /// 2. vertices that lie on one another are made one, if they do in all meshes of one face list and the
@@ -39,9 +39,10 @@ struct MendedMeshes
 ///    are reversed;
 /// 5. meshes whose sizes differ from the others' by the ratio of two units are scaled to theirs.
 /// Meshes of one face list are treated alike, so that they stay in correspondence. What is left to
-/// mend, find_defects() and collect() say.
+/// repair, find_defects() and collect() say.
 /// @param meshes  Finite; faces name vertices that exist.
 /// Cost: about that of collect().
-[[nodiscard]] MendedMeshes mend(std::vector<NamedMesh> meshes, const MendingOptions& options = {});
+[[nodiscard]] RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes,
+                                           const MeshRepairOptions& options = {});
 
 } // namespace shape

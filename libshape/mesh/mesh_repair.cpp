@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-#include "libshape/mesh/mending.h"
+#include "libshape/mesh/mesh_repair.h"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +12,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -136,7 +137,7 @@ void weld_seams(Batch& batch, Changes& changes)
     if (groups.empty())
         return;
     const VertexChoice choice = weld(batch.faces, batch.vertex_count, groups);
-    const auto before = static_cast<std::size_t>(batch.vertex_count);
+    const auto before = to_size(batch.vertex_count);
     if (choice.faces.rows() == 0 ||
         defect_count(choice.faces, static_cast<int>(choice.vertices.size())) >
             defect_count(batch.faces, batch.vertex_count))
@@ -188,14 +189,14 @@ bool runs_along(const Faces& faces, int face, int from, int to)
 void orient_faces(Batch& batch, Changes& changes)
 {
     const auto at_edges = faces_at_edges(batch.faces);
-    const auto count = static_cast<std::size_t>(batch.faces.rows());
+    const auto count = to_size(batch.faces.rows());
     std::vector<std::vector<std::pair<int, bool>>> neighbours(count); // and whether they disagree
     for (const auto& [edge, faces] : at_edges)
         if (faces.size() == 2) {
             const bool disagrees = runs_along(batch.faces, faces[0], edge.first, edge.second) ==
                                    runs_along(batch.faces, faces[1], edge.first, edge.second);
-            neighbours[static_cast<std::size_t>(faces[0])].emplace_back(faces[1], disagrees);
-            neighbours[static_cast<std::size_t>(faces[1])].emplace_back(faces[0], disagrees);
+            neighbours[to_size(faces[0])].emplace_back(faces[1], disagrees);
+            neighbours[to_size(faces[1])].emplace_back(faces[0], disagrees);
         }
     std::vector<int> turn(count, -1); // 0: as it is, 1: turned
     Faces turned = batch.faces;
@@ -207,9 +208,9 @@ void orient_faces(Batch& batch, Changes& changes)
         std::vector<int> piece{static_cast<int>(seed)};
         bool is_orientable = true;
         for (std::size_t i = 0; i < piece.size(); ++i) {
-            const auto f = static_cast<std::size_t>(piece[i]);
+            const auto f = to_size(piece[i]);
             for (const auto& [other, disagrees] : neighbours[f]) {
-                int& state = turn[static_cast<std::size_t>(other)];
+                int& state = turn[to_size(other)];
                 const int wanted = disagrees ? 1 - turn[f] : turn[f];
                 if (state < 0) {
                     state = wanted;
@@ -218,14 +219,13 @@ void orient_faces(Batch& batch, Changes& changes)
                 is_orientable = is_orientable && state == wanted;
             }
         }
-        const auto flips = std::count_if(piece.begin(), piece.end(), [&](int f) {
-            return turn[static_cast<std::size_t>(f)] == 1;
-        });
+        const auto flips =
+            std::count_if(piece.begin(), piece.end(), [&](int f) { return turn[to_size(f)] == 1; });
         const int flipped = 2 * flips <= std::ssize(piece) ? 1 : 0;
         if (!is_orientable)
             continue;
         for (const int f : piece)
-            if (turn[static_cast<std::size_t>(f)] == flipped) {
+            if (turn[to_size(f)] == flipped) {
                 std::swap(turned(f, 1), turned(f, 2));
                 ++turned_count;
             }
@@ -240,15 +240,15 @@ void orient_faces(Batch& batch, Changes& changes)
 /// The faces of each piece; pieces hang together through edges.
 std::vector<std::vector<bool>> pieces_of(const Faces& faces)
 {
-    Partition partition(static_cast<std::size_t>(faces.rows()));
+    Partition partition(to_size(faces.rows()));
     for (const auto& [edge, at] : faces_at_edges(faces))
         for (const int f : at)
             partition.unite(at.front(), f);
     std::map<int, std::vector<bool>> pieces;
     for (int f = 0; f < faces.rows(); ++f) {
         std::vector<bool>& piece = pieces[partition.root(f)];
-        piece.resize(static_cast<std::size_t>(faces.rows()), false);
-        piece[static_cast<std::size_t>(f)] = true;
+        piece.resize(to_size(faces.rows()), false);
+        piece[to_size(f)] = true;
     }
     std::vector<std::vector<bool>> result;
     for (auto& [root, piece] : pieces)
@@ -289,7 +289,7 @@ std::vector<Batch> choose_pieces(Batch batch, Components components, Changes& ch
     return result;
 }
 
-void mend_orientation(Batch& batch, Changes& changes)
+void repair_orientation(Batch& batch, Changes& changes)
 {
     const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
     if (!topology)
@@ -316,7 +316,7 @@ double nearest_unit_ratio(double ratio)
     return 1.0;
 }
 
-void mend_sizes(Batch& batch, Changes& changes)
+void repair_sizes(Batch& batch, Changes& changes)
 {
     const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
     if (!topology)
@@ -347,9 +347,9 @@ void mend_sizes(Batch& batch, Changes& changes)
 
 } // namespace
 
-MendedMeshes mend(std::vector<NamedMesh> meshes, const MendingOptions& options)
+RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes, const MeshRepairOptions& options)
 {
-    MendedMeshes result;
+    RepairedMeshes result;
     for (std::size_t i = 1; i < meshes.size(); ++i)
         take_faces_of(meshes.front(), meshes[i], result.changes);
     for (Batch& batch : batches_of(std::move(meshes))) {
@@ -357,8 +357,8 @@ MendedMeshes mend(std::vector<NamedMesh> meshes, const MendingOptions& options)
         drop_repeated_faces(batch, result.changes);
         orient_faces(batch, result.changes);
         for (Batch& part : choose_pieces(std::move(batch), options.components, result.changes)) {
-            mend_orientation(part, result.changes);
-            mend_sizes(part, result.changes);
+            repair_orientation(part, result.changes);
+            repair_sizes(part, result.changes);
             for (std::size_t i = 0; i < part.names.size(); ++i)
                 result.meshes.push_back({part.names[i], part.paths[i], part.points[i], part.faces});
         }
