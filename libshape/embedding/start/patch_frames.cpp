@@ -190,7 +190,7 @@ void PatchFrames::connect(const Rotations& transitions, const VectorXd& weights,
     };
     Rotations of_patches; // from the reference to the patches as they are laid out
     if (turning != nullptr) {
-        of_patches.resize(index(patches.count()));
+        of_patches.resize(to_size(patches.count()));
         parallel_for(of_patches.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t p = begin; p < end; ++p)
                 of_patches[p] = turning->reference.rotation(static_cast<int>(p), frames);
@@ -218,8 +218,8 @@ void PatchFrames::connect(const Rotations& transitions, const VectorXd& weights,
                     turning->turns.segment<3>(3 * static_cast<Eigen::Index>(k));
                 const double weight =
                     turned * static_cast<double>(patches.end_bridge(k) - pair.first_bridge);
-                const Quaterniond way = of_patches[index(pair.lower)] * rotation_by(turn) *
-                                        of_patches[index(pair.higher)].conjugate();
+                const Quaterniond way = of_patches[to_size(pair.lower)] * rotation_by(turn) *
+                                        of_patches[to_size(pair.higher)].conjugate();
                 block -= weight * way.toRotationMatrix().transpose();
                 pair_weights[k] += weight;
             }
