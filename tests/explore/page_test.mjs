@@ -11,10 +11,10 @@ import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
-const [program, task, data] = process.argv.slice(2);
+const [program, task, data] = process.argv.slice(2).map((word, i) => (i === 1 ? word : resolve(word)));
 const require = createRequire(import.meta.url);
 const chromiumPath = process.env.CHROMIUM || "/usr/bin/chromium";
 let chromium, axeSource;
