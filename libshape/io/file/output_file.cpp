@@ -54,6 +54,7 @@ public:
     TemporaryFile& operator=(const TemporaryFile&) = delete;
 
     [[nodiscard]] std::filesystem::path path() const { return directory_path_ / name_; }
+    [[nodiscard]] int descriptor() const { return descriptor_; }
 
     void write(std::string_view content)
     {
@@ -121,6 +122,17 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 {
     TemporaryFile file(path);
     file.write(content);
+    if (check)
+        check(file.path());
+    file.commit();
+}
+
+void write_file_atomically(const std::filesystem::path& path,
+                           const std::function<void(int)>& write,
+                           const std::function<void(const std::filesystem::path&)>& check)
+{
+    TemporaryFile file(path);
+    write(file.descriptor());
     if (check)
         check(file.path());
     file.commit();

@@ -18,4 +18,11 @@ void write_file_atomically(
     const std::filesystem::path& path, std::string_view content,
     const std::function<void(const std::filesystem::path& temporary)>& check = {});
 
+/// The same with content that is not held together.
+/// @param write  Called once with the new file, open for reading and writing; what it throws passes
+///     through.
+void write_file_atomically(
+    const std::filesystem::path& path, const std::function<void(int descriptor)>& write,
+    const std::function<void(const std::filesystem::path& temporary)>& check = {});
+
 } // namespace shape::internal

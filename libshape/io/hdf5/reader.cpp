@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <numeric>
+#include <optional>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -18,7 +20,10 @@
 namespace shape::internal {
 namespace {
 
-constexpr std::uint64_t largest_file = std::uint64_t{8} << 30;
+constexpr std::uint64_t largest_file = std::uint64_t{1} << 50;
+constexpr Eigen::Index largest_array = Eigen::Index{8} << 30; // [byte], of one dataset in memory
+constexpr Eigen::Index most_chunks = Eigen::Index{1} << 24;   // of one dataset
+constexpr Eigen::Index best_packing = 1032;                   // of deflate: bytes out of one
 constexpr hsize_t largest_chunk = hsize_t{64} << 20; // [byte]
 
 using IntMatrix = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -55,7 +60,9 @@ struct StoredDataset
     Id dataset;
     Id type;
     Extents extents;
-    Eigen::Index count; ///< Product of the extents.
+    Eigen::Index count;       ///< Product of the extents.
+    Extents chunk;            ///< Extents of a chunk; empty if the values are not in chunks.
+    std::vector<int> filters; ///< In the order of writing.
 };
 
 /// A part of a file to be read; errors name it.
@@ -106,19 +113,23 @@ public:
         Id type(H5Dget_type(dataset), H5Tclose);
         const Id space(H5Dget_space(dataset), H5Sclose);
         const Id creation(H5Dget_create_plist(dataset), H5Pclose);
-        StoredDataset stored{std::move(dataset), std::move(type), read_extents(space), 1};
+        StoredDataset stored{
+            std::move(dataset), std::move(type), read_extents(space), 1, {}, {}};
         const std::size_t value_size = H5Tget_size(stored.type);
         if (value_size == 0 || value_size > longest_string)
             fail(join("has values of ", value_size, " bytes; the limit is ", longest_string));
+        check_storage(creation, value_size, stored);
+        const bool is_packed = std::ranges::find(stored.filters, H5Z_FILTER_DEFLATE) !=
+                               stored.filters.end();
+        const Eigen::Index room = file_.size * (is_packed ? best_packing : 1);
         for (const Eigen::Index length : stored.extents) {
             if (length < 1)
                 fail("has no values");
-            if (length > file_.size / static_cast<Eigen::Index>(value_size) / stored.count)
+            if (length > room / static_cast<Eigen::Index>(value_size) / stored.count)
                 fail(join("declares ", print_extents(stored.extents), " values of ", value_size,
                           " bytes, more than the file can hold"));
             stored.count *= length;
         }
-        check_storage(creation, value_size);
         return stored;
     }
 
@@ -131,18 +142,64 @@ public:
             fail(join("is ", print_extents(extents), ", must be ", print_extents(expected)));
     }
 
-    /// Values of a numeric type that must be stored as exactly that.
-    template <class Matrix>
-    Matrix read(const Extents& expected, hid_t type, hid_t memory_type, const char* what) const
+    /// A dataset of a numeric type that must be stored as exactly that.
+    [[nodiscard]] StoredDataset open(const Extents& expected, hid_t type, const char* what) const
     {
-        const StoredDataset stored = open();
+        StoredDataset stored = open();
         check_extents(stored.extents, expected);
         if (checked(H5Tequal(stored.type, type)) == 0)
             fail(join("has values of another type, must be ", what));
+        return stored;
+    }
+
+    /// Where the chunks of a dataset of doubles stand.
+    [[nodiscard]] ChunkTable chunk_table(const StoredDataset& stored) const
+    {
+        ChunkTable table{.file = file_.path, .dataset = name_, .filters = stored.filters};
+        std::copy(stored.extents.begin(), stored.extents.end(), table.extents.begin());
+        std::copy(stored.chunk.begin(), stored.chunk.end(), table.chunk_extents.begin());
+        const auto& [rows, across, deep] = table.extents;
+        Eigen::Index count = 1;
+        for (std::size_t d = 0; d < table.extents.size(); ++d)
+            count *= (table.extents[d] - 1) / table.chunk_extents[d] + 1;
+        if (count > most_chunks)
+            fail(join("is stored in ", count, " chunks; the limit is ", most_chunks));
+        for (Eigen::Index i = 0; i < rows; i += table.chunk_extents[0])
+            for (Eigen::Index j = 0; j < across; j += table.chunk_extents[1])
+                for (Eigen::Index k = 0; k < deep; k += table.chunk_extents[2]) {
+                    const std::array<hsize_t, 3> place{static_cast<hsize_t>(i),
+                                                       static_cast<hsize_t>(j),
+                                                       static_cast<hsize_t>(k)};
+                    haddr_t offset = HADDR_UNDEF;
+                    hsize_t size = 0;
+                    unsigned skipped = 0;
+                    checked(H5Dget_chunk_info_by_coord(stored.dataset, place.data(), &skipped,
+                                                       &offset, &size));
+                    const auto end = static_cast<hsize_t>(file_.size);
+                    if (offset == HADDR_UNDEF || offset > end || size > end - offset)
+                        fail(join("has no values, or such beyond the end of the file, at row ", i));
+                    table.chunks.push_back({offset, size, skipped});
+                }
+        return table;
+    }
+
+    /// Values of a numeric type, by HDF5.
+    template <class Matrix>
+    Matrix read(const StoredDataset& stored, hid_t memory_type) const
+    {
         const Eigen::Index rows = stored.extents.empty() ? 1 : stored.extents.front();
+        check_size(stored);
         Matrix values(rows, stored.count / rows);
         checked(H5Dread(stored.dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
         return values;
+    }
+
+    void check_size(const StoredDataset& stored) const
+    {
+        if (stored.count > largest_array / static_cast<Eigen::Index>(H5Tget_size(stored.type)))
+            throw LimitExceeded(join(file_.path, ": ", name_, ": has ", stored.count,
+                                     " values; at most ", largest_array,
+                                     " bytes are read into memory"));
     }
 
 private:
@@ -160,33 +217,53 @@ private:
         return extents;
     }
 
-    /// Refuses storage in other files, other filters than the checksum, and huge chunks.
-    void check_storage(hid_t creation, std::size_t value_size) const
+    /// Refuses storage in other files, filters that leave values unchecked, and huge chunks; notes how
+    /// the values are stored.
+    void check_storage(hid_t creation, std::size_t value_size, StoredDataset& stored) const
     {
         const H5D_layout_t layout = H5Pget_layout(creation);
         if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
             fail("has a virtual or unknown layout");
         if (checked(H5Pget_external_count(creation)) > 0)
             fail("has its values in another file");
-        for (int i = checked(H5Pget_nfilters(creation)) - 1; i >= 0; --i) {
+        for (int i = 0; i < checked(H5Pget_nfilters(creation)); ++i) {
             unsigned flags = 0;
             std::size_t parameters = 0;
             unsigned configuration = 0;
-            const H5Z_filter_t filter =
+            stored.filters.push_back(
                 checked(H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &parameters,
-                                       nullptr, 0, nullptr, &configuration));
-            if (filter != H5Z_FILTER_FLETCHER32)
-                fail(join("is stored with filter ", filter,
-                          " (compression?); only the checksum fletcher32 is read"));
+                                       nullptr, 0, nullptr, &configuration)));
         }
+        check_filters(stored);
         if (layout != H5D_CHUNKED)
             return;
         std::array<hsize_t, H5S_MAX_RANK> chunk{};
         hsize_t room = largest_chunk / value_size;
-        for (int d = checked(H5Pget_chunk(creation, H5S_MAX_RANK, chunk.data())) - 1; d >= 0; --d)
+        const int rank = checked(H5Pget_chunk(creation, H5S_MAX_RANK, chunk.data()));
+        for (int d = rank - 1; d >= 0; --d) {
             room /= std::max<hsize_t>(chunk[to_size(d)], 1);
+            stored.chunk.insert(stored.chunk.begin(),
+                                static_cast<Eigen::Index>(std::max<hsize_t>(chunk[to_size(d)], 1)));
+        }
         if (room == 0)
             fail(join("has chunks of more than ", largest_chunk, " bytes"));
+    }
+
+    /// Doubles may be compressed, if a checksum stands over what is stored; all else has that alone.
+    void check_filters(const StoredDataset& stored) const
+    {
+        std::vector<int> rest = stored.filters;
+        if (!rest.empty() && rest.back() == H5Z_FILTER_FLETCHER32) {
+            rest.pop_back();
+            if (checked(H5Tequal(stored.type, H5T_IEEE_F64LE)) > 0)
+                for (const int filter : {H5Z_FILTER_DEFLATE, H5Z_FILTER_SHUFFLE})
+                    if (!rest.empty() && rest.back() == filter)
+                        rest.pop_back();
+        }
+        if (!rest.empty())
+            fail(join("is stored with filter ", rest.back(),
+                      " (compression?); only the checksum fletcher32 is read and, of float64 values, "
+                      "shuffle and deflate below it"));
     }
 
     const OpenFile& file_;
@@ -215,6 +292,19 @@ std::string unpadded(std::string text)
 bool is_fixed_string(hid_t type)
 {
     return H5Tget_class(type) == H5T_STRING && checked(H5Tis_variable_str(type)) == 0;
+}
+
+/// All rows, some at a time: what is fetched stands beside what is made of it.
+void read_all(const StoredRows& rows, RowMatrix& values)
+{
+    const Eigen::Index step =
+        std::max<Eigen::Index>(1, (Eigen::Index{32} << 20) / (8 * rows.size()));
+    for (Eigen::Index first = 0; first < rows.count(); first += step) {
+        std::vector<Eigen::Index> wanted(to_size(std::min(step, rows.count() - first)));
+        std::iota(wanted.begin(), wanted.end(), first);
+        rows.unpack(*rows.fetch(std::move(wanted)),
+                    [&](std::size_t i) { return values.row(first + static_cast<Eigen::Index>(i)).data(); });
+    }
 }
 
 } // namespace
@@ -289,12 +379,33 @@ Extents Hdf5File::extents(const std::string& name) const
     return item.guarded([&] { return item.open().extents; });
 }
 
+StoredRows Hdf5File::rows(const std::string& name, const Extents& expected) const
+{
+    const Item item(*state_, name);
+    return StoredRows(item.guarded([&] {
+        const StoredDataset stored = item.open(expected, H5T_IEEE_F64LE, "float64");
+        if (stored.chunk.empty())
+            item.fail("is not stored in chunks");
+        return item.chunk_table(stored);
+    }));
+}
+
 RowMatrix Hdf5File::numbers(const std::string& name, const Extents& expected) const
 {
     const Item item(*state_, name);
-    RowMatrix values = item.guarded([&] {
-        return item.read<RowMatrix>(expected, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, "float64");
+    std::optional<StoredRows> stored_rows;
+    RowMatrix values = item.guarded([&]() -> RowMatrix {
+        const StoredDataset stored = item.open(expected, H5T_IEEE_F64LE, "float64");
+        if (stored.chunk.empty())
+            return item.read<RowMatrix>(stored, H5T_NATIVE_DOUBLE);
+        item.check_size(stored);
+        stored_rows.emplace(item.chunk_table(stored));
+        return {stored_rows->count(), stored_rows->size()};
     });
+    if (stored_rows) {
+        read_all(*stored_rows, values);
+        return values;
+    }
     if (!values.allFinite()) {
         const double* bad = std::find_if(values.data(), values.data() + values.size(),
                                          [](double value) { return !std::isfinite(value); });
@@ -307,8 +418,9 @@ RowMatrix Hdf5File::numbers(const std::string& name, const Extents& expected) co
 IntMatrix Hdf5File::integers(const std::string& name, const Extents& expected) const
 {
     const Item item(*state_, name);
-    return item.guarded(
-        [&] { return item.read<IntMatrix>(expected, H5T_STD_I32LE, H5T_NATIVE_INT, "int32"); });
+    return item.guarded([&] {
+        return item.read<IntMatrix>(item.open(expected, H5T_STD_I32LE, "int32"), H5T_NATIVE_INT);
+    });
 }
 
 std::vector<std::string> Hdf5File::strings(const std::string& name, Eigen::Index expected) const
@@ -414,7 +526,8 @@ void read_members(const Hdf5File& file, const std::string& group, int levels)
                 succeeds([&] { return read_members(file, name, levels - 1), true; });
             continue;
         }
-        if (!succeeds([&] { return file.numbers(name, extents); }) &&
+        if (!succeeds([&] { return file.rows(name, extents); }) &&
+            !succeeds([&] { return file.numbers(name, extents); }) &&
             !succeeds([&] { return file.integers(name, extents); }) && extents.size() == 1)
             succeeds([&] { return file.strings(name, extents.front()); });
     }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libshape/io/hdf5/extents.h"
+#include "libshape/io/hdf5/stored_rows.h"
 #include "libshape/linalg/dense.h"
 
 namespace shape::internal {
@@ -17,12 +18,13 @@ namespace shape::internal {
 /// An HDF5 file open for reading. Every member throws InvalidInput naming file, dataset and rule.
 ///
 /// Only what write_hdf5() (writer.h) could have written is read: plain datasets in plain groups, of 32-bit
-/// integers, doubles and fixed-length UTF-8 strings, with no filter but the checksum, no larger than
-/// the file.
+/// integers, doubles and fixed-length UTF-8 strings, with no filter but the checksum and, below it, the
+/// lossless compression of doubles; no larger than the file. Doubles in chunks are read past HDF5
+/// (stored_rows.h).
 class Hdf5File
 {
 public:
-    /// @throws FileError if the file cannot be read; LimitExceeded if it is larger than 8 GiB.
+    /// @throws FileError if the file cannot be read.
     explicit Hdf5File(const std::filesystem::path& path);
     ~Hdf5File();
 
@@ -32,7 +34,11 @@ public:
     [[nodiscard]] std::vector<std::string> members(const std::string& group) const;
     [[nodiscard]] Extents extents(const std::string& name) const;
 
+    /// Rows of a dataset of doubles in chunks, to be read when they are needed.
+    [[nodiscard]] StoredRows rows(const std::string& name, const Extents& expected) const;
+
     /// Finite numbers: the first extent as rows, the others together as columns.
+    /// @throws LimitExceeded if they take more than 8 GiB.
     [[nodiscard]] RowMatrix numbers(const std::string& name, const Extents& expected) const;
     [[nodiscard]] Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> integers(
         const std::string& name, const Extents& expected) const;
@@ -52,7 +58,8 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// Reads all attributes, groups and datasets as the members of Hdf5File do, and keeps nothing.
+/// Does to all attributes, groups and datasets what the members of Hdf5File make HDF5 do, and keeps
+/// nothing.
 void read_everything(const Hdf5File& file);
 
 } // namespace shape::internal

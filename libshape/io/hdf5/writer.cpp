@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <new>
@@ -17,6 +17,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/file/output_file.h"
+#include "libshape/io/hdf5/file_driver.h"
 #include "libshape/io/hdf5/handles.h"
 
 namespace shape::internal {
@@ -134,13 +135,22 @@ Id make_creation_list(hid_t kind)
     return list;
 }
 
-/// Chunks of about 1 MiB of consecutive values.
+/// Chunks of at most about 1 MiB of consecutive values. A row that needs several is cut into equal
+/// ones; of smaller rows a power of two stands together, so that readers who take such a number of
+/// rows at a time read no chunk twice.
 std::vector<hsize_t> chunk_dimensions(const Extents& extents, std::size_t value_size)
 {
     std::vector<hsize_t> chunk = dimensions(extents);
     hsize_t budget = std::max<hsize_t>(chunk_size / value_size, 1);
     for (auto length = chunk.rbegin(); length != chunk.rend(); ++length) {
-        *length = std::min(*length, budget);
+        const hsize_t whole = *length;
+        *length = std::min(whole, budget);
+        if (std::next(length) != chunk.rend()) {
+            const hsize_t parts = (whole + *length - 1) / *length;
+            *length = (whole + parts - 1) / parts;
+        } else if (chunk.size() > 1 && *length < whole) {
+            *length = std::bit_floor(*length);
+        }
         budget = std::max<hsize_t>(budget / *length, 1);
     }
     return chunk;
@@ -155,19 +165,35 @@ struct Block
     std::size_t size; ///< [byte]
 };
 
-/// Runs action(block) for a dataset's values, whole rows of about 1 MiB together at a time.
-void for_each_block(const Encoded& values, const Extents& extents,
-                    const std::function<void(const Block&)>& action)
+/// A hash of numbers in words of 64 bits.
+std::uint64_t hash(const void* values, std::size_t size)
 {
-    if (extents.empty())
-        return action({H5S_ALL, H5S_ALL, values.data(), values.size()});
+    std::uint64_t result = size;
+    for (std::size_t i = 0; i + 8 <= size; i += 8) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, static_cast<const char*>(values) + i, 8);
+        result = std::rotl(result ^ word, 29) * 0x9e3779b97f4a7c15;
+    }
+    return result;
+}
+
+/// Runs action(block) for a dataset's values, whole rows of about 1 MiB together at a time, until it
+/// gives false. Numbers that are to be made are missing unless `make` is set.
+void for_each_block(const Encoded& values, const Extents& extents, bool make,
+                    const std::function<bool(const Block&)>& action)
+{
+    if (extents.empty()) {
+        action({H5S_ALL, H5S_ALL, values.data(), values.size()});
+        return;
+    }
     const std::size_t row_size = product(std::span(extents).subspan(1));
     const std::vector<hsize_t> whole = dimensions(extents);
     const hsize_t step = chunk_dimensions(extents, values.value_size).front();
     const Id file_space = make_space(extents);
     std::vector<double> made;
     std::vector<hsize_t> start(whole.size(), 0);
-    for (; start[0] < whole[0]; start[0] += step) {
+    bool goes_on = true;
+    for (; goes_on && start[0] < whole[0]; start[0] += step) {
         std::vector<hsize_t> count = whole;
         count[0] = std::min(step, whole[0] - start[0]);
         checked(H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start.data(), nullptr, count.data(),
@@ -175,17 +201,18 @@ void for_each_block(const Encoded& values, const Extents& extents,
         const Id memory_space(
             H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
         const void* block = nullptr;
-        if (values.rows) {
+        if (!values.rows) {
+            block =
+                static_cast<const char*>(values.data()) + start[0] * row_size * values.value_size;
+        } else if (make) {
             made.resize(count[0] * row_size);
             for (std::size_t i = 0; i < count[0]; ++i)
                 values.rows(static_cast<Eigen::Index>(start[0] + i),
                             std::span(made).subspan(i * row_size, row_size));
             block = made.data();
-        } else {
-            block =
-                static_cast<const char*>(values.data()) + start[0] * row_size * values.value_size;
         }
-        action({file_space, memory_space, block, count[0] * row_size * values.value_size});
+        goes_on =
+            action({file_space, memory_space, block, count[0] * row_size * values.value_size});
     }
 }
 
@@ -200,7 +227,9 @@ void create_group(hid_t file, const std::string& dataset)
     Id(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, list, H5P_DEFAULT), H5Gclose).close();
 }
 
-void write_dataset(hid_t file, const Hdf5Dataset& dataset)
+/// @param hashes  Get those of the blocks that are made.
+void write_dataset(hid_t file, const Hdf5Dataset& dataset, std::vector<std::uint64_t>& hashes,
+                   const NewFile& target)
 {
     const Encoded values = encode(dataset);
     const Id space = make_space(dataset.extents);
@@ -215,6 +244,11 @@ void write_dataset(hid_t file, const Hdf5Dataset& dataset)
     } else {
         const std::vector<hsize_t> chunk = chunk_dimensions(dataset.extents, values.value_size);
         checked(H5Pset_chunk(creation, static_cast<int>(chunk.size()), chunk.data()));
+        if (dataset.compress) {
+            constexpr unsigned level = 4; // higher ones take twice the time for a percent
+            checked(H5Pset_shuffle(creation));
+            checked(H5Pset_deflate(creation, level));
+        }
         checked(H5Pset_fletcher32(creation));
     }
     const Id link(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
@@ -222,9 +256,12 @@ void write_dataset(hid_t file, const Hdf5Dataset& dataset)
     Id stored(
         H5Dcreate2(file, dataset.name.c_str(), values.type, space, link, creation, H5P_DEFAULT),
         H5Dclose);
-    for_each_block(values, dataset.extents, [&](const Block& block) {
+    for_each_block(values, dataset.extents, true, [&](const Block& block) {
+        if (values.rows)
+            hashes.push_back(hash(block.values, block.size));
         checked(H5Dwrite(stored, values.memory_type, block.memory_space, block.file_space,
                          H5P_DEFAULT, block.values));
+        return target.error == 0;
     });
     stored.close();
 }
@@ -239,97 +276,60 @@ void write_attribute(hid_t file, const std::string& name, const Hdf5Value& value
     attribute.close();
 }
 
-/// The bytes of an HDF5 file made in memory.
-class Image
-{
-public:
-    Image() = default;
-    ~Image() { std::free(bytes_); }
-    Image(const Image&) = delete;
-    Image& operator=(const Image&) = delete;
-
-    /// Up to the end that the superblock names: the buffer is longer.
-    [[nodiscard]] std::string_view bytes() const
-    {
-        constexpr std::size_t end_of_file = 28; // offset in superblocks of version 2 and 3
-        std::uint64_t size = 0;
-        std::memcpy(&size, static_cast<char*>(bytes_) + end_of_file, sizeof(size));
-        return {static_cast<char*>(bytes_), size};
-    }
-
-    /// Makes a file with this access list live in memory, and leave its bytes here when it closes.
-    /// (H5Fget_file_image() gives bytes before that, with a wrong checksum of the superblock.)
-    void receive(hid_t access)
-    {
-        using Operation = H5FD_file_image_op_t;
-        H5FD_file_image_callbacks_t calls{};
-        calls.image_malloc = [](std::size_t size, Operation, void*) { return std::malloc(size); };
-        calls.image_memcpy = [](void* to, const void* from, std::size_t size, Operation, void*) {
-            return std::memcpy(to, from, size);
-        };
-        calls.image_realloc = [](void* bytes, std::size_t size, Operation, void*) {
-            return std::realloc(bytes, size);
-        };
-        calls.image_free = [](void* bytes, Operation operation, void* image) -> herr_t {
-            if (operation == H5FD_FILE_IMAGE_OP_FILE_CLOSE)
-                static_cast<Image*>(image)->bytes_ = bytes;
-            else
-                std::free(bytes);
-            return 0;
-        };
-        calls.udata_copy = [](void* image) { return image; };
-        calls.udata_free = [](void*) -> herr_t { return 0; };
-        calls.udata = this;
-        checked(H5Pset_fapl_core(access, std::size_t{4} << 20, false));
-        checked(H5Pset_file_image_callbacks(access, &calls));
-    }
-
-private:
-    void* bytes_ = nullptr;
-};
-
-/// Makes the file in memory: thus no error of the disk meets HDF5, which does not report them all.
-void make_image(const Hdf5Content& content, Image& image)
+/// Makes the file; no error of the disk meets HDF5, which does not report them all.
+/// @return Hashes of the blocks that were made, in their order.
+std::vector<std::uint64_t> make_file(const Hdf5Content& content, NewFile& target)
 {
     static std::atomic<unsigned> counter{0};
     const std::string unique = join("/dev/null/shape-", counter++); // no such file can exist
     const Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    image.receive(access);
+    write_through(access, target);
     checked(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST));
     Id file(H5Fcreate(unique.c_str(), H5F_ACC_TRUNC, make_creation_list(H5P_FILE_CREATE), access),
             H5Fclose);
+    std::vector<std::uint64_t> hashes;
     for (const auto& [name, value] : content.attributes)
         write_attribute(file, name, value);
-    for (const Hdf5Dataset& dataset : content.datasets)
-        write_dataset(file, dataset);
+    for (const Hdf5Dataset& dataset : content.datasets) {
+        write_dataset(file, dataset, hashes, target);
+        if (target.error != 0)
+            break;
+    }
     file.close();
+    return hashes;
 }
 
 /// Whether a file holds the content, bit by bit.
-bool holds(const std::filesystem::path& path, const Hdf5Content& content)
+/// @param hashes  Of the blocks that were made.
+bool holds(const std::filesystem::path& path, const Hdf5Content& content,
+           const std::vector<std::uint64_t>& hashes)
 {
     const Id file = open_file(path);
-    bool is_equal = true;
+    std::size_t made = 0;
     std::string bytes;
-    const auto compare = [&](const void* values, std::size_t size, const auto& read) {
-        bytes.assign(size, '\0');
+    const auto agrees = [&](const void* values, std::size_t size, const auto& read) {
+        bytes.resize(size);
         checked(read(bytes.data()));
-        is_equal = is_equal && std::memcmp(bytes.data(), values, size) == 0;
+        return values == nullptr ? hash(bytes.data(), size) == hashes.at(made++)
+                                 : std::memcmp(bytes.data(), values, size) == 0;
     };
     for (const auto& [name, value] : content.attributes) {
         const Id attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
         const Encoded encoded = encode(name, value);
-        compare(encoded.data(), encoded.size(),
-                [&](void* out) { return H5Aread(attribute, encoded.memory_type, out); });
+        if (!agrees(encoded.data(), encoded.size(),
+                    [&](void* out) { return H5Aread(attribute, encoded.memory_type, out); }))
+            return false;
     }
+    bool is_equal = true;
     for (const Hdf5Dataset& dataset : content.datasets) {
         const Id stored(H5Dopen2(file, dataset.name.c_str(), H5P_DEFAULT), H5Dclose);
         const Encoded encoded = encode(dataset);
-        for_each_block(encoded, dataset.extents, [&](const Block& block) {
-            compare(block.values, block.size, [&](void* out) {
-                return H5Dread(stored, encoded.memory_type, block.memory_space, block.file_space,
-                               H5P_DEFAULT, out);
-            });
+        for_each_block(encoded, dataset.extents, false, [&](const Block& block) {
+            is_equal = is_equal && agrees(block.values, block.size, [&](void* out) {
+                           return H5Dread(stored, encoded.memory_type, block.memory_space,
+                                          block.file_space, H5P_DEFAULT, out);
+                       });
+            return is_equal;
         });
     }
     return is_equal;
@@ -348,12 +348,19 @@ void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content)
     if (is_memory_limited() && address_space_left() < room)
         throw std::bad_alloc();
     try {
-        Image image;
-        make_image(content, image);
-        write_file_atomically(path, image.bytes(), [&](const auto& temporary) {
-            if (!holds(temporary, content))
-                fail("what was read back differs");
-        });
+        std::vector<std::uint64_t> hashes;
+        write_file_atomically(
+            path,
+            [&](int descriptor) {
+                NewFile file{descriptor};
+                hashes = make_file(content, file);
+                if (file.error != 0)
+                    fail(std::strerror(file.error));
+            },
+            [&](const auto& temporary) {
+                if (!holds(temporary, content, hashes))
+                    fail("what was read back differs");
+            });
     } catch (const Hdf5Failure& failure) {
         fail(join("HDF5: ", failure.what()));
     }

@@ -17,7 +17,7 @@
 namespace shape::internal {
 
 /// Numbers that are made when they are written, so that they need not be held together: those of
-/// one index of the first extent, in row-major order. Equal calls must give equal numbers.
+/// one index of the first extent, in row-major order. Called once for each, in order.
 using Hdf5Rows = std::function<void(Eigen::Index row, std::span<double> numbers)>;
 
 /// A dataset to write; its values, in row-major order, stay with the caller.
@@ -28,6 +28,7 @@ struct Hdf5Dataset
     std::variant<std::span<const double>, std::span<const int>, std::span<const std::string>,
                  Hdf5Rows>
         values;
+    bool compress = false; ///< Doubles are stored with shuffle and deflate, below the checksum.
 };
 
 using Hdf5Value = std::variant<std::string, std::int64_t, double>;
@@ -39,8 +40,9 @@ struct Hdf5Content
     std::vector<Hdf5Dataset> datasets;
 };
 
-/// Writes a file beside the target, reads every dataset back and compares it bit by bit, and renames
-/// it into place. Equal contents give equal bytes.
+/// Writes a file beside the target, reads every dataset back and compares it bit by bit (numbers that
+/// were made, by a hash of 64 bits), and renames it into place. Equal contents give equal bytes.
+/// Memory: beside the content a few MiB.
 /// @throws FileError if it cannot be written.
 /// @throws InvalidInput if a string is not UTF-8, holds a NUL or has more than 4096 bytes, or a
 ///     name is empty or ".".
