@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/counted.h"
+#include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
+#include "libshape/io/collection_stream.h"
+#include "libshape/mesh/oddities.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
+#include "tools/input/mesh_stream_input.h"
 #include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -20,21 +26,71 @@ struct Arguments
 {
     LabelledInput input;
     std::string output;
+    bool append = false;
+    CollectionFileOptions file = {};
 };
+
+void report(const Session& session, const Arguments& arguments, const MeshStream& meshes)
+{
+    session.message(join(arguments.output, ": ",
+                         counted(static_cast<std::size_t>(meshes.size()), "mesh", "meshes"), " of ",
+                         meshes.topology.vertex_count(), " vertices"));
+    session.print_figures({{"outputs", {arguments.output}},
+                           {"meshes", meshes.size()},
+                           {"vertices", meshes.topology.vertex_count()},
+                           {"edges", meshes.topology.edge_count()},
+                           {"faces", meshes.topology.face_count()}});
+}
+
+/// Warns of meshes that are added and are odd beside the first one that is there.
+void warn_of_oddities(const Session& session, const MeshStream& present, const Collection& added)
+{
+    Collection together{added.topology, added.names, added.points, {}};
+    together.names.push_back(present.names.front());
+    together.points.emplace_back(added.topology.vertex_count(), 3);
+    present.fetch({0})(std::span(together.points).last(1));
+    for (const Oddity& oddity : find_oddities(together))
+        if (oddity.kind == OddityKind::Mirrored || oddity.kind == OddityKind::Size)
+            session.warn(oddity.message);
+}
+
+/// The meshes of the output and those that are added to it: positions that are there are passed on
+/// as they are.
+void append(const Session& session, const Arguments& arguments)
+{
+    const MeshStream present = open_collection(arguments.output);
+    for (const std::filesystem::path& path : input_files(arguments.input.meshes))
+        if (std::filesystem::equivalent(path, arguments.output))
+            throw UsageError(join(arguments.output, ": the output is an input of the run"));
+    const Collection added = read_labelled(session, arguments.input);
+    if (!(added.topology == present.topology)) {
+        std::vector<Points> first(1, Points(present.topology.vertex_count(), 3));
+        present.fetch({0})(first);
+        throw InvalidInput(describe_correspondence_break(
+            {present.names.front(), join(arguments.output, ": mesh ", present.names.front()),
+             first.front(), present.topology.faces()},
+            {added.names.front(), "mesh " + added.names.front(), added.points.front(),
+             added.topology.faces()}));
+    }
+    warn_of_oddities(session, present, added);
+    const MeshStream all = joined(present, stream_of(added));
+    write_collection(arguments.output, all, arguments.file, session.progress());
+    report(session, arguments, all);
+}
 
 void run(const Session& session, const Arguments& arguments)
 {
     check_ending("-o", arguments.output, ".h5");
+    if (arguments.append)
+        return append(session, arguments);
     check_output(session, arguments.output, input_files(arguments.input.meshes));
+    if (const auto meshes = open_labelled(session, arguments.input, false)) {
+        write_collection(arguments.output, *meshes, arguments.file, session.progress());
+        return report(session, arguments, *meshes);
+    }
     const Collection collection = read_labelled(session, arguments.input);
-    write_collection(arguments.output, collection);
-    session.message(join(arguments.output, ": ", counted(collection.size(), "mesh", "meshes"),
-                         " of ", collection.topology.vertex_count(), " vertices"));
-    session.print_figures({{"outputs", {arguments.output}},
-                           {"meshes", collection.size()},
-                           {"vertices", collection.topology.vertex_count()},
-                           {"edges", collection.topology.edge_count()},
-                           {"faces", collection.topology.face_count()}});
+    write_collection(arguments.output, collection, arguments.file);
+    report(session, arguments, stream_of(collection));
 }
 
 } // namespace
@@ -43,11 +99,24 @@ Run set_up_collect(CLI::App& command)
 {
     command.description(
         "Check that meshes are in correspondence (one triangulation, the same vertex and face\n"
-        "order) and write them, with edge lengths, dihedral angles and labels, as one collection.");
-    command.footer("Example:\n  shape collect faces/ -o faces.h5 --labels faces/labels.csv");
+        "order) and write their positions and labels as one collection. Lengths and angles are\n"
+        "measured when they are needed.");
+    command.footer(
+        "Examples:\n"
+        "  shape collect faces/ -o faces.h5 --labels faces/labels.csv\n"
+        "  shape collect more/ --append -o faces.h5");
     const auto arguments = std::make_shared<Arguments>();
     add_labelled_input(command, arguments->input);
     add_output_file(command, arguments->output, "Collection to write (.h5)");
+    command.add_flag("--append", arguments->append,
+                     "Add the meshes to the collection that is there, which is replaced as a whole\n"
+                     "when all is written; its own are copied, not measured or checked again");
+    command.add_flag("--store-derived", arguments->file.derived,
+                     "Write edge lengths and dihedral angles too, for other programs: three times\n"
+                     "the size");
+    command.add_flag("--compress", arguments->file.compress,
+                     "Compress numbers without loss (shuffle and deflate, which every HDF5 reader\n"
+                     "has); slower to write and to read");
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

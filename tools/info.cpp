@@ -60,7 +60,7 @@ Description describe_model(const std::string& file)
     figures["total_variance"] = model.total_variance;
     figures["labels"] = label_figures(model.labels);
     figures["modes"] = mode_figures(model);
-    return {figures, mode_table(model)};
+    return {figures, mode_table(mode_figures(model))};
 }
 
 Description describe_difference(const std::string& file)

@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/version.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/shape_model.h"
+#include "libshape/model/streamed_fit.h"
 #include "libshape/statistics/bootstrap.h"
 #include "libshape/statistics/principal_components.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
+#include "tools/input/mesh_stream_input.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/model_tables.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/pass_store.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/memory.h"
@@ -33,6 +38,11 @@ struct Arguments
     SpaceOptions space = {};
     std::int64_t replicates = 0;
     std::string within;
+    MemoryArgument memory;
+    FitAlgorithm algorithm = FitAlgorithm::Automatic;
+    double tolerance = 1e-6;
+    bool resume = false;
+    double save_every = 30.0;
 };
 
 /// Scores in the modes of the model and in further ones, up to 99 % of the variance: resampled modes
@@ -112,17 +122,104 @@ Json figures_of_modes(const Session& session, const Arguments& arguments,
     return modes;
 }
 
-/// The model and what is said of its modes. The collection goes when this returns.
-std::pair<ShapeModel, Json> fit(const Session& session, const Arguments& arguments)
+ModelOptions model_options(const Arguments& arguments)
+{
+    return {.modes = static_cast<int>(arguments.modes),
+            .variance = arguments.variance,
+            .space = arguments.space};
+}
+
+/// A model, how it was found, and what is said of its modes.
+struct Findings
+{
+    StreamedFit fit;
+    bool in_memory = true;
+    Json modes = {};
+};
+
+/// The collection goes when this returns.
+Findings fit_in_memory(const Session& session, const Arguments& arguments)
 {
     const Collection collection = read_labelled(session, arguments.input);
-    ShapeModel model = fit_model(collection, {.modes = static_cast<int>(arguments.modes),
-                                              .variance = arguments.variance,
-                                              .space = arguments.space});
-    warn_of_alignment(session, model.space);
+    Findings found{.fit = {.model = fit_model(collection, model_options(arguments))}};
+    warn_of_alignment(session, found.fit.model.space);
     throw_if_interrupted();
-    Json modes = figures_of_modes(session, arguments, collection, model);
-    return {std::move(model), std::move(modes)};
+    found.modes = figures_of_modes(session, arguments, collection, found.fit.model);
+    return found;
+}
+
+/// All that the passes depend on.
+Json identity_of(const Session& session, const Arguments& arguments)
+{
+    Json identity{{"version", version()}};
+    for (const std::filesystem::path& path : input_files(arguments.input.meshes))
+        identity["inputs"].push_back(
+            {std::filesystem::absolute(path).string(), std::filesystem::file_size(path),
+             std::filesystem::last_write_time(path).time_since_epoch().count()});
+    identity["only"] = arguments.input.only;
+    identity["modes"] = arguments.modes;
+    identity["variance"] = arguments.variance;
+    identity["space"] = {static_cast<int>(arguments.space.scale),
+                         static_cast<int>(arguments.space.coordinates),
+                         static_cast<int>(arguments.space.weighting),
+                         arguments.space.dihedral_weight};
+    identity["algorithm"] = static_cast<int>(arguments.algorithm);
+    identity["tolerance"] = arguments.tolerance;
+    identity["memory"] = arguments.memory.bytes;
+    identity["seed"] = session.seed;
+    return identity;
+}
+
+Findings fit_in_passes(const Session& session, const Arguments& arguments, const MeshStream& meshes)
+{
+    PassStore store(session, arguments.output, identity_of(session, arguments), arguments.resume,
+                    arguments.save_every);
+    Findings found{.fit = fit_model(meshes, model_options(arguments),
+                                    {.memory = arguments.memory.bytes,
+                                     .algorithm = arguments.algorithm,
+                                     .tolerance = arguments.tolerance,
+                                     .seed = static_cast<std::uint64_t>(session.seed),
+                                     .progress = session.progress(),
+                                     .save = [&](const PassState& state) { store.save(state); },
+                                     .state = store.state()}),
+                   .in_memory = false,
+                   .modes = {}};
+    found.modes = mode_figures(found.fit.model);
+    return_freed_memory();
+    write_model(arguments.output, found.fit.model);
+    store.finish();
+    return found;
+}
+
+/// Passes are for what does not fit, or for who asks for them; not for what needs all meshes at once.
+Findings fit_and_write(const Session& session, const Arguments& arguments)
+{
+    const bool asks = arguments.memory.bytes > 0 || arguments.resume ||
+                      arguments.algorithm != FitAlgorithm::Automatic;
+    const bool can = arguments.replicates == 0 && arguments.space.kind == SpaceKind::Edge;
+    if (can)
+        if (const auto meshes = open_labelled(session, arguments.input, asks))
+            return fit_in_passes(session, arguments, *meshes);
+    if (asks)
+        throw UsageError("--memory, --algorithm and --resume are for one collection file (.h5) in edge "
+                         "space without --bootstrap; `shape collect` makes one");
+    Findings found = fit_in_memory(session, arguments);
+    return_freed_memory();
+    write_model(arguments.output, found.fit.model);
+    return found;
+}
+
+/// "in memory", or how in how many passes.
+std::string describe(const Findings& found)
+{
+    if (found.in_memory)
+        return {};
+    if (found.fit.algorithm == FitAlgorithm::Gram)
+        return join(", by inner products in ", counted(found.fit.passes, "pass", "passes"));
+    char error[32];
+    std::snprintf(error, sizeof error, "%.1e", found.fit.error);
+    return join(", by block Krylov in ", counted(found.fit.passes, "pass", "passes"),
+                ", variances within ", error, " of themselves as estimated");
 }
 
 void run(const Session& session, const Arguments& arguments)
@@ -130,19 +227,22 @@ void run(const Session& session, const Arguments& arguments)
     check_space_options(arguments.space);
     check_ending("-o", arguments.output, ".h5");
     check_output(session, arguments.output, input_files(arguments.input.meshes));
-    const auto [model, modes] = fit(session, arguments);
-    return_freed_memory();
-    write_model(arguments.output, model);
+    const Findings found = fit_and_write(session, arguments);
+    const ShapeModel& model = found.fit.model;
     session.message(join(arguments.output, ": ", counted(model.mode_count(), "mode"), " of ",
-                         model.names.size(), " meshes\n", mode_table(model)));
+                         model.names.size(), " meshes", describe(found), "\n",
+                         mode_table(found.modes)));
     Json figures{{"outputs", {arguments.output}},
                  {"meshes", model.names.size()},
                  {"vertices", model.topology.vertex_count()},
                  {"edges", model.topology.edge_count()}};
     figures.update(space_figures(model.space));
+    figures["algorithm"] = found.fit.algorithm == FitAlgorithm::Gram ? "gram" : "krylov";
+    figures["passes"] = found.fit.passes;
+    figures["variance_error"] = found.fit.error;
     figures["mean_size"] = model.mean_size();
     figures["total_variance"] = model.total_variance;
-    figures["modes"] = modes;
+    figures["modes"] = found.modes;
     session.print_figures(figures);
 }
 
@@ -177,6 +277,23 @@ Run set_up_stats(CLI::App& command)
               "Resample meshes with the same value of it together, such as all of a subject")
         ->needs(bootstrap);
     add_space_options(command, arguments->space);
+    add_memory(command, arguments->memory);
+    add_choice(command, "--algorithm", arguments->algorithm,
+               "How modes of a large collection are found. gram: exactly, from all inner products;\n"
+               "krylov: by a random block Krylov method, which takes fewer operations and memory\n"
+               "for many meshes (default: auto, whichever is quicker)",
+               {{"auto", FitAlgorithm::Automatic},
+                {"gram", FitAlgorithm::Gram},
+                {"krylov", FitAlgorithm::Krylov}});
+    add_number(command, "--tolerance", arguments->tolerance,
+               "Relative error of each variance that krylov may leave, (0, 1) (default: 1e-6)",
+               Sign::Positive);
+    command.add_flag("--resume", arguments->resume,
+                     "Go on where a run of the same command that was killed had got to, as\n"
+                     "OUTPUT.unfinished has it; to the same bits");
+    add_number(command, "--save-every", arguments->save_every,
+               "At least this much time lies between two states that are kept for --resume\n"
+               "[s], after a pass each (default: 30)");
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

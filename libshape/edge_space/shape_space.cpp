@@ -3,6 +3,7 @@
 #include "libshape/edge_space/shape_space.h"
 
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -11,6 +12,7 @@
 #include "libshape/base/threads.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/edge_space/procrustes.h"
+#include "libshape/edge_space/streamed_space.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
@@ -34,17 +36,20 @@ struct EdgeSums
     Eigen::VectorXd sines;
 };
 
-EdgeSums sum_over(const Collection& collection, Scale scale)
+EdgeSums no_sums(const Topology& topology)
 {
-    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(collection.topology.edge_count());
-    EdgeSums sums{zero, zero, zero};
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(topology.edge_count());
+    return {zero, zero, zero};
+}
+
+void add_to_sums(const Collection& collection, Scale scale, EdgeSums& sums)
+{
     for (const Points& points : collection.points) {
         const Eigen::VectorXd angles = dihedral_angles(collection.topology, points);
         sums.lengths += scaled_lengths(collection.topology, points, scale);
         sums.cosines.array() += angles.array().cos();
         sums.sines.array() += angles.array().sin();
     }
-    return sums;
 }
 
 /// A third of the areas of the faces at each edge, over the whole area [1].
@@ -62,19 +67,21 @@ Eigen::VectorXd area_shares(const Topology& topology, const Eigen::VectorXd& len
     return shares / whole;
 }
 
-EdgeSpace make_edge_space(const Collection& collection, const SpaceOptions& options)
+/// @param sum_up  Gives the sums over the collection.
+EdgeSpace make_edge_space(const Topology& topology, std::size_t meshes, const SpaceOptions& options,
+                          const std::function<EdgeSums()>& sum_up)
 {
     EdgeSpace space{options.scale, options.coordinates, {}, {}, {}};
     const bool by_area = options.weighting == EdgeWeighting::Area;
     const bool with_angles = options.dihedral_weight > 0.0;
     if (!by_area && !with_angles)
         return space;
-    const auto count = static_cast<double>(collection.size());
-    const EdgeSums sums = sum_over(collection, options.scale);
+    const auto count = static_cast<double>(meshes);
+    const EdgeSums sums = sum_up();
     const Eigen::VectorXd mean = sums.lengths / count;
     const Eigen::VectorXd slopes = relative_slopes(options.coordinates, mean);
     const Eigen::VectorXd gains = // g_e
-        by_area ? Eigen::VectorXd(area_shares(collection.topology, mean).cwiseSqrt()) : slopes;
+        by_area ? Eigen::VectorXd(area_shares(topology, mean).cwiseSqrt()) : slopes;
     if (by_area)
         space.length_factors = gains.cwiseQuotient(slopes);
     if (with_angles) {
@@ -101,12 +108,19 @@ Index dimension(const ProcrustesSpace& space, const Topology&)
     return 3 * space.mean.rows();
 }
 
-Eigen::VectorXd encode_mesh(const EdgeSpace& space, const Topology& topology, const Points& points)
+/// @param size  Gets the sum of the lengths.
+Eigen::VectorXd encode_mesh(const EdgeSpace& space, const Topology& topology, const Points& points,
+                            double& size)
 {
     const Index edges = topology.edge_count();
+    Eigen::VectorXd lengths = edge_lengths(topology, points);
+    size = lengths.sum();
+    if (space.scale == Scale::Unit)
+        lengths /= size;
+    if (is_plain(space))
+        return lengths;
     Eigen::VectorXd coordinates(dimension(space, topology));
-    coordinates.head(edges) =
-        to_coordinates(space.coordinates, scaled_lengths(topology, points, space.scale));
+    coordinates.head(edges) = to_coordinates(space.coordinates, lengths);
     if (space.length_factors.size() > 0)
         coordinates.head(edges).array() *= space.length_factors.array();
     if (space.dihedral_factors.size() > 0)
@@ -116,8 +130,10 @@ Eigen::VectorXd encode_mesh(const EdgeSpace& space, const Topology& topology, co
     return coordinates;
 }
 
-Eigen::VectorXd encode_mesh(const ProcrustesSpace& space, const Topology&, const Points& points)
+Eigen::VectorXd encode_mesh(const ProcrustesSpace& space, const Topology&, const Points& points,
+                            double& size)
 {
+    size = centroid_size(points);
     return aligned_with(space.mean, points, space.scale).reshaped<Eigen::RowMajor>();
 }
 
@@ -204,8 +220,60 @@ ShapeSpace make_space(const Collection& collection, const SpaceOptions& options)
         throw InvalidInput("a space of shapes needs at least one mesh");
     if (options.kind == SpaceKind::Procrustes)
         return make_procrustes_space(collection, options.scale);
-    return make_edge_space(collection, options);
+    return make_edge_space(collection.topology, collection.size(), options, [&] {
+        EdgeSums sums = no_sums(collection.topology);
+        add_to_sums(collection, options.scale, sums);
+        return sums;
+    });
 }
+
+namespace internal {
+
+ShapeSpace make_space(const MeshStream& meshes, const SpaceOptions& options, Index block)
+{
+    check(options);
+    if (meshes.size() == 0)
+        throw InvalidInput("a space of shapes needs at least one mesh");
+    if (options.kind == SpaceKind::Procrustes)
+        throw InvalidInput("Procrustes space needs all meshes in memory");
+    return make_edge_space(meshes.topology, static_cast<std::size_t>(meshes.size()), options, [&] {
+        EdgeSums sums = no_sums(meshes.topology);
+        for_each_block(meshes, 0, meshes.size(), block,
+                       [&](Index, const Collection& part) { add_to_sums(part, options.scale, sums); });
+        return sums;
+    });
+}
+
+void encode(const ShapeSpace& space, const Collection& block, RowMatrix& coordinates,
+            Eigen::VectorXd& sizes)
+{
+    std::visit(
+        [&](const auto& s) {
+            check_fit(s, block);
+            const auto count = static_cast<Index>(block.size());
+            coordinates.resize(count, dimension(s, block.topology));
+            sizes.resize(count);
+            parallel_for(block.size(), 1, [&](std::size_t mesh, std::size_t) {
+                const auto row = static_cast<Index>(mesh);
+                coordinates.row(row) =
+                    encode_mesh(s, block.topology, block.points[mesh], sizes[row]).transpose();
+            });
+        },
+        space);
+}
+
+Index dimension(const ShapeSpace& space, const Topology& topology)
+{
+    return std::visit([&](const auto& s) { return shape::dimension(s, topology); }, space);
+}
+
+bool has_companions(const ShapeSpace& space)
+{
+    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
+    return edge != nullptr && edge->dihedral_factors.size() == 0;
+}
+
+} // namespace internal
 
 Scale scale_of(const ShapeSpace& space)
 {
@@ -227,8 +295,9 @@ RowMatrix encode(const ShapeSpace& space, const Collection& collection)
             RowMatrix coordinates(static_cast<Index>(collection.size()),
                                   dimension(s, collection.topology));
             parallel_for(collection.size(), 1, [&](std::size_t mesh, std::size_t) {
+                double size = 0.0;
                 coordinates.row(static_cast<Index>(mesh)) =
-                    encode_mesh(s, collection.topology, collection.points[mesh]).transpose();
+                    encode_mesh(s, collection.topology, collection.points[mesh], size).transpose();
             });
             return coordinates;
         },
@@ -250,8 +319,7 @@ Eigen::VectorXd sizes(const ShapeSpace& space, const Collection& collection)
 
 RowMatrix companions(const ShapeSpace& space, const Collection& collection)
 {
-    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
-    if (edge == nullptr || edge->dihedral_factors.size() > 0)
+    if (!has_companions(space))
         return RowMatrix(static_cast<Index>(collection.size()), 0);
     return companion_angles(collection);
 }

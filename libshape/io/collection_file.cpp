@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -28,38 +31,88 @@ void for_each_mesh(std::size_t count, const std::function<void(Eigen::Index)>& b
 
 } // namespace
 
-void write_collection(const std::filesystem::path& path, const Collection& collection)
+namespace {
+
+/// The meshes of a stream one after the other, fetched some at a time.
+class InOrder
 {
-    const Topology& topology = collection.topology;
-    const auto count = static_cast<Eigen::Index>(collection.size());
-    const auto mesh = [&](Eigen::Index i) -> const Points& {
-        return collection.points[to_size(i)];
-    };
-    for_each_mesh(collection.size(), [&](Eigen::Index i) {
-        if (!mesh(i).allFinite() || !(edge_lengths(topology, mesh(i)).minCoeff() > 0.0))
-            throw InvalidInput(join("mesh ", i,
-                                    " of the collection has a coordinate that is not "
-                                    "finite or an edge of length 0"));
-    });
+public:
+    explicit InOrder(const MeshStream& meshes)
+        : meshes_(meshes), block_(std::clamp<Eigen::Index>(
+                               (Eigen::Index{16} << 20) /
+                                   (24 * static_cast<Eigen::Index>(meshes.topology.vertex_count())),
+                               1, 256))
+    {
+    }
+
+    [[nodiscard]] const Points& operator[](Eigen::Index mesh)
+    {
+        if (mesh < first_ || mesh >= first_ + static_cast<Eigen::Index>(points_.size())) {
+            std::vector<Eigen::Index> wanted(
+                to_size(std::min(block_, meshes_.size() - mesh)));
+            std::iota(wanted.begin(), wanted.end(), mesh);
+            points_.resize(wanted.size(), Points(meshes_.topology.vertex_count(), 3));
+            meshes_.fetch(std::move(wanted))(points_);
+            first_ = mesh;
+        }
+        return points_[to_size(mesh - first_)];
+    }
+
+private:
+    const MeshStream& meshes_;
+    Eigen::Index block_;
+    Eigen::Index first_ = 0;
+    std::vector<Points> points_;
+};
+
+} // namespace
+
+void write_collection(const std::filesystem::path& path, const Collection& collection,
+                      const CollectionFileOptions& options)
+{
+    const MeshStream meshes = stream_of(collection);
+    if (meshes.names.size() != collection.size())
+        throw InvalidInput(join("/names: has ", meshes.names.size(), " values, must have ",
+                                collection.size(), " and at least 1"));
+    write_collection(path, meshes, options);
+}
+
+void write_collection(const std::filesystem::path& path, const MeshStream& meshes,
+                      const CollectionFileOptions& options, const Progress& progress)
+{
+    const Topology& topology = meshes.topology;
+    const Eigen::Index count = meshes.size();
     Hdf5Content content = begin_content(FileKind::Collection);
     add_topology(content, topology);
+    InOrder in_order(meshes);
     // One mesh at a time: together they would take as much memory as the file.
     const auto add = [&](const char* name, Extents extents, const auto& measure) {
         content.datasets.push_back(
             {name, std::move(extents),
-             Hdf5Rows([&mesh, measure](Eigen::Index i, std::span<double> numbers) {
-                 const Eigen::VectorXd values = measure(mesh(i));
+             Hdf5Rows([&in_order, measure](Eigen::Index i, std::span<double> numbers) {
+                 const Eigen::VectorXd values = measure(i, in_order[i]);
                  std::copy(values.begin(), values.end(), numbers.begin());
-             })});
+             }),
+             options.compress});
     };
     add("/points", {count, topology.vertex_count(), 3},
-        [](const Points& points) { return Eigen::VectorXd(points.reshaped<Eigen::RowMajor>()); });
-    add("/edge_lengths", {count, topology.edge_count()},
-        [&](const Points& points) { return edge_lengths(topology, points); });
-    add("/dihedral_angles", {count, topology.edge_count()},
-        [&](const Points& points) { return dihedral_angles(topology, points); });
-    add_names(content, count, collection.names);
-    add_labels(content, count, collection.labels);
+        [&](Eigen::Index i, const Points& points) {
+            if (!points.allFinite() || !(edge_lengths(topology, points).minCoeff() > 0.0))
+                throw InvalidInput(join("mesh ", i,
+                                        " of the collection has a coordinate that is not "
+                                        "finite or an edge of length 0"));
+            if (progress)
+                progress("writing", to_size(i) + 1, to_size(count));
+            return Eigen::VectorXd(points.reshaped<Eigen::RowMajor>());
+        });
+    if (options.derived) {
+        add("/edge_lengths", {count, topology.edge_count()},
+            [&](Eigen::Index, const Points& points) { return edge_lengths(topology, points); });
+        add("/dihedral_angles", {count, topology.edge_count()},
+            [&](Eigen::Index, const Points& points) { return dihedral_angles(topology, points); });
+    }
+    add_names(content, count, meshes.names);
+    add_labels(content, count, meshes.labels);
     write_hdf5(path, content);
 }
 
@@ -80,7 +133,7 @@ Collection read_collection(const std::filesystem::path& path)
             Eigen::Map<const Points>(points.row(i).data(), vertex_count, 3);
     });
     points.resize(0, 0);
-    {
+    if (file.has("/edge_lengths")) {
         const RowMatrix lengths = file.numbers("/edge_lengths", {count, topology.edge_count()});
         for_each_mesh(collection.size(), [&](Eigen::Index i) {
             const Eigen::VectorXd measured = edge_lengths(topology, collection.points[to_size(i)]);
@@ -92,6 +145,8 @@ Collection read_collection(const std::filesystem::path& path)
                                                     " of the points"));
         });
     }
+    if (!file.has("/dihedral_angles"))
+        return collection;
     const RowMatrix angles = file.numbers("/dihedral_angles", {count, topology.edge_count()});
     for_each_mesh(collection.size(), [&](Eigen::Index i) {
         const Eigen::VectorXd measured = dihedral_angles(topology, collection.points[to_size(i)]);

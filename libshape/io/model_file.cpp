@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/to_size.h"
+#include "libshape/edge_space/streamed_space.h"
 #include "libshape/io/file_parts.h"
 #include "libshape/mesh/dihedral_angles.h"
 
@@ -157,13 +158,6 @@ Extents coordinate_extents(const ShapeSpace& space, const Topology& topology)
     if (edge == nullptr)
         return {topology.vertex_count(), 3};
     return {topology.edge_count() * (edge->dihedral_factors.size() > 0 ? 2 : 1)};
-}
-
-/// Whether points of the space have companion angles.
-bool has_companions(const ShapeSpace& space)
-{
-    const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
-    return edge != nullptr && edge->dihedral_factors.size() == 0;
 }
 
 Extents operator+(Extents a, const Extents& b)

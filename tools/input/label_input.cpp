@@ -60,11 +60,12 @@ CLI::Option* add_label(CLI::App& command, const std::string& option, std::string
     return command.add_option(option, label, description)->option_text("LABEL");
 }
 
-Collection read_labelled(const Session& session, const LabelledInput& input)
+std::vector<std::size_t> chosen_meshes(const std::vector<std::string>& only, const Labels& labels,
+                                       std::size_t count)
 {
     std::map<std::string, std::set<std::string>> wanted; // no value: any
     std::set<std::string> labelled;
-    for (const std::string& text : input.only) {
+    for (const std::string& text : only) {
         if (text.find('=') == std::string::npos) {
             labelled.insert(label_value(text));
             continue;
@@ -72,23 +73,31 @@ Collection read_labelled(const Session& session, const LabelledInput& input)
         const auto [label, value] = label_and_value("--only", text);
         wanted[label].insert(value);
     }
-    Collection collection = read_meshes(session, input.meshes);
-    if (input.only.empty())
-        return collection;
     std::vector<std::size_t> kept;
-    for (std::size_t i = 0; i < collection.size(); ++i)
+    for (std::size_t i = 0; i < count; ++i)
         if (std::all_of(wanted.begin(), wanted.end(),
                         [&](const auto& rule) {
                             return rule.second.contains(
-                                find_label(collection.labels, rule.first).values[i]);
+                                find_label(labels, rule.first).values[i]);
                         }) &&
             std::all_of(labelled.begin(), labelled.end(), [&](const std::string& label) {
-                return !find_label(collection.labels, label).values[i].empty();
+                return !find_label(labels, label).values[i].empty();
             }))
             kept.push_back(i);
     if (kept.empty())
         throw InvalidInput("--only leaves no mesh");
-    return subset(collection, kept);
+    return kept;
+}
+
+Collection read_labelled(const Session& session, const LabelledInput& input)
+{
+    for (const std::string& text : input.only)
+        if (text.find('=') != std::string::npos)
+            (void)label_and_value("--only", text); // refused before anything is read
+    Collection collection = read_meshes(session, input.meshes);
+    if (input.only.empty())
+        return collection;
+    return subset(collection, chosen_meshes(input.only, collection.labels, collection.size()));
 }
 
 std::pair<std::string, std::string> label_and_value(const std::string& option,

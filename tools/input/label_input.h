@@ -37,6 +37,11 @@ CLI::Option* add_label(CLI::App& command, const std::string& option, std::string
 ///     if a text is not LABEL[=VALUE].
 [[nodiscard]] Collection read_labelled(const Session& session, const LabelledInput& input);
 
+/// The meshes that --only lets in, ascending.
+/// @throws as read_labelled().
+[[nodiscard]] std::vector<std::size_t> chosen_meshes(const std::vector<std::string>& only,
+                                                     const Labels& labels, std::size_t count);
+
 /// The two sides of LABEL=VALUE.
 /// @throws UsageError, which names the option, if the text has no such form or the value is missing
 ///     (label_value()).

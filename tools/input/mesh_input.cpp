@@ -95,17 +95,6 @@ void number_repeated_names(std::vector<NamedMesh>& meshes)
     }
 }
 
-Labels read_labels(const Session& session, const std::string& path,
-                   const std::vector<std::string>& names)
-{
-    LabelFile file = read_label_file(path, names);
-    if (!file.unused.empty())
-        session.message(join(path, ": ", counted(file.unused.size(), "row"),
-                             " of meshes that are not among these left out, first '",
-                             file.unused.front(), "'"));
-    return std::move(file.labels);
-}
-
 /// Appends the labels of `count` meshes to those of the `before` meshes that stand already.
 void append_labels(Labels& all, std::size_t before, const Labels& labels, std::size_t count)
 {
@@ -136,6 +125,17 @@ void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name
         ->option_text("PATH ... REQUIRED");
     command.add_flag("--triangulate", input.triangulate,
                      "Split polygons as fans from their first corner (default: refuse them)");
+}
+
+Labels labels_of(const Session& session, const std::string& path,
+                 const std::vector<std::string>& names)
+{
+    LabelFile file = read_label_file(path, names);
+    if (!file.unused.empty())
+        session.message(join(path, ": ", counted(file.unused.size(), "row"),
+                             " of meshes that are not among these left out, first '",
+                             file.unused.front(), "'"));
+    return std::move(file.labels);
 }
 
 bool is_collection_file(const fs::path& path)
@@ -201,7 +201,7 @@ Collection read_meshes(const Session& session, const MeshInput& input)
     if (files.size() == 1 && is_collection_file(files.front())) {
         Collection collection = read_single_collection(files.front());
         if (!input.labels.empty())
-            collection.labels = read_labels(session, input.labels, collection.names);
+            collection.labels = labels_of(session, input.labels, collection.names);
         return collection;
     }
     std::vector<NamedMesh> meshes;
@@ -216,7 +216,7 @@ Collection read_meshes(const Session& session, const MeshInput& input)
         number_repeated_names(meshes);
     Collection collection = collect(std::move(meshes));
     collection.labels =
-        input.labels.empty() ? labels : read_labels(session, input.labels, collection.names);
+        input.labels.empty() ? labels : labels_of(session, input.labels, collection.names);
     for (const Oddity& oddity : find_oddities(collection))
         session.warn(oddity.message);
     return collection;

@@ -42,6 +42,10 @@ void note_passed_over(const Session& session, const MeshInput& input);
 /// All files that reading the input opens: mesh_files() and the file of labels.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const MeshInput& input);
 
+/// The labels of these meshes in a file; says which of its rows are of others.
+[[nodiscard]] Labels labels_of(const Session& session, const std::string& path,
+                               const std::vector<std::string>& names);
+
 /// The meshes of one file: a mesh, or the members of a collection with their labels.
 struct FileContent
 {

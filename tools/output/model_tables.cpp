@@ -25,10 +25,10 @@ Json mode_figures(const ShapeModel& model)
     return modes;
 }
 
-std::string mode_table(const ShapeModel& model)
+std::string mode_table(const Json& figures)
 {
     std::string table = "mode      variance     share  cumulative  feasible range [std. dev.]\n";
-    for (const Json& mode : mode_figures(model)) {
+    for (const Json& mode : figures) {
         char row[128];
         std::snprintf(row, sizeof row, "%4d  %12.6g  %7.3f%%  %9.3f%%  %6.2f to %.2f\n",
                       mode["mode"].get<int>(), mode["variance"].get<double>(),

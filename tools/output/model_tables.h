@@ -13,8 +13,8 @@ namespace shape::tools {
 /// variance), feasible_low, feasible_high [standard deviations].
 [[nodiscard]] Json mode_figures(const ShapeModel& model);
 
-/// The same as lines of text, with a head.
-[[nodiscard]] std::string mode_table(const ShapeModel& model);
+/// Those figures as lines of text, with a head.
+[[nodiscard]] std::string mode_table(const Json& figures);
 
 /// Names of the labels and how many different values each has.
 [[nodiscard]] Json label_figures(const Labels& labels);

@@ -87,10 +87,14 @@ private:
         const std::size_t width = 30;
         const std::size_t filled = width * now.done / total;
         std::ostringstream line;
+        line.precision(3);
         line << "\r\033[K" << stage_ << " [" << std::string(filled, '#')
              << std::string(width - filled, '.') << "] " << now.done << "/" << total;
         if (now.done > before_.done) {
             const double seconds = std::chrono::duration<double>(now.time - before_.time).count();
+            if (stage_.ends_with("kB")) // read or written: how fast
+                line << ", " << static_cast<double>((now.done - before_.done) / 1000) / seconds
+                     << " MB/s";
             line << ", "
                  << print_duration(seconds / static_cast<double>(now.done - before_.done) *
                                    static_cast<double>(total - now.done))

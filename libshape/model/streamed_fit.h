@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "libshape/base/progress.h"
+#include "libshape/mesh/mesh_stream.h"
+#include "libshape/model/shape_model.h"
+#include "libshape/statistics/pass_state.h"
+
+namespace shape {
+
+/// How the modes of meshes that come by in passes are found.
+enum class FitAlgorithm
+{
+    Automatic, ///< Gram where all modes are wanted or the matrix is small, else Krylov.
+    Gram,      ///< Eigenvectors of the N by N inner products, summed tile by tile: exact to rounding.
+    Krylov,    ///< Block Krylov method from a random start, to a tolerance.
+};
+
+struct StreamOptions
+{
+    /// What may be held at a time, the model and its making together [byte]; 0: a quarter of the
+    /// machine's. Less is taken where more would not help.
+    std::uint64_t memory = 0;
+    FitAlgorithm algorithm = FitAlgorithm::Automatic;
+    /// The relative error of each variance that Krylov may leave, as it estimates it; in (0, 1).
+    double tolerance = 1e-6;
+    /// The random start of Krylov depends on this.
+    std::uint64_t seed = 1;
+    /// Called with kilobytes read, of the pass that its stage names.
+    Progress progress = {};
+    /// Called after a pass with what a later run needs to go on from there.
+    std::function<void(const PassState&)> save = {};
+    /// Such a state, of the same meshes and options.
+    std::optional<PassState> state = {};
+};
+
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const StreamOptions& options);
+
+struct StreamedFit
+{
+    ShapeModel model;
+    FitAlgorithm algorithm = FitAlgorithm::Gram; ///< The one that was taken.
+    int passes = 0;                              ///< Over all or some of the meshes.
+    double error = 0.0; ///< Estimate of the largest relative error of a variance; 0 for Gram.
+};
+
+/// The model that fit_model() makes of a collection, of one that need not fit into memory: positions
+/// come by in passes, lengths and angles are measured as they do. Gram gives the same model but for
+/// rounding, Krylov within the tolerance. Neither the memory nor the number of threads changes a bit
+/// of what Gram gives; that of Krylov may depend on the memory, by which it restarts.
+///
+/// @throws as fit_model(); LimitExceeded if the memory does not suffice (it says what would); what
+///     reading throws. Procrustes space is refused.
+/// Cost: Gram N^2 E / 2 multiplications and about N / (2 h) + 2 passes where h meshes are held; Krylov
+///     2 N E s for each pass with s = K + max(10, K / 5).
+[[nodiscard]] StreamedFit fit_model(const MeshStream& meshes, const ModelOptions& options,
+                                    const StreamOptions& stream);
+
+/// A quarter of the machine's memory [byte].
+[[nodiscard]] std::uint64_t usual_memory();
+
+} // namespace shape

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/statistics/block_krylov.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/random.h"
+#include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
+#include "libshape/linalg/block_products.h"
+#include "libshape/statistics/tiled_gram.h"
+
+namespace shape::internal {
+namespace {
+
+using Eigen::Index;
+
+constexpr Index strip = 2048; ///< Columns of the data that are worked on together.
+
+/// Runs body(number, first, count) for fixed strips of [0, total).
+void for_strips(Index total, const std::function<void(std::size_t, Index, Index)>& body)
+{
+    parallel_for(to_size(total), to_size(strip), [&](std::size_t begin, std::size_t end) {
+        body(begin / to_size(strip), static_cast<Index>(begin), static_cast<Index>(end - begin));
+    });
+}
+
+/// The sum of what term(first, count, sum) adds for every strip, in the order of the strips.
+RowMatrix sum_of_strips(Index total, Index rows, Index columns,
+                        const std::function<void(Index, Index, RowMatrix&)>& term)
+{
+    std::vector<RowMatrix> sums(to_size((total + strip - 1) / strip));
+    for_strips(total, [&](std::size_t number, Index first, Index count) {
+        sums[number] = RowMatrix::Zero(rows, columns);
+        term(first, count, sums[number]);
+    });
+    RowMatrix sum = RowMatrix::Zero(rows, columns);
+    for (const RowMatrix& part : sums)
+        sum += part;
+    return sum;
+}
+
+/// a^T b of tall matrices.
+RowMatrix inner(const RowMatrix& a, const RowMatrix& b)
+{
+    return sum_of_strips(a.rows(), a.cols(), b.cols(),
+                         [&](Index first, Index count, RowMatrix& sum) {
+                             add_product_of_columns(a.middleRows(first, count),
+                                                    b.middleRows(first, count), sum);
+                         });
+}
+
+/// a -= b c of tall a and b.
+void subtract_product(RowMatrix& a, const RowMatrix& b, const RowMatrix& c)
+{
+    const RowMatrix negative = -c;
+    for_strips(a.rows(), [&](std::size_t, Index first, Index count) {
+        add_product(b.middleRows(first, count), negative, a.middleRows(first, count));
+    });
+}
+
+/// a = a b in place.
+void multiply_right(RowMatrix& a, const RowMatrix& b)
+{
+    RowMatrix result(a.rows(), b.cols());
+    for_strips(a.rows(), [&](std::size_t, Index first, Index count) {
+        result.middleRows(first, count).setZero();
+        add_product(a.middleRows(first, count), b, result.middleRows(first, count));
+    });
+    a = std::move(result);
+}
+
+/// Makes the columns orthonormal, leaving out what is rounding: a = q r.
+/// @param floor  Columns combined to a norm below it are rounding.
+/// @return r.
+RowMatrix orthonormalise_columns(RowMatrix& a, double floor)
+{
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(inner(a, a)));
+    const Eigen::VectorXd squares = solver.eigenvalues();
+    const double least = std::max(floor * floor, 1e-15 * std::max(squares.maxCoeff(), 0.0));
+    Index kept = 0;
+    while (kept < squares.size() && squares[squares.size() - 1 - kept] > least)
+        ++kept;
+    const Eigen::VectorXd norms = squares.tail(kept).cwiseSqrt();
+    const Eigen::MatrixXd vectors = solver.eigenvectors().rightCols(kept);
+    multiply_right(a, vectors * norms.cwiseInverse().asDiagonal());
+    return norms.asDiagonal() * vectors.transpose();
+}
+
+RowMatrix random_block(Index rows, Index columns, std::uint64_t seed)
+{
+    Random random(seed);
+    RowMatrix block(rows, columns);
+    for (double& value : block.reshaped<Eigen::RowMajor>())
+        value = random.normal();
+    return block;
+}
+
+} // namespace
+
+Index BlockKrylov::block_size(Index components)
+{
+    return components + std::max<Index>(10, components / 5);
+}
+
+Index BlockKrylov::tile_rows(Index columns)
+{
+    constexpr Index bytes = Index{64} << 20;
+    const Index fit = bytes / (static_cast<Index>(sizeof(double)) * std::max<Index>(columns, 1));
+    return std::clamp<Index>(static_cast<Index>(std::bit_floor(to_size(fit))), 4, 256);
+}
+
+BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& options)
+    : rows_(rows), columns_(columns), options_(options),
+      size_(std::min({block_size(options.components > 0 ? options.components : 32), columns,
+                      std::max<Index>(rows - 1, 1)})),
+      sums_(Eigen::VectorXd::Zero(columns))
+{
+    const auto block = static_cast<double>(sizeof(double)) * static_cast<double>(columns_ * size_);
+    // Beside the basis stand the product and, while vectors are combined, another block.
+    constexpr double most = 18.0; // more would cost more than they save
+    most_blocks_ =
+        static_cast<Index>(std::min(static_cast<double>(options.memory) / block, most)) - 2;
+    if (most_blocks_ < 3)
+        throw LimitExceeded(join(size_, " vectors of ", columns_, " numbers, ", most_blocks_ + 2,
+                                 " times, are what the memory holds; at least 5 times are needed: ",
+                                 "keep fewer modes or allow more memory"));
+    basis_.push_back(random_block(columns_, size_, options.seed));
+    orthonormalise_columns(basis_.front(), 0.0);
+    product_ = RowMatrix::Zero(columns_, basis_.front().cols());
+}
+
+void BlockKrylov::add(Index, RowMatrix& rows)
+{
+    if (mean_.size() == 0)
+        mean_ = rows.colwise().mean().transpose();
+    centre_rows(rows, mean_, passes_ == 0 ? &sums_ : nullptr);
+    const RowMatrix& q = basis_.back();
+    const RowMatrix y = sum_of_strips(
+        columns_, rows.rows(), q.cols(), [&](Index first, Index count, RowMatrix& sum) {
+            add_product(rows.middleCols(first, count), q.middleRows(first, count), sum);
+        });
+    std::vector<double> squares(to_size((columns_ + strip - 1) / strip), 0.0);
+    for_strips(columns_, [&](std::size_t number, Index first, Index count) {
+        add_product_of_columns(rows.middleCols(first, count), y, product_.middleRows(first, count));
+        if (passes_ == 0)
+            squares[number] = rows.middleCols(first, count).squaredNorm();
+    });
+    for (const double square : squares)
+        squares_ += square;
+}
+
+/// Takes from a block what lies in the basis, twice, for rounding.
+/// @param projected  Gets what was taken.
+void BlockKrylov::orthogonalise(RowMatrix& block, RowMatrix& projected) const
+{
+    for (int round = 0; round < 2; ++round) {
+        Index row = 0;
+        for (const RowMatrix& part : basis_) {
+            const RowMatrix shares = inner(part, block);
+            subtract_product(block, part, shares);
+            projected.middleRows(row, part.cols()) += shares;
+            row += part.cols();
+        }
+    }
+}
+
+void BlockKrylov::end_pass()
+{
+    const auto count = static_cast<double>(rows_);
+    if (passes_++ == 0) { // the rows were taken about another point than their mean
+        const Eigen::VectorXd offset = sums_ / count;
+        const RowMatrix shares = offset.transpose() * basis_.back();
+        for_strips(columns_, [&](std::size_t, Index first, Index n) {
+            product_.middleRows(first, n) -= count * offset.segment(first, n) * shares;
+        });
+        mean_ += offset;
+        squares_ -= count * offset.squaredNorm();
+    }
+    const Index before = projected_.rows();
+    const Index last = basis_.back().cols();
+    RowMatrix column = RowMatrix::Zero(before + last, last);
+    orthogonalise(product_, column);
+    projected_.conservativeResize(before + last, before + last);
+    projected_.rightCols(last) = column;
+    projected_.bottomRows(last) = column.transpose();
+    projected_.bottomRightCorner(last, last) =
+        0.5 * (column.bottomRows(last) + column.bottomRows(last).transpose());
+
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver{Eigen::MatrixXd(projected_)};
+    if (solver.info() != Eigen::Success)
+        throw NumericalError("principal components: the decomposition of the basis failed");
+    const Eigen::VectorXd values = solver.eigenvalues().reverse();
+    const Eigen::MatrixXd vectors = solver.eigenvectors().rowwise().reverse();
+
+    const RowMatrix r = orthonormalise_columns(product_, 1e-13 * values[0]);
+    if (r.rows() > 0) { // once more, for what rounding left
+        RowMatrix ignored = RowMatrix::Zero(before + last, product_.cols());
+        orthogonalise(product_, ignored);
+        orthonormalise_columns(product_, 0.0);
+    }
+    judge(values, (r * vectors.bottomRows(last)).colwise().norm().transpose());
+    ritz_vectors_ = vectors.leftCols(is_complete_ ? wanted_ : std::min(vectors.cols(), size_));
+    if (is_complete_)
+        return;
+    if (static_cast<Index>(basis_.size()) >= most_blocks_)
+        restart(ritz_vectors_, values);
+    basis_.push_back(std::move(product_));
+    product_ = RowMatrix::Zero(columns_, basis_.back().cols());
+}
+
+/// Finds the number of components, estimates their errors, and decides whether they are good enough.
+void BlockKrylov::judge(const Eigen::VectorXd& values, const Eigen::VectorXd& residuals)
+{
+    const Index found = values.size();
+    wanted_ = options_.components;
+    if (wanted_ == 0) {
+        double sum = 0.0;
+        while (wanted_ < found && sum < options_.variance * squares_)
+            sum += std::max(values[wanted_++], 0.0);
+        if (sum < options_.variance * squares_ && product_.cols() > 0) {
+            error_ = 1.0;
+            if (static_cast<Index>(basis_.size()) >= most_blocks_)
+                throw LimitExceeded(join("a share of ", options_.variance, " of the variance needs more "
+                                         "than ", found, " modes, which is what the memory holds; "
+                                         "choose a number of modes or allow more memory"));
+            return;
+        }
+    }
+    wanted_ = std::min(wanted_, found);
+    error_ = product_.cols() == 0 ? 0.0 : std::numeric_limits<double>::infinity();
+    if (error_ > 0.0 && found > wanted_) {
+        std::vector<double> least(to_size(wanted_), std::numeric_limits<double>::infinity());
+        double squares = 0.0;
+        for (Index m = 0; m + 1 < found; ++m) {
+            squares += residuals[m] * residuals[m];
+            const double gap = values[m] - values[m + 1];
+            const double bound = gap > 0.0 ? squares / gap : std::numeric_limits<double>::infinity();
+            for (Index k = 0; k <= std::min(m, wanted_ - 1); ++k)
+                least[to_size(k)] = std::min({least[to_size(k)], residuals[k], bound});
+        }
+        error_ = 0.0;
+        for (Index k = 0; k < wanted_; ++k)
+            error_ = std::max(error_, least[to_size(k)] / std::abs(values[k]));
+    }
+    is_complete_ = error_ <= options_.tolerance;
+}
+
+/// Keeps the best s Ritz vectors alone.
+void BlockKrylov::restart(const Eigen::MatrixXd& vectors, const Eigen::VectorXd& values)
+{
+    const RowMatrix weights = vectors;
+    RowMatrix kept(columns_, weights.cols());
+    for_strips(columns_, [&](std::size_t, Index first, Index count) {
+        kept.middleRows(first, count).setZero();
+        Index row = 0;
+        for (const RowMatrix& part : basis_) {
+            add_product(part.middleRows(first, count), weights.middleRows(row, part.cols()),
+                        kept.middleRows(first, count));
+            row += part.cols();
+        }
+    });
+    basis_.clear();
+    basis_.push_back(std::move(kept));
+    projected_ = Eigen::MatrixXd(values.head(weights.cols()).asDiagonal());
+}
+
+RowMatrix BlockKrylov::components() const
+{
+    const RowMatrix weights = ritz_vectors_.leftCols(wanted_);
+    RowMatrix result(wanted_, columns_);
+    for_strips(columns_, [&](std::size_t, Index first, Index count) {
+        RowMatrix part = RowMatrix::Zero(count, wanted_);
+        Index row = 0;
+        for (const RowMatrix& block : basis_) {
+            add_product(block.middleRows(first, count), weights.middleRows(row, block.cols()), part);
+            row += block.cols();
+        }
+        result.middleCols(first, count) = part.transpose();
+    });
+    return result;
+}
+
+void BlockKrylov::release(PassState& state)
+{
+    for (const Index number :
+         {static_cast<Index>(passes_), static_cast<Index>(basis_.size()), projected_.rows()})
+        state.numbers.push_back(number);
+    state.arrays.emplace_back(mean_.transpose());
+    state.arrays.emplace_back(RowMatrix::Constant(1, 1, squares_));
+    state.arrays.push_back(projected_);
+    for (RowMatrix& block : basis_) {
+        state.numbers.push_back(block.cols());
+        state.arrays.push_back(std::move(block));
+    }
+}
+
+void BlockKrylov::restore(PassStateReader& state)
+{
+    passes_ = static_cast<int>(state.number());
+    const auto blocks = state.number();
+    const auto projected = static_cast<Index>(state.number());
+    mean_ = state.vector(columns_);
+    squares_ = state.vector(1)[0];
+    projected_ = state.array(projected, projected);
+    basis_.clear();
+    for (std::int64_t b = 0; b < blocks; ++b)
+        basis_.push_back(state.array(columns_, static_cast<Index>(state.number())));
+    product_ = RowMatrix::Zero(columns_, basis_.back().cols());
+}
+
+} // namespace shape::internal

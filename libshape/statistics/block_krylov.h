@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "libshape/linalg/dense.h"
+#include "libshape/statistics/pass_state.h"
+
+namespace shape::internal {
+
+struct BlockKrylovOptions
+{
+    /// This many leading components are wanted; 0: as few as have the share `variance`.
+    Eigen::Index components = 0;
+    double variance = 1.0;
+    /// The relative error of each of their variances is at most this, as estimated.
+    double tolerance = 1e-6;
+    std::uint64_t seed = 1;
+    /// What the bases may take [byte].
+    std::uint64_t memory = 0;
+};
+
+/// The leading principal components of N rows of E numbers that come by once a pass, in the same blocks
+/// each time: block Lanczos method on the covariance C = X^T X of the centred rows, from a random
+/// block of s vectors (Golub and Underwood 1977; Musco and Musco 2015), with full orthogonalisation and
+/// restarts with the best s Ritz vectors where the bases fill the memory (Stathopoulos and Saad 1998).
+/// One pass is one product with C.
+///
+/// A Ritz value t has the residual r; for the first m of them together, the errors are at most
+///
+///     min( r,  sum_(j <= m) r_j^2 / (t_m - t_(m+1)) ),
+///
+/// and each component has the least of these bounds over the m that include it.
+class BlockKrylov
+{
+public:
+    BlockKrylov(Eigen::Index rows, Eigen::Index columns, const BlockKrylovOptions& options);
+
+    /// Vectors of a block for this many components.
+    [[nodiscard]] static Eigen::Index block_size(Eigen::Index components);
+    /// Rows that a pass takes at a time: a power of two in [4, 256], of about 64 MiB if it can be.
+    [[nodiscard]] static Eigen::Index tile_rows(Eigen::Index columns);
+
+    /// Takes the next rows of a pass, which it centres in place.
+    void add(Eigen::Index first, RowMatrix& rows);
+    /// @throws LimitExceeded if the memory cannot hold what the share of variance needs.
+    void end_pass();
+
+    [[nodiscard]] bool is_complete() const { return is_complete_; }
+    [[nodiscard]] int passes() const { return passes_; }
+    [[nodiscard]] double error() const { return error_; } ///< Estimate of the largest relative error.
+
+    [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; } ///< After the first pass.
+    [[nodiscard]] double squared_norm() const { return squares_; } ///< Of all centred rows, then too.
+    [[nodiscard]] RowMatrix components() const; ///< K by E, orthonormal; when complete.
+
+    void release(PassState& state); ///< Between passes: hands over what restore() takes back.
+    void restore(PassStateReader& state);
+
+private:
+    void orthogonalise(RowMatrix& block, RowMatrix& projected) const;
+    void judge(const Eigen::VectorXd& values, const Eigen::VectorXd& residuals);
+    void restart(const Eigen::MatrixXd& vectors, const Eigen::VectorXd& values);
+
+    Eigen::Index rows_;
+    Eigen::Index columns_;
+    BlockKrylovOptions options_;
+    Eigen::Index size_;        ///< s.
+    Eigen::Index most_blocks_; ///< Of the basis.
+    Eigen::VectorXd mean_;     ///< In the first pass that of its first rows.
+    Eigen::VectorXd sums_;
+    double squares_ = 0.0;
+    std::vector<RowMatrix> basis_; ///< E by s each; the product of the last one is taken in this pass.
+    RowMatrix product_;
+    RowMatrix projected_; ///< C in the basis.
+    Eigen::MatrixXd ritz_vectors_;
+    Eigen::Index wanted_ = 0; ///< K.
+    int passes_ = 0;
+    double error_ = 1.0;
+    bool is_complete_ = false;
+};
+
+} // namespace shape::internal

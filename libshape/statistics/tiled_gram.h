@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+
+#include "libshape/linalg/dense.h"
+#include "libshape/statistics/pass_state.h"
+
+namespace shape::internal {
+
+/// Inner products of N rows of E numbers about their mean, from rows that come tile by tile and of which
+/// few are kept: in each pass some tiles are held, and every tile from the first of them on comes by.
+///
+///     pass 1   held 0 1 2   come 0 1 2 3 4 5 6        pass 2   held 3 4 5   come 3 4 5 6        ...
+///
+/// A tile of the products is one product of two tiles, whatever is held: neither the memory nor the number
+/// of threads changes a bit. The rows are taken about the mean of the first tile, which keeps what
+/// cancels small.
+class TiledGram
+{
+public:
+    /// @param held  Rows that may be kept at once; one tile is kept in any case.
+    TiledGram(Eigen::Index rows, Eigen::Index columns, Eigen::Index held);
+
+    /// Rows of a tile: a power of two in [4, 128], of about 12 MiB if it can be.
+    [[nodiscard]] static Eigen::Index tile_rows(Eigen::Index columns);
+
+    [[nodiscard]] Eigen::Index tile() const { return tile_; }
+    [[nodiscard]] int pass_count() const;                       ///< From the first to the last.
+    [[nodiscard]] Eigen::Index begin() const { return begin_; } ///< Where the next pass begins.
+    [[nodiscard]] bool is_complete() const { return begin_ >= rows_; }
+
+    /// Takes the next tile of a pass, which it centres in place.
+    void add(Eigen::Index first, RowMatrix& tile);
+    void end_pass();
+
+    // When complete.
+    [[nodiscard]] Eigen::VectorXd mean() const;    ///< E.
+    [[nodiscard]] Eigen::MatrixXd products() const; ///< N by N, symmetric.
+
+    void release(PassState& state); ///< Between passes: hands over what restore() takes back.
+    void restore(PassStateReader& state);
+
+private:
+    Eigen::Index rows_;
+    Eigen::Index columns_;
+    Eigen::Index tile_;
+    Eigen::Index kept_rows_;
+    Eigen::Index begin_ = 0;
+    RowMatrix held_;
+    RowMatrix products_; ///< The lower triangle of tiles, about shift_.
+    Eigen::VectorXd shift_;
+    Eigen::VectorXd sums_; ///< Of the rows about shift_.
+};
+
+/// Takes a vector from all rows and adds what is left to sums, each column in the order of the rows.
+void centre_rows(RowMatrix& rows, const Eigen::VectorXd& shift, Eigen::VectorXd* sums = nullptr);
+
+} // namespace shape::internal

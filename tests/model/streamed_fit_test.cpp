@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/model/streamed_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "tests/support/collections.h"
+#include "tests/support/files.h"
+#include "tests/support/meshes.h"
+#include "tests/support/thread_scope.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+using Eigen::Index;
+
+/// Flattened spheres, half of them turned inside out: angles near pi on both sides of it.
+Collection folded(int count)
+{
+    Collection collection = test::bumpy_spheres(count, 4);
+    for (int i = 0; i < count; ++i) {
+        Points& points = collection.points[static_cast<std::size_t>(i)];
+        points = test::bumpy_sphere(1, 0.1, static_cast<unsigned>(i)).points;
+        points.col(2) *= i % 2 == 0 ? 0.02 : -0.02;
+    }
+    return collection;
+}
+
+/// Every array of the models, relative to what it holds at most.
+void expect_near(const ShapeModel& a, const ShapeModel& b, double tolerance)
+{
+    const auto near = [&](const auto& x, const auto& y, const char* what) {
+        ASSERT_EQ(x.rows(), y.rows()) << what;
+        ASSERT_EQ(x.cols(), y.cols()) << what;
+        if (x.size() > 0) {
+            EXPECT_LE((x - y).cwiseAbs().maxCoeff(), tolerance * y.cwiseAbs().maxCoeff()) << what;
+        }
+    };
+    near(a.mean, b.mean, "mean");
+    near(a.modes, b.modes, "modes");
+    near(a.mean_dihedral_angles, b.mean_dihedral_angles, "mean angles");
+    near(a.mode_dihedral_angles, b.mode_dihedral_angles, "mode angles");
+    near(a.variances, b.variances, "variances");
+    near(a.scores, b.scores, "scores");
+    near(a.sizes, b.sizes, "sizes");
+    EXPECT_NEAR(a.total_variance, b.total_variance, 1e-12 * b.total_variance);
+    EXPECT_EQ(a.reference_points, b.reference_points);
+    EXPECT_EQ(a.names, b.names);
+}
+
+std::vector<SpaceOptions> spaces()
+{
+    return {{},
+            {.scale = Scale::None},
+            {.coordinates = LengthCoordinates::Log, .weighting = EdgeWeighting::Area},
+            {.dihedral_weight = 0.3}};
+}
+
+TEST(StreamedFit, GivesTheModelOfTheCollectionInMemory)
+{
+    for (const Collection& collection : {test::bumpy_spheres(30, 1), folded(30)})
+        for (const SpaceOptions& space : spaces()) {
+            const ModelOptions options{.modes = 6, .space = space};
+            const ShapeModel expected = fit_model(collection, options);
+            const StreamedFit gram = fit_model(stream_of(collection), options,
+                                               {.algorithm = FitAlgorithm::Gram});
+            expect_near(gram.model, expected, 1e-10);
+            EXPECT_EQ(gram.error, 0.0);
+            const StreamedFit krylov =
+                fit_model(stream_of(collection), options,
+                          {.algorithm = FitAlgorithm::Krylov, .tolerance = 1e-13});
+            expect_near(krylov.model, expected, 1e-6);
+            EXPECT_LE(krylov.error, 1e-13);
+            for (Index k = 0; k < 6; ++k)
+                EXPECT_NEAR(krylov.model.variances[k], expected.variances[k],
+                            1e-12 * expected.variances[0]);
+        }
+}
+
+TEST(StreamedFit, TheFoldedMeshesNeedTheBranchRuleIndeed)
+{
+    const Collection collection = folded(30);
+    double sharpest = 0.0;
+    for (const Points& points : collection.points)
+        sharpest = std::max(
+            sharpest, dihedral_angles(collection.topology, points).cwiseAbs().maxCoeff());
+    EXPECT_GT(sharpest, 3.0);
+    const RowMatrix angles = companion_angles(collection);
+    EXPECT_GT(angles.cwiseAbs().maxCoeff(), std::numbers::pi);
+}
+
+TEST(StreamedFit, KeepsAllModesOrAShareOfTheVariance)
+{
+    const Collection collection = test::bumpy_spheres(20, 2);
+    expect_near(fit_model(stream_of(collection), {}, {}).model, fit_model(collection), 1e-8);
+    const ModelOptions share{.variance = 0.8};
+    const ShapeModel expected = fit_model(collection, share);
+    for (const FitAlgorithm algorithm : {FitAlgorithm::Gram, FitAlgorithm::Krylov})
+        EXPECT_EQ(fit_model(stream_of(collection), share, {.algorithm = algorithm})
+                      .model.variances.size(),
+                  expected.variances.size());
+    EXPECT_THROW(
+        (void)fit_model(stream_of(collection), {}, {.algorithm = FitAlgorithm::Krylov}),
+        InvalidInput);
+}
+
+TEST(StreamedFit, MeetsTheRulesOfItsOptionsAndOfTheMeshes)
+{
+    const Collection collection = test::bumpy_spheres(5, 2);
+    const MeshStream stream = stream_of(collection);
+    EXPECT_THROW((void)fit_model(stream, {.modes = 5}, {}), InvalidInput);
+    EXPECT_THROW((void)fit_model(stream, {}, {.tolerance = 0.0}), InvalidInput);
+    EXPECT_THROW((void)fit_model(stream, {.space = {.kind = SpaceKind::Procrustes}}, {}),
+                 InvalidInput);
+    EXPECT_THROW((void)fit_model(subset(stream, {0}), {}, {}), InvalidInput);
+    Collection same = subset(collection, {0, 1});
+    same.points[1] = same.points[0];
+    for (const FitAlgorithm algorithm : {FitAlgorithm::Gram, FitAlgorithm::Krylov})
+        EXPECT_THROW((void)fit_model(stream_of(same), {.modes = 1}, {.algorithm = algorithm}),
+                     InvalidInput);
+    const std::string message = test::message_of<LimitExceeded>(
+        [&] { (void)fit_model(stream, {.modes = 4}, {.memory = 1000}); });
+    EXPECT_NE(message.find("4 modes need 1 MiB"), std::string::npos) << message;
+}
+
+/// All bits of what a fit finds.
+void expect_same_bits(const ShapeModel& a, const ShapeModel& b)
+{
+    EXPECT_TRUE(a.mean == b.mean);
+    EXPECT_TRUE(a.modes == b.modes);
+    EXPECT_TRUE(a.mode_dihedral_angles == b.mode_dihedral_angles);
+    EXPECT_TRUE(a.mean_dihedral_angles == b.mean_dihedral_angles);
+    EXPECT_TRUE(a.variances == b.variances);
+    EXPECT_TRUE(a.scores == b.scores);
+    EXPECT_TRUE(a.sizes == b.sizes);
+}
+
+TEST(StreamedFit, HasTheSameBitsForAnyThreadCountAndWhenItIsResumedAfterAnyPass)
+{
+    const Collection collection = folded(40);
+    for (const FitAlgorithm algorithm : {FitAlgorithm::Gram, FitAlgorithm::Krylov}) {
+        const ModelOptions options{.modes = 4};
+        std::vector<PassState> states;
+        StreamOptions stream{.algorithm = algorithm, .tolerance = 1e-10};
+        stream.save = [&](const PassState& state) { states.push_back(state); };
+        const StreamedFit whole = fit_model(stream_of(collection), options, stream);
+        EXPECT_GT(states.size(), 0U);
+        for (const PassState& state : states) {
+            const StreamedFit resumed =
+                fit_model(stream_of(collection), options,
+                          {.algorithm = algorithm, .tolerance = 1e-10, .state = state});
+            expect_same_bits(resumed.model, whole.model);
+            EXPECT_EQ(resumed.passes, whole.passes);
+        }
+        const test::ThreadScope scope(1);
+        expect_same_bits(fit_model(stream_of(collection), options,
+                                   {.algorithm = algorithm, .tolerance = 1e-10})
+                             .model,
+                         whole.model);
+        EXPECT_THROW((void)fit_model(stream_of(test::bumpy_spheres(39, 1)), options,
+                                     {.algorithm = algorithm, .state = states.front()}),
+                     InvalidInput);
+    }
+}
+
+TEST(StreamedFit, SaysHowFarItIsAndStopsWhenItIsTold)
+{
+    const Collection collection = test::bumpy_spheres(20, 2);
+    std::vector<std::string> stages;
+    StreamOptions stream;
+    stream.progress = [&](std::string_view stage, std::size_t done, std::size_t total) {
+        EXPECT_LE(done, total);
+        if (stages.empty() || stages.back() != stage)
+            stages.emplace_back(stage);
+    };
+    const StreamedFit fit = fit_model(stream_of(collection), {.modes = 3}, stream);
+    EXPECT_EQ(static_cast<int>(stages.size()), fit.passes);
+    EXPECT_EQ(stages.front(), "pass 1, inner products, kB");
+    stream.progress = [](std::string_view, std::size_t, std::size_t) {
+        throw Interrupted("stopped");
+    };
+    EXPECT_THROW((void)fit_model(stream_of(collection), {.modes = 3}, stream), Interrupted);
+}
+
+} // namespace
+} // namespace shape

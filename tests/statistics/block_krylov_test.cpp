@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/statistics/block_krylov.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "libshape/base/error.h"
+#include "libshape/statistics/principal_components.h"
+#include "tests/support/matrices.h"
+#include "tests/support/thread_scope.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+using Eigen::Index;
+
+constexpr std::uint64_t plenty = std::uint64_t{1} << 30;
+
+void pass(BlockKrylov& krylov, const RowMatrix& data)
+{
+    const Index step = 64;
+    for (Index first = 0; first < data.rows(); first += step) {
+        RowMatrix rows = data.middleRows(first, std::min(step, data.rows() - first));
+        krylov.add(first, rows);
+    }
+    krylov.end_pass();
+}
+
+BlockKrylov run(const RowMatrix& data, const BlockKrylovOptions& options)
+{
+    BlockKrylov krylov(data.rows(), data.cols(), options);
+    while (!krylov.is_complete() && krylov.passes() < 200)
+        pass(krylov, data);
+    EXPECT_TRUE(krylov.is_complete());
+    return krylov;
+}
+
+/// N rows of E numbers, about a mean that is not 0, whose covariance (divisor N - 1) has exactly these
+/// eigenvalues.
+RowMatrix planted(Index rows, const Eigen::VectorXd& variances, Index columns, unsigned seed)
+{
+    const Index count = variances.size();
+    RowMatrix scores = test::random_matrix(rows, count, seed);
+    scores.rowwise() -= scores.colwise().mean().eval();
+    const Eigen::HouseholderQR<Eigen::MatrixXd> left(scores);
+    const Eigen::HouseholderQR<Eigen::MatrixXd> right(
+        test::random_matrix(columns, count, seed + 1));
+    const Eigen::MatrixXd u =
+        left.householderQ() * Eigen::MatrixXd::Identity(rows, count);
+    const Eigen::MatrixXd v =
+        right.householderQ() * Eigen::MatrixXd::Identity(columns, count);
+    RowMatrix data = u *
+                     (static_cast<double>(rows - 1) * variances).cwiseSqrt().asDiagonal() *
+                     v.transpose();
+    return data.rowwise() + test::random_matrix(1, columns, seed + 2).row(0);
+}
+
+/// Variances of the rows along the components, as Rayleigh quotients.
+Eigen::VectorXd variances_along(const RowMatrix& data, const RowMatrix& components)
+{
+    const RowMatrix centred = data.rowwise() - data.colwise().mean();
+    return (centred * components.transpose()).colwise().squaredNorm().transpose() /
+           static_cast<double>(data.rows() - 1);
+}
+
+/// Spectra as they occur: a few modes over noise, a slow decay, equal variances, a jump.
+std::vector<Eigen::VectorXd> spectra()
+{
+    std::vector<Eigen::VectorXd> all;
+    const auto add = [&](const auto& variance) {
+        Eigen::VectorXd& values = all.emplace_back(200);
+        for (Index k = 0; k < values.size(); ++k)
+            values[k] = variance(static_cast<double>(k));
+    };
+    add([](double k) { return k < 12 ? std::pow(0.7, k) : 1e-6; });
+    add([](double k) { return 1.0 / ((1.0 + k) * (1.0 + k)); });
+    add([](double k) { return std::pow(0.97, k); });
+    add([](double k) { return k < 5 ? 1.0 : k < 15 ? 0.5 : 0.01 * std::pow(0.99, k); });
+    add([](double k) { return k < 10 ? std::pow(10.0, -k) : 1e-12; });
+    return all;
+}
+
+TEST(BlockKrylov, FindsPlantedVariancesWithinTheToleranceItReports)
+{
+    for (const Eigen::VectorXd& spectrum : spectra())
+        for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+            const RowMatrix data = planted(400, spectrum, 500, 7);
+            const BlockKrylov krylov =
+                run(data, {.components = 10, .tolerance = tolerance, .memory = plenty});
+            const RowMatrix components = krylov.components();
+            ASSERT_EQ(components.rows(), 10);
+            EXPECT_TRUE((components * components.transpose()).isIdentity(1e-11));
+            EXPECT_LE(krylov.error(), tolerance);
+            const Eigen::VectorXd found = variances_along(data, components);
+            for (Index k = 0; k < 10; ++k)
+                EXPECT_NEAR(found[k], spectrum[k],
+                            tolerance * spectrum[k] + 1e-13 * spectrum[0])
+                    << k;
+            EXPECT_NEAR(krylov.squared_norm(), 399.0 * spectrum.sum(), 1e-10 * 399.0 * spectrum.sum());
+        }
+}
+
+TEST(BlockKrylov, RestartsWhereTheMemoryIsShortAndStillMeetsTheTolerance)
+{
+    const Eigen::VectorXd spectrum = spectra()[2]; // the slowest
+    const RowMatrix data = planted(400, spectrum, 500, 9);
+    const std::uint64_t block = 8 * 500 * static_cast<std::uint64_t>(BlockKrylov::block_size(10));
+    const BlockKrylov wide = run(data, {.components = 10, .memory = plenty});
+    const BlockKrylov tight = run(data, {.components = 10, .memory = 5 * block});
+    EXPECT_GT(tight.passes(), wide.passes());
+    const Eigen::VectorXd found = variances_along(data, tight.components());
+    for (Index k = 0; k < 10; ++k)
+        EXPECT_NEAR(found[k], spectrum[k], 1e-6 * spectrum[k]);
+    EXPECT_THROW(BlockKrylov(400, 500, {.components = 10, .memory = 4 * block}), LimitExceeded);
+}
+
+TEST(BlockKrylov, KeepsAsManyAsHaveTheShareOfTheVariance)
+{
+    const Eigen::VectorXd spectrum = spectra()[2];
+    const RowMatrix data = planted(400, spectrum, 500, 11);
+    for (const double share : {0.2, 0.5, 0.9}) {
+        const Index expected =
+            principal_components(data, {.variance = share}).variances.size();
+        EXPECT_EQ(run(data, {.variance = share, .memory = plenty}).components().rows(), expected);
+    }
+    const std::uint64_t little = 8 * 500 * 42 * 5;
+    const std::string message = [&] {
+        try {
+            (void)run(data, {.variance = 0.999, .memory = little});
+        } catch (const LimitExceeded& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    }();
+    EXPECT_NE(message.find("needs more than"), std::string::npos) << message;
+}
+
+TEST(BlockKrylov, EndsWhereTheRowsSpanLessThanIsAskedFor)
+{
+    Eigen::VectorXd spectrum(4);
+    spectrum << 4.0, 3.0, 2.0, 1.0;
+    const RowMatrix data = planted(60, spectrum, 80, 13);
+    const BlockKrylov krylov = run(data, {.components = 8, .memory = plenty});
+    const Eigen::VectorXd found = variances_along(data, krylov.components());
+    for (Index k = 0; k < 4; ++k)
+        EXPECT_NEAR(found[k], spectrum[k], 1e-6);
+    for (Index k = 4; k < found.size(); ++k)
+        EXPECT_LE(found[k], 1e-12);
+}
+
+TEST(BlockKrylov, HasTheSameBitsForAnyThreadCountAndAfterEveryBreak)
+{
+    const RowMatrix data = planted(300, spectra()[1], 5000, 15);
+    const BlockKrylovOptions options{.components = 10, .memory = plenty};
+    const RowMatrix components = run(data, options).components();
+    {
+        const test::ThreadScope scope(1);
+        EXPECT_TRUE(run(data, options).components() == components);
+    }
+    const test::ThreadScope scope(3);
+    BlockKrylov krylov(data.rows(), data.cols(), options);
+    while (true) {
+        pass(krylov, data);
+        if (krylov.is_complete())
+            break;
+        PassState state;
+        krylov.release(state);
+        BlockKrylov next(data.rows(), data.cols(), options);
+        PassStateReader reader(std::move(state));
+        next.restore(reader);
+        krylov = std::move(next);
+    }
+    EXPECT_TRUE(krylov.components() == components);
+    EXPECT_FALSE(run(data, {.components = 10, .seed = 2, .memory = plenty}).components() ==
+                 components);
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/input/mesh_stream_input.h"
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <memory>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
+#include "libshape/io/collection_stream.h"
+#include "libshape/mesh/defects.h"
+#include "tools/program/arguments.h"
+#include "tools/program/session.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+/// "500M" in bytes.
+std::uint64_t read_bytes(const std::string& text)
+{
+    constexpr std::string_view units = "KMGT";
+    const std::size_t unit = text.empty() ? std::string::npos : units.find(text.back());
+    if (unit == std::string_view::npos)
+        throw UsageError(join("--memory: '", text, "' must be a number with K, M, G or T behind it, "
+                              "such as 500M"));
+    const double number = read_number(text.substr(0, text.size() - 1), "--memory");
+    const double bytes = number * static_cast<double>(std::uint64_t{1024} << (10 * unit));
+    constexpr double least = 16.0 * (1 << 20);
+    constexpr double most = 1e18;
+    if (!(bytes >= least && bytes <= most))
+        throw UsageError(join("--memory: ", text, " must be at least 16M"));
+    return static_cast<std::uint64_t>(bytes);
+}
+
+/// The same meshes; one with a face without area is refused when it is first read.
+MeshStream without_degenerate_meshes(MeshStream stream, const std::string& path)
+{
+    const auto seen = std::make_shared<std::vector<std::atomic<bool>>>(stream.names.size());
+    auto fetch = std::move(stream.fetch);
+    stream.fetch = [fetch = std::move(fetch), faces = stream.topology, names = stream.names, path,
+                    seen](std::vector<Eigen::Index> meshes) -> MeshStream::Unpack {
+        return [unpack = fetch(meshes), meshes, faces, names, path, seen](std::span<Points> points) {
+            unpack(points);
+            parallel_for(points.size(), 1, [&](std::size_t i, std::size_t) {
+                const auto mesh = to_size(meshes[i]);
+                if ((*seen)[mesh])
+                    return;
+                const auto defects = find_degenerate_geometry(faces.faces(), points[i], 1);
+                if (!defects.empty())
+                    throw InvalidInput(
+                        join(path, ": mesh ", names[mesh], ": ", defects.front().message));
+                (*seen)[mesh] = true;
+            });
+        };
+    };
+    return stream;
+}
+
+} // namespace
+
+CLI::Option* add_memory(CLI::App& command, MemoryArgument& memory)
+{
+    return command
+        .add_option_function<std::string>(
+            "--memory",
+            [&memory](const std::string& text) {
+                memory.text = text;
+                memory.bytes = read_bytes(text);
+            },
+            "What a large collection may take in memory, such as 500M or 8G (default: a quarter\n"
+            "of the machine's): it is read in passes, the more the less of it fits")
+        ->option_text("SIZE");
+}
+
+std::optional<MeshStream> open_labelled(const Session& session, const LabelledInput& input,
+                                        bool always)
+{
+    constexpr std::uint64_t small = std::uint64_t{32} << 20;
+    const std::vector<std::filesystem::path> files = mesh_files(input.meshes);
+    if (files.size() != 1 || !is_collection_file(files.front()))
+        return std::nullopt;
+    MeshStream stream = open_collection(files.front());
+    const auto positions = 3 * sizeof(double) *
+                           static_cast<std::uint64_t>(stream.topology.vertex_count()) *
+                           static_cast<std::uint64_t>(stream.size());
+    if (!always && positions <= small)
+        return std::nullopt;
+    if (!input.meshes.labels.empty())
+        stream.labels = labels_of(session, input.meshes.labels, stream.names);
+    stream = without_degenerate_meshes(std::move(stream), files.front().string());
+    if (input.only.empty())
+        return stream;
+    return subset(stream, chosen_meshes(input.only, stream.labels, stream.names.size()));
+}
+
+} // namespace shape::tools
