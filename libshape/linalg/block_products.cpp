@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "libshape/base/vectorised.h"
 #include "libshape/linalg/blas_turn.h"
 
 extern "C" void openblas_set_num_threads(
@@ -34,6 +35,68 @@ void multiply(CBLAS_TRANSPOSE how_a, CBLAS_TRANSPOSE how_b, Eigen::Index depth, 
                 c.data(), static_cast<int>(std::max<Eigen::Index>(c.outerStride(), 1)));
 }
 
+// Of few long rows BLAS would spend more on packing them than on multiplying: there every entry is a
+// sum of lanes of its own.
+
+constexpr Eigen::Index few_rows = 16;
+constexpr Eigen::Index strip = 1024; ///< Columns, of which the rows stay in the second cache.
+
+using Lanes = double __attribute__((vector_size(32), aligned(8)));
+
+/// c(i, j) += the inner product of `count` numbers, count a multiple of 4, of row i of a and row j of b.
+SHAPE_VECTORISED void add_two_by_four(const double* a, Eigen::Index a_stride, const double* b,
+                                      Eigen::Index b_stride, Eigen::Index count, double* c,
+                                      Eigen::Index c_stride)
+{
+    Lanes sums[2][4] = {};
+    for (Eigen::Index k = 0; k < count; k += 4) {
+        const Lanes a0 = *reinterpret_cast<const Lanes*>(a + k);
+        const Lanes a1 = *reinterpret_cast<const Lanes*>(a + a_stride + k);
+        for (Eigen::Index j = 0; j < 4; ++j) {
+            const Lanes bj = *reinterpret_cast<const Lanes*>(b + j * b_stride + k);
+            sums[0][j] += a0 * bj;
+            sums[1][j] += a1 * bj;
+        }
+    }
+    for (Eigen::Index i = 0; i < 2; ++i)
+        for (Eigen::Index j = 0; j < 4; ++j) {
+            const Lanes& sum = sums[i][j];
+            c[i * c_stride + j] += (sum[0] + sum[1]) + (sum[2] + sum[3]);
+        }
+}
+
+double inner_product(const double* a, const double* b, Eigen::Index count)
+{
+    Lanes sum = {};
+    for (Eigen::Index k = 0; k < count; ++k)
+        sum[k % 4] += a[k] * b[k];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+void add_inner_products(const ConstBlock& a, const ConstBlock& b, Block c)
+{
+    const auto row = [](const ConstBlock& block, Eigen::Index i, Eigen::Index first) {
+        return block.data() + i * block.outerStride() + first;
+    };
+    for (Eigen::Index first = 0; first < a.cols(); first += strip) {
+        const Eigen::Index count = std::min(strip, a.cols() - first);
+        const Eigen::Index whole = count / 4 * 4;
+        for (Eigen::Index i = 0; i < a.rows(); i += 2)
+            for (Eigen::Index j = 0; j < b.rows(); j += 4) {
+                if (i + 2 <= a.rows() && j + 4 <= b.rows()) {
+                    add_two_by_four(row(a, i, first), a.outerStride(), row(b, j, first),
+                                    b.outerStride(), whole, &c(i, j), c.outerStride());
+                } else {
+                    for (Eigen::Index y = i; y < std::min(i + 2, a.rows()); ++y)
+                        for (Eigen::Index x = j; x < std::min(j + 4, b.rows()); ++x)
+                            c(y, x) += inner_product(row(a, y, first), row(b, x, first), whole);
+                }
+            }
+        for (Eigen::Index k = first + whole; k < first + count; ++k)
+            c += a.col(k) * b.col(k).transpose();
+    }
+}
+
 } // namespace
 
 void add_product(const ConstBlock& a, const ConstBlock& b, Block c)
@@ -43,6 +106,8 @@ void add_product(const ConstBlock& a, const ConstBlock& b, Block c)
 
 void add_product_with_rows(const ConstBlock& a, const ConstBlock& b, Block c)
 {
+    if (a.rows() <= few_rows && b.rows() <= few_rows)
+        return add_inner_products(a, b, c);
     multiply(CblasNoTrans, CblasTrans, a.cols(), a, b, c);
 }
 

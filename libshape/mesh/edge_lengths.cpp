@@ -16,6 +16,13 @@ namespace shape {
 using namespace internal;
 namespace {
 
+SHAPE_VECTORISED void norms(int count, const VectorRows& vectors, double* __restrict lengths)
+{
+    for (int i = 0; i < count; ++i)
+        lengths[i] = std::sqrt((vectors.x[i] * vectors.x[i] + vectors.y[i] * vectors.y[i]) +
+                               vectors.z[i] * vectors.z[i]);
+}
+
 /// Vectors in the direction of half the angles between sides a and b of triangles with the third side c.
 /// Kahan's form of the law of cosines: accurate for needles too.
 SHAPE_VECTORISED void half_angles(int count, const double* a, const double* b, const double* c,
@@ -42,8 +49,13 @@ Eigen::VectorXd edge_lengths(const Topology& topology, const Points& points)
                                 topology.vertex_count(), " vertices"));
     const Edges& edges = topology.edges();
     Eigen::VectorXd lengths(edges.rows());
-    for (Eigen::Index e = 0; e < edges.rows(); ++e)
-        lengths[e] = (points.row(edges(e, 1)) - points.row(edges(e, 0))).norm();
+    for_blocks(topology.edge_count(), [&](int first, int count) {
+        VectorRows along;
+        for (int i = 0; i < count; ++i)
+            along.set(i, vector3(points.data() + 3 * edges(first + i, 1)) -
+                             vector3(points.data() + 3 * edges(first + i, 0)));
+        norms(count, along, lengths.data() + first);
+    });
     return lengths;
 }
 

@@ -40,14 +40,13 @@ void for_strips(Index total, const std::function<void(Index, Index)>& body)
 }
 
 /// Dihedral angles of the meshes of a block, a row each.
-RowMatrix angles_of(const Collection& block)
+void measure_angles(const Collection& block, RowMatrix& angles)
 {
-    RowMatrix angles(static_cast<Index>(block.size()), block.topology.edge_count());
+    angles.resize(static_cast<Index>(block.size()), block.topology.edge_count());
     parallel_for(block.size(), 1, [&](std::size_t mesh, std::size_t) {
         angles.row(static_cast<Index>(mesh)) =
             dihedral_angles(block.topology, block.points[mesh]).transpose();
     });
-    return angles;
 }
 
 /// Finds, from angles that come by once, the branch that each edge's lie on (unify_branches()).
@@ -212,8 +211,10 @@ private:
         sizes_.segment(first, sizes.size()) = sizes;
         if (first == 0)
             reference_ = block.points.front();
-        if (has_companions(space_))
-            branches_.add(angles_of(block));
+        if (!has_companions(space_))
+            return;
+        measure_angles(block, rows_); // what stood there is used up
+        branches_.add(rows_);
     }
 
     /// Hands over the state, and takes it back: it may be as large as what is left of the memory.
@@ -252,10 +253,9 @@ private:
         while (!gram.is_complete()) {
             const bool is_first = gram.begin() == 0;
             pass("inner products", gram.begin(), tile, [&](Index first, const Collection& block) {
-                RowMatrix rows;
                 Eigen::VectorXd sizes;
-                encode(space_, block, rows, sizes);
-                gram.add(first, rows);
+                encode(space_, block, rows_, sizes);
+                gram.add(first, rows_);
                 if (is_first)
                     learn(first, block, sizes);
             });
@@ -280,13 +280,12 @@ private:
         RowMatrix& modes = components_.modes;
         modes = RowMatrix::Zero(weights.cols(), dimension_);
         pass("modes", 0, tile, [&](Index first, const Collection& block) {
-            RowMatrix rows;
             Eigen::VectorXd sizes;
-            encode(space_, block, rows, sizes);
-            centre_rows(rows, components_.mean);
-            const auto shares = weights.middleRows(first, rows.rows());
+            encode(space_, block, rows_, sizes);
+            centre_rows(rows_, components_.mean);
+            const auto shares = weights.middleRows(first, rows_.rows());
             for_strips(dimension_, [&](Index begin, Index count) {
-                add_product_of_columns(shares, rows.middleCols(begin, count),
+                add_product_of_columns(shares, rows_.middleCols(begin, count),
                                        modes.middleCols(begin, count));
             });
         });
@@ -323,10 +322,9 @@ private:
         while (!krylov.is_complete()) {
             const bool is_first = krylov.passes() == 0;
             pass("block Krylov", 0, block, [&](Index first, const Collection& part) {
-                RowMatrix rows;
                 Eigen::VectorXd sizes;
-                encode(space_, part, rows, sizes);
-                krylov.add(first, rows);
+                encode(space_, part, rows_, sizes);
+                krylov.add(first, rows_);
                 if (is_first)
                     learn(first, part, sizes);
             });
@@ -366,9 +364,10 @@ private:
         mode_angles_ = RowMatrix::Zero(modes, edges);
         Eigen::VectorXd first_angles;
         Eigen::VectorXd sums = Eigen::VectorXd::Zero(edges);
-        pass("scores and angles", 0, TiledGram::tile_rows(dimension_),
+        // Of small blocks: both kinds of modes are in memory now.
+        pass("scores and angles", 0, std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4),
              [&](Index first, const Collection& block) {
-                 RowMatrix rows;
+                 RowMatrix& rows = rows_;
                  Eigen::VectorXd sizes;
                  encode(space_, block, rows, sizes);
                  centre_rows(rows, components_.mean);
@@ -376,7 +375,7 @@ private:
                  own = coordinates(rows);
                  if (edges == 0)
                      return;
-                 rows = angles_of(block);
+                 measure_angles(block, rows);
                  parallel_for(block.size(), 1, [&](std::size_t i, std::size_t) {
                      auto row = rows.row(static_cast<Index>(i));
                      for (Index e = 0; e < edges; ++e)
@@ -392,6 +391,7 @@ private:
              });
         if (edges > 0)
             mean_angles_ = first_angles + sums / static_cast<double>(meshes_.size());
+        rows_.resize(0, 0);
         turn();
     }
 
@@ -453,6 +453,7 @@ private:
     int passes_ = 0;
     double error_ = 0.0;
     Points reference_;
+    RowMatrix rows_; ///< Of a block, worked on; kept, for fresh memory costs more than what is done in it.
     PrincipalComponents components_;
     Eigen::VectorXd mean_angles_;
     RowMatrix mode_angles_;

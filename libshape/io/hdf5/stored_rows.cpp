@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -17,13 +18,32 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/base/vectorised.h"
 #include "libshape/io/hdf5/fletcher32.h"
 
 namespace shape::internal {
 namespace {
 
 using Eigen::Index;
-using Bytes = std::vector<unsigned char>;
+
+/// An array that is not filled before it is used.
+class Bytes
+{
+public:
+    Bytes() = default;
+    explicit Bytes(std::size_t size)
+        : bytes_(std::make_unique_for_overwrite<unsigned char[]>(size)), size_(size)
+    {
+    }
+    [[nodiscard]] unsigned char* data() { return bytes_.get(); }
+    [[nodiscard]] const unsigned char* data() const { return bytes_.get(); }
+    [[nodiscard]] std::size_t size() const { return size_; }
+    void shorten(std::size_t size) { size_ = size; }
+
+private:
+    std::unique_ptr<unsigned char[]> bytes_;
+    std::size_t size_ = 0;
+};
 
 Index parts(Index extent, Index chunk)
 {
@@ -46,14 +66,30 @@ std::uint32_t little_endian(const unsigned char* bytes)
 }
 
 /// Byte k of every number stood together; now they stand number by number.
-void unshuffle(const Bytes& from, Bytes& to)
+Bytes unshuffled(const Bytes& from)
 {
     constexpr std::size_t width = sizeof(double);
     const std::size_t count = from.size() / width;
-    to.resize(from.size());
+    Bytes to(from.size());
     for (std::size_t k = 0; k < width; ++k)
         for (std::size_t i = 0; i < count; ++i)
-            to[i * width + k] = from[k * count + i];
+            to.data()[i * width + k] = from.data()[k * count + i];
+    return to;
+}
+
+/// Whether a number is infinite or none: then 0 times it is not 0.
+SHAPE_VECTORISED bool are_finite(const double* numbers, std::size_t count)
+{
+    double sums[8] = {};
+    const std::size_t whole = count / 8 * 8;
+    for (std::size_t i = 0; i < whole; i += 8)
+        for (std::size_t k = 0; k < 8; ++k)
+            sums[k] += 0.0 * numbers[i + k];
+    for (std::size_t i = whole; i < count; ++i)
+        sums[0] += 0.0 * numbers[i];
+    for (std::size_t k = 1; k < 8; ++k)
+        sums[0] += sums[k];
+    return sums[0] == 0.0;
 }
 
 } // namespace
@@ -63,8 +99,10 @@ struct StoredRows::State
     ChunkTable table;
     int descriptor = -1;
     Version version{};
+    /// Chunks whose checksum was right; the file has not changed since.
+    mutable std::vector<std::atomic<bool>> is_verified;
 
-    explicit State(ChunkTable chunks) : table(std::move(chunks))
+    explicit State(ChunkTable chunks) : table(std::move(chunks)), is_verified(table.chunks.size())
     {
         descriptor = ::open(table.file.c_str(), O_RDONLY | O_CLOEXEC);
         if (descriptor < 0)
@@ -113,9 +151,9 @@ struct StoredRows::State
                to_size(table.chunk_extents[0] * table.chunk_extents[1] * table.chunk_extents[2]);
     }
 
-    void read(const ChunkTable::Chunk& chunk, Bytes& bytes) const
+    [[nodiscard]] Bytes read(const ChunkTable::Chunk& chunk) const
     {
-        bytes.resize(chunk.size);
+        Bytes bytes(chunk.size);
         std::size_t done = 0;
         while (done < bytes.size()) {
             const ssize_t got = ::pread(descriptor, bytes.data() + done, bytes.size() - done,
@@ -128,31 +166,33 @@ struct StoredRows::State
                 fail("it ends before its values do; it is truncated, or became shorter meanwhile");
             done += to_size(got);
         }
+        return bytes;
     }
 
     /// Undoes the filters, the last one first; leaves exactly the numbers of a chunk.
-    [[nodiscard]] Bytes unpacked(const ChunkTable::Chunk& chunk, Index first_row, Bytes bytes) const
+    [[nodiscard]] Bytes unpacked(std::size_t number, Index first_row, Bytes bytes) const
     {
+        const ChunkTable::Chunk& chunk = table.chunks[number];
         for (std::size_t f = table.filters.size(); f-- > 0;) {
             const bool is_skipped = (chunk.skipped >> f & 1U) != 0;
             if (table.filters[f] == H5Z_FILTER_FLETCHER32) {
                 if (is_skipped || bytes.size() < 4)
                     fail_chunk(first_row, "have no checksum");
                 const std::size_t size = bytes.size() - 4;
-                if (fletcher32(bytes.data(), size) != little_endian(bytes.data() + size))
+                if (!is_verified[number] &&
+                    fletcher32(bytes.data(), size) != little_endian(bytes.data() + size))
                     fail_chunk(first_row, "are damaged: their checksum is another");
-                bytes.resize(size);
+                is_verified[number] = true;
+                bytes.shorten(size);
             } else if (table.filters[f] == H5Z_FILTER_DEFLATE && !is_skipped) {
                 Bytes whole(chunk_bytes());
                 uLongf size = whole.size();
                 if (uncompress(whole.data(), &size, bytes.data(), bytes.size()) != Z_OK ||
                     size != whole.size())
                     fail_chunk(first_row, "cannot be unpacked");
-                bytes.swap(whole);
+                bytes = std::move(whole);
             } else if (table.filters[f] == H5Z_FILTER_SHUFFLE && !is_skipped) {
-                Bytes whole;
-                unshuffle(bytes, whole);
-                bytes.swap(whole);
+                bytes = unshuffled(bytes);
             }
         }
         if (bytes.size() != chunk_bytes())
@@ -212,8 +252,7 @@ std::shared_ptr<StoredRows::Fetched> StoredRows::fetch(std::vector<Index> rows) 
             continue;
         slab = row / table.chunk_extents[0];
         for (Index c = slab * in_a_slab; c < (slab + 1) * in_a_slab; ++c) {
-            fetched->pieces.push_back({to_size(c), {}});
-            state_->read(table.chunks[to_size(c)], fetched->pieces.back().bytes);
+            fetched->pieces.push_back({to_size(c), state_->read(table.chunks[to_size(c)])});
         }
     }
     fetched->rows = std::move(rows);
@@ -232,7 +271,7 @@ void StoredRows::unpack(Fetched& fetched,
         const Index first = number / in_a_slab * chunk[0];
         const Index begin = number % in_a_slab / state_->deep() * chunk[1];
         const Index depth = number % state_->deep() * chunk[2];
-        const Bytes bytes = state_->unpacked(table.chunks[to_size(number)], first,
+        const Bytes bytes = state_->unpacked(to_size(number), first,
                                              std::move(fetched.pieces[p].bytes));
         const Index across = std::min(chunk[1], table.extents[1] - begin);
         const Index deep = std::min(chunk[2], table.extents[2] - depth);
@@ -253,11 +292,11 @@ void StoredRows::unpack(Fetched& fetched,
     });
     parallel_for(fetched.rows.size(), 1, [&](std::size_t i, std::size_t) {
         const double* const numbers = row(i);
+        if (are_finite(numbers, to_size(size())))
+            return;
         const Index bad = std::find_if(numbers, numbers + size(),
                                        [](double x) { return !std::isfinite(x); }) -
                           numbers;
-        if (bad == size())
-            return;
         const std::string place =
             table.extents[2] > 1 ? join(", ", bad / table.extents[2], ", ", bad % table.extents[2])
             : table.extents[1] > 1 ? join(", ", bad)

@@ -30,8 +30,8 @@ struct ChunkTable
     std::vector<Chunk> chunks{}; ///< In row-major order of their places.
 };
 
-/// Rows of a dataset, read past HDF5: bytes are fetched, checked against their checksum and unpacked
-/// here, chunk by chunk. So HDF5 meets no data of a stranger, and memory is that of the rows asked for.
+/// Rows of a dataset, read past HDF5: bytes are fetched, checked against their checksum the first time, and
+/// unpacked here, chunk by chunk. So HDF5 meets no data of a stranger, and memory is that of the rows asked for.
 /// Every member may be called from several threads at once.
 class StoredRows
 {
