@@ -31,6 +31,7 @@ set(public_headers
     libshape/embedding/residual_field.h
     libshape/embedding/sequence_jumps.h
     libshape/io/collection_file.h
+    libshape/io/collection_stream.h
     libshape/io/gltf_file.h
     libshape/io/hdf5/untrusted_files.h
     libshape/io/label_file.h
@@ -49,6 +50,7 @@ set(public_headers
     libshape/mesh/keyframes.h
     libshape/mesh/labels.h
     libshape/mesh/mesh_repair.h
+    libshape/mesh/mesh_stream.h
     libshape/mesh/oddities.h
     libshape/mesh/points.h
     libshape/mesh/topology.h
@@ -61,6 +63,8 @@ set(public_headers
     libshape/model/outlying_meshes.h
     libshape/model/shape_distances.h
     libshape/model/shape_model.h
+    libshape/model/streamed_fit.h
+    libshape/model/updated_model.h
     libshape/statistics/bootstrap.h
     libshape/statistics/classical_scaling.h
     libshape/statistics/column_effects.h
@@ -75,6 +79,7 @@ set(public_headers
     libshape/statistics/inner_products.h
     libshape/statistics/linear_model.h
     libshape/statistics/mean.h
+    libshape/statistics/pass_state.h
     libshape/statistics/principal_components.h
     libshape/statistics/projection.h
     libshape/statistics/regression.h

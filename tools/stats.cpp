@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
@@ -11,6 +12,7 @@
 #include "libshape/io/model_file.h"
 #include "libshape/model/shape_model.h"
 #include "libshape/model/streamed_fit.h"
+#include "libshape/model/updated_model.h"
 #include "libshape/statistics/bootstrap.h"
 #include "libshape/statistics/principal_components.h"
 #include "tools/commands.h"
@@ -43,6 +45,7 @@ struct Arguments
     double tolerance = 1e-6;
     bool resume = false;
     double save_every = 30.0;
+    std::string update; ///< The model that the meshes are added to.
 };
 
 /// Scores in the modes of the model and in further ones, up to 99 % of the variance: resampled modes
@@ -191,9 +194,44 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
     return found;
 }
 
+/// Adds to a model the meshes that it does not have, which alone are read.
+Findings update(const Session& session, const Arguments& arguments)
+{
+    const ShapeModel model = read_model(arguments.update);
+    const std::set<std::string> known(model.names.begin(), model.names.end());
+    const auto is_new = [&](const std::vector<std::string>& names) {
+        std::vector<std::size_t> chosen;
+        for (std::size_t i = 0; i < names.size(); ++i)
+            if (!known.contains(names[i]))
+                chosen.push_back(i);
+        return chosen;
+    };
+    const Collection added = [&] {
+        const auto stream = open_labelled(session, arguments.input, true);
+        if (!stream) {
+            const Collection all = read_labelled(session, arguments.input);
+            return subset(all, is_new(all.names));
+        }
+        const MeshStream fresh = subset(*stream, is_new(stream->names));
+        Collection read{fresh.topology, fresh.names, {}, fresh.labels};
+        for_each_block(fresh, 0, fresh.size(), 32, [&](Eigen::Index, const Collection& block) {
+            read.points.insert(read.points.end(), block.points.begin(), block.points.end());
+        });
+        return read;
+    }();
+    Findings found{.fit = {.model = update_model(model, added, model_options(arguments))}};
+    session.message(join(counted(added.size(), "mesh", "meshes"), " added to the ",
+                         model.names.size(), " of ", arguments.update));
+    found.modes = mode_figures(found.fit.model);
+    write_model(arguments.output, found.fit.model);
+    return found;
+}
+
 /// Passes are for what does not fit, or for who asks for them; not for what needs all meshes at once.
 Findings fit_and_write(const Session& session, const Arguments& arguments)
 {
+    if (!arguments.update.empty())
+        return update(session, arguments);
     const bool asks = arguments.memory.bytes > 0 || arguments.resume ||
                       arguments.algorithm != FitAlgorithm::Automatic;
     const bool can = arguments.replicates == 0 && arguments.space.kind == SpaceKind::Edge;
@@ -226,7 +264,10 @@ void run(const Session& session, const Arguments& arguments)
 {
     check_space_options(arguments.space);
     check_ending("-o", arguments.output, ".h5");
-    check_output(session, arguments.output, input_files(arguments.input.meshes));
+    std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
+    if (!arguments.update.empty())
+        inputs.emplace_back(arguments.update);
+    check_output(session, arguments.output, inputs);
     const Findings found = fit_and_write(session, arguments);
     const ShapeModel& model = found.fit.model;
     session.message(join(arguments.output, ": ", counted(model.mode_count(), "mode"), " of ",
@@ -256,7 +297,8 @@ Run set_up_stats(CLI::App& command)
     command.footer(
         "Examples:\n"
         "  shape stats faces.h5 -o model.h5 --variance 0.95\n"
-        "  shape stats faces.h5 -o aligned.h5 --space procrustes");
+        "  shape stats faces.h5 -o aligned.h5 --space procrustes\n"
+        "  shape stats many.h5 -o model.h5 --modes 50 --memory 1G");
     const auto arguments = std::make_shared<Arguments>();
     add_labelled_input(command, arguments->input);
     add_output_file(command, arguments->output, "Model to write (.h5)");
@@ -276,8 +318,8 @@ Run set_up_stats(CLI::App& command)
     add_label(command, "--within", arguments->within,
               "Resample meshes with the same value of it together, such as all of a subject")
         ->needs(bootstrap);
-    add_space_options(command, arguments->space);
-    add_memory(command, arguments->memory);
+    CLI::Option* space = add_space_options(command, arguments->space);
+    CLI::Option* memory = add_memory(command, arguments->memory);
     add_choice(command, "--algorithm", arguments->algorithm,
                "How modes of a large collection are found. gram: exactly, from all inner products;\n"
                "krylov: by a random block Krylov method, which takes fewer operations and memory\n"
@@ -294,6 +336,14 @@ Run set_up_stats(CLI::App& command)
     add_number(command, "--save-every", arguments->save_every,
                "At least this much time lies between two states that are kept for --resume\n"
                "[s], after a pass each (default: 30)");
+    command
+        .add_option("--update", arguments->update,
+                    "Model of all its modes (.h5) to which the meshes are added that it does not have;\n"
+                    "those it has are not read. The result is that of a run on all of them")
+        ->option_text("MODEL")
+        ->excludes(bootstrap)
+        ->excludes(space)
+        ->excludes(memory);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
 #include "libshape/linalg/added_rows.h"
+#include "libshape/model/model_frame.h"
 #include "libshape/statistics/mean.h"
 #include "libshape/statistics/principal_components.h"
 #include "libshape/statistics/projection.h"
@@ -33,14 +34,30 @@ ShapeModel fit_model(const Collection& collection, const ModelOptions& options)
     if (collection.size() < 2)
         throw InvalidInput("a model needs at least 2 meshes, there is 1");
     ShapeSpace space = make_space(collection, options.space);
-    PrincipalComponents components = principal_components(
-        encode(space, collection), {.modes = options.modes, .variance = options.variance});
-    RowMatrix angles = companions(space, collection);
-    Eigen::VectorXd mean_angles = mean_of_rows(angles);
+    RowMatrix coordinates = encode(space, collection);
+    const auto angles = [&] { return companions(space, collection); };
     Eigen::VectorXd mesh_sizes = sizes(space, collection);
-    return {.topology = collection.topology,
-            .reference_points = collection.points.front(),
-            .space = std::move(space),
+    return model_of({.topology = collection.topology,
+                     .reference_points = collection.points.front(),
+                     .space = space,
+                     .names = collection.names,
+                     .labels = collection.labels},
+                    std::move(coordinates), angles, std::move(mesh_sizes), options);
+}
+
+namespace internal {
+
+ShapeModel model_of(ModelFrame frame, RowMatrix coordinates,
+                    const std::function<RowMatrix()>& angles_of, Eigen::VectorXd sizes,
+                    const ModelOptions& options)
+{
+    PrincipalComponents components = principal_components(
+        std::move(coordinates), {.modes = options.modes, .variance = options.variance});
+    RowMatrix angles = angles_of();
+    Eigen::VectorXd mean_angles = mean_of_rows(angles);
+    return {.topology = std::move(frame.topology),
+            .reference_points = std::move(frame.reference_points),
+            .space = std::move(frame.space),
             .mean = std::move(components.mean),
             .mean_dihedral_angles = std::move(mean_angles),
             .modes = std::move(components.modes),
@@ -48,10 +65,12 @@ ShapeModel fit_model(const Collection& collection, const ModelOptions& options)
             .variances = std::move(components.variances),
             .total_variance = components.total_variance,
             .scores = std::move(components.scores),
-            .sizes = std::move(mesh_sizes),
-            .names = collection.names,
-            .labels = collection.labels};
+            .sizes = std::move(sizes),
+            .names = std::move(frame.names),
+            .labels = std::move(frame.labels)};
 }
+
+} // namespace internal
 
 DecodedShape model_point(const ShapeModel& model, const Eigen::VectorXd& scores, double size)
 {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libshape/linalg/dense.h"
-#include "libshape/statistics/pass_state.h"
+#include "libshape/statistics/pass_state_reader.h"
 
 namespace shape::internal {
 

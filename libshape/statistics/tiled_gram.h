@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "libshape/linalg/dense.h"
-#include "libshape/statistics/pass_state.h"
+#include "libshape/statistics/pass_state_reader.h"
 
 namespace shape::internal {
 

@@ -101,8 +101,11 @@ struct StoredRows::State
     Version version{};
     /// Chunks whose checksum was right; the file has not changed since.
     mutable std::vector<std::atomic<bool>> is_verified;
+    mutable std::vector<std::atomic<bool>> is_finite; ///< Rows.
 
-    explicit State(ChunkTable chunks) : table(std::move(chunks)), is_verified(table.chunks.size())
+    explicit State(ChunkTable chunks)
+        : table(std::move(chunks)), is_verified(table.chunks.size()),
+          is_finite(to_size(table.extents[0]))
     {
         descriptor = ::open(table.file.c_str(), O_RDONLY | O_CLOEXEC);
         if (descriptor < 0)
@@ -292,8 +295,12 @@ void StoredRows::unpack(Fetched& fetched,
     });
     parallel_for(fetched.rows.size(), 1, [&](std::size_t i, std::size_t) {
         const double* const numbers = row(i);
-        if (are_finite(numbers, to_size(size())))
+        if (state_->is_finite[to_size(fetched.rows[i])])
             return;
+        if (are_finite(numbers, to_size(size()))) {
+            state_->is_finite[to_size(fetched.rows[i])] = true;
+            return;
+        }
         const Index bad = std::find_if(numbers, numbers + size(),
                                        [](double x) { return !std::isfinite(x); }) -
                           numbers;
