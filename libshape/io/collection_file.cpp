@@ -144,6 +144,12 @@ Collection read_collection(const std::filesystem::path& path)
                                                     ", must be > 0 and the distance ", measured[e],
                                                     " of the points"));
         });
+    } else {
+        for_each_mesh(collection.size(), [&](Eigen::Index i) {
+            Eigen::Index edge = 0;
+            if (!(edge_lengths(topology, collection.points[to_size(i)]).minCoeff(&edge) > 0.0))
+                file.fail("/points", join("mesh ", i, " has an edge of length 0 (edge ", edge, ")"));
+        });
     }
     if (!file.has("/dihedral_angles"))
         return collection;

@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/to_size.h"
+#include "libshape/io/collection_stream.h"
 #include "libshape/io/model_file.h"
 #include "tests/support/files.h"
 #include "tests/support/h5py.h"
@@ -188,7 +189,7 @@ TEST(CollectionFile, IsReadByH5py)
         GTEST_SKIP() << "no Python with h5py";
     const test::TemporaryDirectory directory;
     const Collection collection = bumpy_collection();
-    write_collection(directory / "c.h5", collection);
+    write_collection(directory / "c.h5", collection, {.derived = true});
     std::string points;
     for (const Points& mesh : collection.points)
         points.append(reinterpret_cast<const char*>(mesh.data()),
@@ -235,7 +236,6 @@ TEST(CollectionFile, NamesFileDatasetAndRuleOfWhatItRefuses)
         {"f.attrs['format_version'] = [1, 1]", "attribute format_version", "single value"},
         {"del f['points']", "/points", "missing"},
         {"del f['topology']", "/topology/faces", "missing"},
-        {"del f['edge_lengths']", "/edge_lengths", "missing"},
         {"del f['points']; f.create_group('points')", "/points", "cannot be read"},
         // Types.
         {replaced("points", "data=v.astype('f4')"), "/points", "float64"},
@@ -315,9 +315,27 @@ TEST(CollectionFile, NamesFileDatasetAndRuleOfWhatItRefuses)
         {"f['names'][1] = f['names'][0]", "/names", "'bumpy 1' occurs twice"},
     };
     const test::TemporaryDirectory directory;
-    write_collection(directory / "c.h5", bumpy_collection());
+    write_collection(directory / "c.h5", bumpy_collection(), {.derived = true});
     test::expect_refused(directory / "c.h5", cases,
                          [](const std::filesystem::path& file) { (void)read_collection(file); });
+}
+
+TEST(CollectionFile, RefusesAnEdgeWithoutLengthInAFileOfPositionsAlone)
+{
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    const test::TemporaryDirectory directory;
+    write_collection(directory / "c.h5", bumpy_collection());
+    test::expect_refused(
+        directory / "c.h5",
+        {{"f['points'][1] = 0", "/points", "mesh 1 has an edge of length 0 (edge 0)"},
+         {"v = f['points'][...]; del f['points']; f.create_dataset('points', data=v, "
+          "compression='gzip', chunks=(1, 42, 3))",
+          "/points", "filter 1"},
+         {"v = f['names'][...]; del f['names']; f.create_dataset('names', data=v, "
+          "compression='gzip', fletcher32=True)",
+          "/names", "filter 1"}},
+        [](const std::filesystem::path& file) { (void)read_collection(file); });
 }
 
 TEST(CollectionFile, IsReadFromDatasetsWithoutChunksAndWithoutLabels)
@@ -333,6 +351,10 @@ TEST(CollectionFile, IsReadFromDatasetsWithoutChunksAndWithoutLabels)
     expect_equal(read_collection(files[1]), collection);
     collection.labels.clear();
     expect_equal(read_collection(files[0]), collection);
+    const MeshStream stream = open_collection(files[0]);
+    std::vector<Points> last(2, collection.points[0]);
+    stream.fetch({1, 3})(last);
+    EXPECT_EQ(last, (std::vector{collection.points[1], collection.points[3]}));
 }
 
 } // namespace

@@ -83,6 +83,8 @@ std::optional<MeshStream> open_labelled(const Session& session, const LabelledIn
     const std::vector<std::filesystem::path> files = mesh_files(input.meshes);
     if (files.size() != 1 || !is_collection_file(files.front()))
         return std::nullopt;
+    if (!always && std::filesystem::file_size(files.front()) <= small)
+        return std::nullopt;
     MeshStream stream = open_collection(files.front());
     const auto positions = 3 * sizeof(double) *
                            static_cast<std::uint64_t>(stream.topology.vertex_count()) *

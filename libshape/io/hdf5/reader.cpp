@@ -118,7 +118,7 @@ public:
         const std::size_t value_size = H5Tget_size(stored.type);
         if (value_size == 0 || value_size > longest_string)
             fail(join("has values of ", value_size, " bytes; the limit is ", longest_string));
-        check_storage(creation, value_size, stored);
+        check_storage(creation, stored);
         const bool is_packed = std::ranges::find(stored.filters, H5Z_FILTER_DEFLATE) !=
                                stored.filters.end();
         const Eigen::Index room = file_.size * (is_packed ? best_packing : 1);
@@ -130,6 +130,11 @@ public:
                           " bytes, more than the file can hold"));
             stored.count *= length;
         }
+        hsize_t room_in_chunk = largest_chunk / value_size;
+        for (const Eigen::Index length : stored.chunk)
+            room_in_chunk /= static_cast<hsize_t>(length);
+        if (room_in_chunk == 0)
+            fail(join("has chunks of more than ", largest_chunk, " bytes"));
         return stored;
     }
 
@@ -159,6 +164,18 @@ public:
         std::copy(stored.extents.begin(), stored.extents.end(), table.extents.begin());
         std::copy(stored.chunk.begin(), stored.chunk.end(), table.chunk_extents.begin());
         const auto& [rows, across, deep] = table.extents;
+        if (stored.chunk.empty()) { // row by row, as they stand one after the other
+            table.chunk_extents = {1, across, deep};
+            const haddr_t begin = H5Dget_offset(stored.dataset);
+            const hsize_t size = sizeof(double) * static_cast<hsize_t>(across * deep);
+            const auto end = static_cast<hsize_t>(file_.size);
+            if (begin == HADDR_UNDEF || begin > end ||
+                static_cast<hsize_t>(rows) * size > end - begin)
+                fail("has no values, or such beyond the end of the file, or in its header");
+            for (Eigen::Index i = 0; i < rows; ++i)
+                table.chunks.push_back({begin + static_cast<hsize_t>(i) * size, size, 0});
+            return table;
+        }
         Eigen::Index count = 1;
         for (std::size_t d = 0; d < table.extents.size(); ++d)
             count *= (table.extents[d] - 1) / table.chunk_extents[d] + 1;
@@ -217,9 +234,9 @@ private:
         return extents;
     }
 
-    /// Refuses storage in other files, filters that leave values unchecked, and huge chunks; notes how
-    /// the values are stored.
-    void check_storage(hid_t creation, std::size_t value_size, StoredDataset& stored) const
+    /// Refuses storage in other files and filters that leave values unchecked; notes how the values are
+    /// stored.
+    void check_storage(hid_t creation, StoredDataset& stored) const
     {
         const H5D_layout_t layout = H5Pget_layout(creation);
         if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
@@ -238,15 +255,10 @@ private:
         if (layout != H5D_CHUNKED)
             return;
         std::array<hsize_t, H5S_MAX_RANK> chunk{};
-        hsize_t room = largest_chunk / value_size;
         const int rank = checked(H5Pget_chunk(creation, H5S_MAX_RANK, chunk.data()));
-        for (int d = rank - 1; d >= 0; --d) {
-            room /= std::max<hsize_t>(chunk[to_size(d)], 1);
-            stored.chunk.insert(stored.chunk.begin(),
-                                static_cast<Eigen::Index>(std::max<hsize_t>(chunk[to_size(d)], 1)));
-        }
-        if (room == 0)
-            fail(join("has chunks of more than ", largest_chunk, " bytes"));
+        for (int d = 0; d < rank; ++d)
+            stored.chunk.push_back(static_cast<Eigen::Index>(
+                std::clamp<hsize_t>(chunk[to_size(d)], 1, largest_chunk + 1)));
     }
 
     /// Doubles may be compressed, if a checksum stands over what is stored; all else has that alone.
@@ -383,10 +395,7 @@ StoredRows Hdf5File::rows(const std::string& name, const Extents& expected) cons
 {
     const Item item(*state_, name);
     return StoredRows(item.guarded([&] {
-        const StoredDataset stored = item.open(expected, H5T_IEEE_F64LE, "float64");
-        if (stored.chunk.empty())
-            item.fail("is not stored in chunks");
-        return item.chunk_table(stored);
+        return item.chunk_table(item.open(expected, H5T_IEEE_F64LE, "float64"));
     }));
 }
 
@@ -396,7 +405,8 @@ RowMatrix Hdf5File::numbers(const std::string& name, const Extents& expected) co
     std::optional<StoredRows> stored_rows;
     RowMatrix values = item.guarded([&]() -> RowMatrix {
         const StoredDataset stored = item.open(expected, H5T_IEEE_F64LE, "float64");
-        if (stored.chunk.empty())
+        const Id creation(H5Dget_create_plist(stored.dataset), H5Pclose);
+        if (H5Pget_layout(creation) == H5D_COMPACT) // in the header, which HDF5 has read already
             return item.read<RowMatrix>(stored, H5T_NATIVE_DOUBLE);
         item.check_size(stored);
         stored_rows.emplace(item.chunk_table(stored));

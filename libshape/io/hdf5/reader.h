@@ -19,7 +19,7 @@ namespace shape::internal {
 ///
 /// Only what write_hdf5() (writer.h) could have written is read: plain datasets in plain groups, of 32-bit
 /// integers, doubles and fixed-length UTF-8 strings, with no filter but the checksum and, below it, the
-/// lossless compression of doubles; no larger than the file. Doubles in chunks are read past HDF5
+/// lossless compression of doubles; no larger than the file. Doubles are read past HDF5
 /// (stored_rows.h).
 class Hdf5File
 {
@@ -34,7 +34,7 @@ public:
     [[nodiscard]] std::vector<std::string> members(const std::string& group) const;
     [[nodiscard]] Extents extents(const std::string& name) const;
 
-    /// Rows of a dataset of doubles in chunks, to be read when they are needed.
+    /// Rows of a dataset of doubles, to be read when they are needed.
     [[nodiscard]] StoredRows rows(const std::string& name, const Extents& expected) const;
 
     /// Finite numbers: the first extent as rows, the others together as columns.

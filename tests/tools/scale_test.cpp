@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+
+#include <cmath>
+
+#include "libshape/io/collection_file.h"
+#include "libshape/io/model_file.h"
+#include "tests/support/collections.h"
+#include "tests/tools/program_test.h"
+
+namespace shape::test {
+namespace {
+
+/// Collections in passes, and what is kept of them.
+class Scale : public ProgramTest
+{
+protected:
+    Scale() { write_collection(folder_ / "c.h5", bumpy_spheres(60, 3)); }
+
+    [[nodiscard]] Outcome outcome(const Arguments& arguments) const
+    {
+        return run_shape(folder_.path(), arguments);
+    }
+};
+
+void expect_near(const ShapeModel& a, const ShapeModel& b, double tolerance)
+{
+    const auto near = [&](const auto& x, const auto& y, const char* what) {
+        ASSERT_EQ(x.rows(), y.rows()) << what;
+        ASSERT_EQ(x.cols(), y.cols()) << what;
+        EXPECT_LE((x - y).cwiseAbs().maxCoeff(), tolerance * y.cwiseAbs().maxCoeff()) << what;
+    };
+    near(a.mean, b.mean, "mean");
+    near(a.mean_dihedral_angles, b.mean_dihedral_angles, "mean angles");
+    near(a.variances, b.variances, "variances");
+    near(a.modes, b.modes, "modes");
+    near(a.mode_dihedral_angles, b.mode_dihedral_angles, "mode angles");
+    near(a.scores, b.scores, "scores");
+    near(a.sizes, b.sizes, "sizes");
+    EXPECT_EQ(a.names, b.names);
+}
+
+TEST_F(Scale, PassesGiveTheModelOfTheRunInMemoryAndSayHow)
+{
+    const Json memory = run({"stats", "c.h5", "--modes", "5", "-o", "memory.h5"});
+    EXPECT_EQ(memory["passes"], 0);
+    EXPECT_EQ(memory["algorithm"], "gram");
+    const Json gram =
+        run({"stats", "c.h5", "--modes", "5", "-o", "gram.h5", "--algorithm", "gram"});
+    EXPECT_EQ(gram["algorithm"], "gram");
+    EXPECT_EQ(gram["variance_error"], 0.0);
+    EXPECT_GT(gram["passes"], 1);
+    expect_near(read_model(folder_ / "gram.h5"), read_model(folder_ / "memory.h5"), 1e-10);
+    const Json krylov = run({"stats", "c.h5", "--modes", "5", "-o", "krylov.h5", "--algorithm",
+                             "krylov", "--tolerance", "1e-8"});
+    EXPECT_EQ(krylov["algorithm"], "krylov");
+    EXPECT_LE(krylov["variance_error"], 1e-8);
+    for (std::size_t k = 0; k < 5; ++k)
+        EXPECT_NEAR(krylov["modes"][k]["variance"], memory["modes"][k]["variance"],
+                    1e-8 * memory["modes"][k]["variance"].get<double>());
+    const Outcome told = outcome({"stats", "c.h5", "--modes", "5", "-o", "k.h5", "--algorithm",
+                                  "krylov"});
+    EXPECT_NE(told.err.find("by block Krylov in"), std::string::npos) << told.err;
+    EXPECT_NE(told.err.find("as estimated"), std::string::npos) << told.err;
+}
+
+TEST_F(Scale, OnlyAndLabelsChooseTheSameMeshesInPasses)
+{
+    std::string labels = "mesh,side\n";
+    for (const std::string& name : bumpy_spheres(60, 3).names)
+        labels += name + (name.back() % 2 == 0 ? ",left\n" : ",right\n");
+    folder_.write("l.csv", labels);
+    const Arguments chosen{"stats", "c.h5", "--labels", "l.csv", "--only", "side=left", "--modes",
+                           "3"};
+    (void)run(chosen + Arguments{"-o", "a.h5"});
+    (void)run(chosen + Arguments{"-o", "b.h5", "--algorithm", "gram"});
+    const ShapeModel a = read_model(folder_ / "a.h5");
+    EXPECT_EQ(a.names.size(), 30U);
+    expect_near(read_model(folder_ / "b.h5"), a, 1e-10);
+    EXPECT_EQ(read_model(folder_ / "b.h5").labels[0].values, a.labels[0].values);
+}
+
+TEST_F(Scale, ARunThatIsStoppedIsResumedToTheSameBits)
+{
+    const Arguments command{"stats", "c.h5", "--modes", "5", "--algorithm", "krylov",
+                            "--tolerance", "1e-12"};
+    (void)run(command + Arguments{"-o", "whole.h5"});
+    const Arguments kept = command + Arguments{"-o", "m.h5", "--save-every", "1e-9"};
+    const Outcome stopped =
+        run_shape(folder_.path(), kept, {.interrupt_at_file = "m.h5.unfinished"});
+    if (stopped.exit_code == 0) // it was quicker than the signal
+        GTEST_SKIP() << "the run ended before it could be stopped";
+    EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
+    EXPECT_FALSE(folder_.has("m.h5"));
+    const Outcome refused = outcome(kept);
+    EXPECT_EQ(refused.exit_code, 5);
+    EXPECT_NE(refused.err.find("--resume goes on"), std::string::npos) << refused.err;
+    const Outcome other = outcome(kept + Arguments{"--resume", "--seed", "7"});
+    EXPECT_EQ(other.exit_code, 3);
+    EXPECT_NE(other.err.find("was another"), std::string::npos) << other.err;
+    const std::string state = folder_.read("m.h5.unfinished");
+    std::string damaged = state;
+    damaged[damaged.size() / 2] ^= 1;
+    folder_.write("m.h5.unfinished", damaged);
+    EXPECT_EQ(outcome(kept + Arguments{"--resume"}).exit_code, 3);
+    folder_.write("m.h5.unfinished", state);
+    (void)run(kept + Arguments{"--resume"});
+    EXPECT_EQ(folder_.read("m.h5"), folder_.read("whole.h5"));
+    EXPECT_FALSE(folder_.has("m.h5.unfinished"));
+}
+
+TEST_F(Scale, MemoryIsABoundThatIsRefusedWhereNothingFits)
+{
+    const Outcome little = outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "1M"});
+    EXPECT_EQ(little.exit_code, 2);
+    EXPECT_NE(little.err.find("at least 16M"), std::string::npos) << little.err;
+    EXPECT_EQ(outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "much"}).exit_code, 2);
+    const Outcome mixed = outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "1G", "--space",
+                                   "procrustes"});
+    EXPECT_EQ(mixed.exit_code, 2);
+    EXPECT_NE(mixed.err.find("are for one collection file"), std::string::npos) << mixed.err;
+    EXPECT_EQ(run({"stats", "c.h5", "-o", "m.h5", "--memory", "64M", "--modes", "3"})["passes"], 3);
+}
+
+TEST_F(Scale, AppendedMeshesGiveTheFileOfAllOfThem)
+{
+    const Collection all = bumpy_spheres(60, 3);
+    std::vector<std::size_t> early(40);
+    std::vector<std::size_t> late(20);
+    for (std::size_t i = 0; i < 60; ++i)
+        (i < 40 ? early[i] : late[i - 40]) = i;
+    write_collection(folder_ / "a.h5", subset(all, early));
+    write_collection(folder_ / "late.h5", subset(all, late));
+    EXPECT_EQ(run({"collect", "late.h5", "--append", "-o", "a.h5"})["meshes"], 60);
+    EXPECT_EQ(folder_.read("a.h5"), folder_.read("c.h5"));
+    const std::string before = folder_.read("a.h5");
+    const Outcome twice = outcome({"collect", "late.h5", "--append", "-o", "a.h5"});
+    EXPECT_EQ(twice.exit_code, 3);
+    EXPECT_NE(twice.err.find("occurs twice"), std::string::npos) << twice.err;
+    EXPECT_EQ(outcome({"collect", "a.h5", "--append", "-o", "a.h5"}).exit_code, 2);
+    write_bumpy_spheres(folder_);
+    folder_.write("bad.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    const Outcome other = outcome({"collect", "bad.off", "--append", "-o", "a.h5"});
+    EXPECT_EQ(other.exit_code, 3);
+    EXPECT_NE(other.err.find("different counts"), std::string::npos) << other.err;
+    EXPECT_EQ(folder_.read("a.h5"), before);
+    EXPECT_NE(outcome({"collect", "late.h5", "--append", "-o", "none.h5"}).exit_code, 0);
+}
+
+TEST_F(Scale, AnUpdatedModelIsThatOfAFreshRun)
+{
+    const Collection all = bumpy_spheres(60, 3);
+    std::vector<std::size_t> early(50);
+    for (std::size_t i = 0; i < 50; ++i)
+        early[i] = i;
+    write_collection(folder_ / "early.h5", subset(all, early));
+    (void)run({"stats", "early.h5", "-o", "early_model.h5"});
+    for (const Arguments& kept : {Arguments{}, Arguments{"--modes", "7"}}) {
+        (void)run(Arguments{"stats", "c.h5", "-o", "fresh.h5", "--force"} + kept);
+        (void)run(Arguments{"stats", "c.h5", "--update", "early_model.h5", "-o", "updated.h5",
+                            "--force"} +
+                  kept);
+        expect_near(read_model(folder_ / "updated.h5"), read_model(folder_ / "fresh.h5"),
+                    kept.empty() ? 1e-8 : 1e-10);
+    }
+    (void)run({"stats", "early.h5", "-o", "few.h5", "--modes", "4"});
+    const Outcome few = outcome({"stats", "c.h5", "--update", "few.h5", "-o", "u.h5"});
+    EXPECT_EQ(few.exit_code, 3);
+    EXPECT_NE(few.err.find("4 modes of 49"), std::string::npos) << few.err;
+    const Outcome none = outcome({"stats", "early.h5", "--update", "early_model.h5", "-o", "u.h5"});
+    EXPECT_EQ(none.exit_code, 3);
+    EXPECT_NE(none.err.find("no mesh to add"), std::string::npos) << none.err;
+}
+
+TEST_F(Scale, DerivedValuesAndCompressionAreWrittenOnDemand)
+{
+    (void)run({"collect", "c.h5", "-o", "derived.h5", "--store-derived"});
+    (void)run({"collect", "c.h5", "-o", "packed.h5", "--compress"});
+    EXPECT_GT(folder_.read("derived.h5").size(), 2 * folder_.read("c.h5").size());
+    EXPECT_LT(folder_.read("packed.h5").size(), folder_.read("c.h5").size());
+    for (const char* file : {"derived.h5", "packed.h5"}) {
+        (void)run({"collect", file, "-o", "back.h5", "--force"});
+        EXPECT_EQ(folder_.read("back.h5"), folder_.read("c.h5"));
+    }
+}
+
+TEST_F(Scale, ADiskThatIsFullEndsTheRunInALineAndLeavesNothing)
+{
+    const Outcome full = run_shape(folder_.path(), {"collect", "c.h5", "-o", "d.h5"},
+                                   {.largest_file = 20000});
+    EXPECT_EQ(full.exit_code, 5);
+    EXPECT_NE(full.err.find("cannot write d.h5"), std::string::npos) << full.err;
+    EXPECT_EQ(line_count(full.err), 1);
+    EXPECT_FALSE(folder_.has("d.h5"));
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"c.h5"});
+}
+
+TEST_F(Scale, ADamagedBlockEndsEveryWayOfReadingInALine)
+{
+    std::string bytes = folder_.read("c.h5");
+    bytes[bytes.size() / 2] ^= 1;
+    folder_.write("d.h5", bytes);
+    for (const Arguments& way :
+         {Arguments{}, Arguments{"--algorithm", "gram"}, Arguments{"--algorithm", "krylov"}}) {
+        const Outcome damaged =
+            outcome(Arguments{"stats", "d.h5", "-o", "m.h5", "--modes", "3"} + way);
+        EXPECT_EQ(damaged.exit_code, 3);
+        EXPECT_NE(damaged.err.find("d.h5: /points: the stored values of rows"), std::string::npos)
+            << damaged.err;
+        EXPECT_FALSE(folder_.has("m.h5"));
+    }
+}
+
+} // namespace
+} // namespace shape::test
