@@ -38,6 +38,7 @@
 #include "libshape/model/difference.h"
 #include "libshape/model/model_quality.h"
 #include "libshape/model/shape_model.h"
+#include "libshape/model/streamed_fit.h"
 #include "libshape/report/picture.h"
 #include "libshape/report/render.h"
 #include "libshape/statistics/bootstrap.h"
@@ -252,6 +253,8 @@ TEST(Options, OfStatisticsAndModelsNameWhatBreaksARule)
     Fields<ModelOptions>("ModelOptions")
         .at_least(0, "modes", &ModelOptions::modes)
         .refuse<double>("variance", &ModelOptions::variance, {0.0, 1.01, -0.5, nan});
+    Fields<StreamOptions>("StreamOptions")
+        .refuse<double>("tolerance", &StreamOptions::tolerance, {0.0, 1.0, -0.5, nan});
     Fields<ModelOptions>("ModelOptions", {.modes = 2})
         .refuse<double>("variance", &ModelOptions::variance, {0.9});
     EXPECT_THROW(check(ModelOptions{.space = {.dihedral_weight = nan}}), InvalidInput);

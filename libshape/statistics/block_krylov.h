@@ -26,7 +26,7 @@ struct BlockKrylovOptions
 /// The leading principal components of N rows of E numbers that come by once a pass, in the same blocks
 /// each time: block Lanczos method on the covariance C = X^T X of the centred rows, from a random
 /// block of s vectors (Golub and Underwood 1977; Musco and Musco 2015), with full orthogonalisation and
-/// restarts with the best s Ritz vectors where the bases fill the memory (Stathopoulos and Saad 1998).
+/// restarts with the best s Ritz vectors where the bases fill the memory (Stathopoulos, Saad and Wu 1998).
 /// One pass is one product with C.
 ///
 /// A Ritz value t has the residual r; for the first m of them together, the errors are at most

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "libshape/mesh/mesh_stream.h"
-#include "libshape/model/streamed_fit.h"
 #include "tools/input/label_input.h"
 
 namespace shape::tools {
