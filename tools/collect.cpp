@@ -108,9 +108,10 @@ Run set_up_collect(CLI::App& command)
     const auto arguments = std::make_shared<Arguments>();
     add_labelled_input(command, arguments->input);
     add_output_file(command, arguments->output, "Collection to write (.h5)");
-    command.add_flag("--append", arguments->append,
-                     "Add the meshes to the collection that is there, which is replaced as a whole\n"
-                     "when all is written; its own are copied, not measured or checked again");
+    command.add_flag(
+        "--append", arguments->append,
+        "Add the meshes to the collection that is there, which is replaced as a whole\n"
+        "when all is written; its own are copied, not measured or checked again");
     command.add_flag("--store-derived", arguments->file.derived,
                      "Write edge lengths and dihedral angles too, for other programs: three times\n"
                      "the size");

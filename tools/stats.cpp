@@ -162,10 +162,9 @@ Json identity_of(const Session& session, const Arguments& arguments)
     identity["only"] = arguments.input.only;
     identity["modes"] = arguments.modes;
     identity["variance"] = arguments.variance;
-    identity["space"] = {static_cast<int>(arguments.space.scale),
-                         static_cast<int>(arguments.space.coordinates),
-                         static_cast<int>(arguments.space.weighting),
-                         arguments.space.dihedral_weight};
+    identity["space"] = {
+        static_cast<int>(arguments.space.scale), static_cast<int>(arguments.space.coordinates),
+        static_cast<int>(arguments.space.weighting), arguments.space.dihedral_weight};
     identity["algorithm"] = static_cast<int>(arguments.algorithm);
     identity["tolerance"] = arguments.tolerance;
     identity["memory"] = arguments.memory.bytes;
@@ -239,8 +238,9 @@ Findings fit_and_write(const Session& session, const Arguments& arguments)
         if (const auto meshes = open_labelled(session, arguments.input, asks))
             return fit_in_passes(session, arguments, *meshes);
     if (asks)
-        throw UsageError("--memory, --algorithm and --resume are for one collection file (.h5) in edge "
-                         "space without --bootstrap; `shape collect` makes one");
+        throw UsageError(
+            "--memory, --algorithm and --resume are for one collection file (.h5) in edge "
+            "space without --bootstrap; `shape collect` makes one");
     Findings found = fit_in_memory(session, arguments);
     return_freed_memory();
     write_model(arguments.output, found.fit.model);
@@ -320,13 +320,14 @@ Run set_up_stats(CLI::App& command)
         ->needs(bootstrap);
     CLI::Option* space = add_space_options(command, arguments->space);
     CLI::Option* memory = add_memory(command, arguments->memory);
-    add_choice(command, "--algorithm", arguments->algorithm,
-               "How modes of a large collection are found. gram: exactly, from all inner products;\n"
-               "krylov: by a random block Krylov method, which takes fewer operations and memory\n"
-               "for many meshes (default: auto, whichever is quicker)",
-               {{"auto", FitAlgorithm::Automatic},
-                {"gram", FitAlgorithm::Gram},
-                {"krylov", FitAlgorithm::Krylov}});
+    add_choice(
+        command, "--algorithm", arguments->algorithm,
+        "How modes of a large collection are found. gram: exactly, from all inner products;\n"
+        "krylov: by a random block Krylov method, which takes fewer operations and memory\n"
+        "for many meshes (default: auto, whichever is quicker)",
+        {{"auto", FitAlgorithm::Automatic},
+         {"gram", FitAlgorithm::Gram},
+         {"krylov", FitAlgorithm::Krylov}});
     add_number(command, "--tolerance", arguments->tolerance,
                "Relative error of each variance that krylov may leave, (0, 1) (default: 1e-6)",
                Sign::Positive);
@@ -337,9 +338,10 @@ Run set_up_stats(CLI::App& command)
                "At least this much time lies between two states that are kept for --resume\n"
                "[s], after a pass each (default: 30)");
     command
-        .add_option("--update", arguments->update,
-                    "Model of all its modes (.h5) to which the meshes are added that it does not have;\n"
-                    "those it has are not read. The result is that of a run on all of them")
+        .add_option(
+            "--update", arguments->update,
+            "Model of all its modes (.h5) to which the meshes are added that it does not have;\n"
+            "those it has are not read. The result is that of a run on all of them")
         ->option_text("MODEL")
         ->excludes(bootstrap)
         ->excludes(space)

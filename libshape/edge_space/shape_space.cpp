@@ -238,8 +238,9 @@ ShapeSpace make_space(const MeshStream& meshes, const SpaceOptions& options, Ind
         throw InvalidInput("Procrustes space needs all meshes in memory");
     return make_edge_space(meshes.topology, static_cast<std::size_t>(meshes.size()), options, [&] {
         EdgeSums sums = no_sums(meshes.topology);
-        for_each_block(meshes, 0, meshes.size(), block,
-                       [&](Index, const Collection& part) { add_to_sums(part, options.scale, sums); });
+        for_each_block(meshes, 0, meshes.size(), block, [&](Index, const Collection& part) {
+            add_to_sums(part, options.scale, sums);
+        });
         return sums;
     });
 }

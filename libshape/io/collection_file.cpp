@@ -38,18 +38,18 @@ class InOrder
 {
 public:
     explicit InOrder(const MeshStream& meshes)
-        : meshes_(meshes), block_(std::clamp<Eigen::Index>(
-                               (Eigen::Index{16} << 20) /
-                                   (24 * static_cast<Eigen::Index>(meshes.topology.vertex_count())),
-                               1, 256))
+        : meshes_(meshes),
+          block_(std::clamp<Eigen::Index>(
+              (Eigen::Index{16} << 20) /
+                  (24 * static_cast<Eigen::Index>(meshes.topology.vertex_count())),
+              1, 256))
     {
     }
 
     [[nodiscard]] const Points& operator[](Eigen::Index mesh)
     {
         if (mesh < first_ || mesh >= first_ + static_cast<Eigen::Index>(points_.size())) {
-            std::vector<Eigen::Index> wanted(
-                to_size(std::min(block_, meshes_.size() - mesh)));
+            std::vector<Eigen::Index> wanted(to_size(std::min(block_, meshes_.size() - mesh)));
             std::iota(wanted.begin(), wanted.end(), mesh);
             points_.resize(wanted.size(), Points(meshes_.topology.vertex_count(), 3));
             meshes_.fetch(std::move(wanted))(points_);
@@ -95,16 +95,15 @@ void write_collection(const std::filesystem::path& path, const MeshStream& meshe
              }),
              options.compress});
     };
-    add("/points", {count, topology.vertex_count(), 3},
-        [&](Eigen::Index i, const Points& points) {
-            if (!points.allFinite() || !(edge_lengths(topology, points).minCoeff() > 0.0))
-                throw InvalidInput(join("mesh ", i,
-                                        " of the collection has a coordinate that is not "
-                                        "finite or an edge of length 0"));
-            if (progress)
-                progress("writing", to_size(i) + 1, to_size(count));
-            return Eigen::VectorXd(points.reshaped<Eigen::RowMajor>());
-        });
+    add("/points", {count, topology.vertex_count(), 3}, [&](Eigen::Index i, const Points& points) {
+        if (!points.allFinite() || !(edge_lengths(topology, points).minCoeff() > 0.0))
+            throw InvalidInput(join("mesh ", i,
+                                    " of the collection has a coordinate that is not "
+                                    "finite or an edge of length 0"));
+        if (progress)
+            progress("writing", to_size(i) + 1, to_size(count));
+        return Eigen::VectorXd(points.reshaped<Eigen::RowMajor>());
+    });
     if (options.derived) {
         add("/edge_lengths", {count, topology.edge_count()},
             [&](Eigen::Index, const Points& points) { return edge_lengths(topology, points); });
@@ -148,7 +147,8 @@ Collection read_collection(const std::filesystem::path& path)
         for_each_mesh(collection.size(), [&](Eigen::Index i) {
             Eigen::Index edge = 0;
             if (!(edge_lengths(topology, collection.points[to_size(i)]).minCoeff(&edge) > 0.0))
-                file.fail("/points", join("mesh ", i, " has an edge of length 0 (edge ", edge, ")"));
+                file.fail("/points",
+                          join("mesh ", i, " has an edge of length 0 (edge ", edge, ")"));
         });
     }
     if (!file.has("/dihedral_angles"))

@@ -55,7 +55,8 @@ MeshStream joined(const MeshStream& first, const MeshStream& second)
     const std::set<std::string> names(first.names.begin(), first.names.end());
     for (const std::string& name : second.names)
         if (names.contains(name))
-            throw InvalidInput(join("the name '", name, "' occurs twice; names of a collection must "
+            throw InvalidInput(join("the name '", name,
+                                    "' occurs twice; names of a collection must "
                                     "differ"));
     MeshStream result = first;
     result.names.insert(result.names.end(), second.names.begin(), second.names.end());
@@ -64,8 +65,9 @@ MeshStream joined(const MeshStream& first, const MeshStream& second)
                          [&](const LabelColumn& c) { return c.name == column.name; }))
             result.labels.push_back({column.name, std::vector<std::string>(first.names.size())});
     for (LabelColumn& column : result.labels) {
-        const auto added = std::find_if(second.labels.begin(), second.labels.end(),
-                                        [&](const LabelColumn& c) { return c.name == column.name; });
+        const auto added =
+            std::find_if(second.labels.begin(), second.labels.end(),
+                         [&](const LabelColumn& c) { return c.name == column.name; });
         if (added != second.labels.end())
             column.values.insert(column.values.end(), added->values.begin(), added->values.end());
         column.values.resize(result.names.size());

@@ -21,8 +21,8 @@ struct MeshStream
     using Unpack = std::function<void(std::span<Points> points)>;
 
     Topology topology;
-    std::vector<std::string> names; ///< N, unique.
-    Labels labels;                  ///< Each column N values.
+    std::vector<std::string> names;   ///< N, unique.
+    Labels labels;                    ///< Each column N values.
     std::uint64_t bytes_per_mesh = 0; ///< Read for a mesh.
     /// Reads the bytes of meshes, ascending indices in [0, N), and does no more than to wait for them:
     /// it is called ahead, on a thread of its own.

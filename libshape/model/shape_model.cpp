@@ -82,9 +82,9 @@ DecodedShape model_point(const ShapeModel& model, const Eigen::VectorXd& scores,
         if (!std::isfinite(scores[k]))
             throw InvalidInput(
                 join("model point: score ", k, " is ", scores[k], ", must be finite"));
-    return decode(
-        model.space, with_rows_added(model.mean, model.modes, scores),
-        with_rows_added(model.mean_dihedral_angles, model.mode_dihedral_angles, scores), size);
+    return decode(model.space, with_rows_added(model.mean, model.modes, scores),
+                  with_rows_added(model.mean_dihedral_angles, model.mode_dihedral_angles, scores),
+                  size);
 }
 
 Projection project(const ShapeModel& model, const Collection& collection)

@@ -107,9 +107,12 @@ class Fit
 {
 public:
     Fit(const MeshStream& meshes, const ModelOptions& options, const StreamOptions& stream)
-        : meshes_(meshes), options_(options), stream_(stream),
+        : meshes_(meshes),
+          options_(options),
+          stream_(stream),
           space_(make_space(meshes, options.space, 8)),
-          dimension_(internal::dimension(space_, meshes.topology)), sizes_(meshes.size()),
+          dimension_(internal::dimension(space_, meshes.topology)),
+          sizes_(meshes.size()),
           branches_(has_companions(space_) ? meshes.topology.edge_count() : 0),
           memory_(stream.memory > 0 ? stream.memory : usual_memory())
     {
@@ -159,7 +162,8 @@ private:
     [[noreturn]] void fail_for_memory(const std::string& what, std::uint64_t wanted) const
     {
         throw LimitExceeded(join(what, " need ", (wanted >> 20) + 1, " MiB, the memory allowed is ",
-                                 memory_ >> 20, " MiB; keep fewer modes (--modes) or allow more "
+                                 memory_ >> 20,
+                                 " MiB; keep fewer modes (--modes) or allow more "
                                  "(--memory)"));
     }
 
@@ -194,14 +198,13 @@ private:
             return to_size(count) * to_size(meshes_.bytes_per_mesh) / 1000;
         };
         const std::string stage = join("pass ", passes_ + 1, ", ", name, ", kB");
-        for_each_block(meshes_, begin, meshes_.size(), block,
-                       [&](Index first, const Collection& part) {
-                           visit(first, part);
-                           const Index done = first + static_cast<Index>(part.size()) - begin;
-                           if (stream_.progress)
-                               stream_.progress(stage, kilobytes(done),
-                                                kilobytes(meshes_.size() - begin));
-                       });
+        for_each_block(
+            meshes_, begin, meshes_.size(), block, [&](Index first, const Collection& part) {
+                visit(first, part);
+                const Index done = first + static_cast<Index>(part.size()) - begin;
+                if (stream_.progress)
+                    stream_.progress(stage, kilobytes(done), kilobytes(meshes_.size() - begin));
+            });
         ++passes_;
     }
 
@@ -268,8 +271,7 @@ private:
             const Eigen::MatrixXd products = gram.products();
             gram = TiledGram(0, 0, 0);
             check_spread(products.trace());
-            components_.total_variance =
-                products.trace() / static_cast<double>(meshes_.size() - 1);
+            components_.total_variance = products.trace() / static_cast<double>(meshes_.size() - 1);
             const Eigenpairs pairs = leading_eigenpairs(products, options);
             weights = pairs.vectors * pairs.values.cwiseSqrt().cwiseInverse().asDiagonal();
         }
@@ -299,8 +301,8 @@ private:
         const std::uint64_t busy = static_cast<std::uint64_t>(tile) * bytes_of_mesh() +
                                    bytes(meshes_.size(), meshes_.size());
         const std::uint64_t room = memory_ > busy ? (memory_ - busy) / row : 0;
-        const std::uint64_t useful =
-            std::max(static_cast<std::uint64_t>(meshes_.size()) / 8, (std::uint64_t{48} << 20) / row);
+        const std::uint64_t useful = std::max(static_cast<std::uint64_t>(meshes_.size()) / 8,
+                                              (std::uint64_t{48} << 20) / row);
         return static_cast<Index>(std::min(room, useful));
     }
 
@@ -453,7 +455,8 @@ private:
     int passes_ = 0;
     double error_ = 0.0;
     Points reference_;
-    RowMatrix rows_; ///< Of a block, worked on; kept, for fresh memory costs more than what is done in it.
+    RowMatrix
+        rows_; ///< Of a block, worked on; kept, for fresh memory costs more than what is done in it.
     PrincipalComponents components_;
     Eigen::VectorXd mean_angles_;
     RowMatrix mode_angles_;

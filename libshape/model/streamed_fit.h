@@ -17,8 +17,8 @@ namespace shape {
 enum class FitAlgorithm
 {
     Automatic, ///< Gram where all modes are wanted or the matrix is small, else Krylov.
-    Gram,      ///< Eigenvectors of the N by N inner products, summed tile by tile: exact to rounding.
-    Krylov,    ///< Block Krylov method from a random start, to a tolerance.
+    Gram,   ///< Eigenvectors of the N by N inner products, summed tile by tile: exact to rounding.
+    Krylov, ///< Block Krylov method from a random start, to a tolerance.
 };
 
 struct StreamOptions

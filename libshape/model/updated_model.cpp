@@ -22,22 +22,23 @@ void check_fit(const ShapeModel& model, const Collection& added)
 {
     const Index count = model.scores.rows();
     if (model.mode_count() != count - 1)
-        throw InvalidInput(join("update: the model has ", model.mode_count(), " modes of ", count - 1,
+        throw InvalidInput(join("update: the model has ", model.mode_count(), " modes of ",
+                                count - 1,
                                 "; only one of all modes still knows its meshes: fit all of them "
                                 "again"));
     const EdgeSpace* edge = std::get_if<EdgeSpace>(&model.space);
     if (edge == nullptr || edge->length_factors.size() > 0 || edge->dihedral_factors.size() > 0)
-        throw InvalidInput("update: the space of the model depends on all its meshes (area weights, "
-                           "dihedral angles, Procrustes): fit all of them again");
+        throw InvalidInput(
+            "update: the space of the model depends on all its meshes (area weights, "
+            "dihedral angles, Procrustes): fit all of them again");
     if (added.size() == 0)
         throw InvalidInput("update: there is no mesh to add");
     if (!(added.topology == model.topology))
-        throw InvalidInput(
-            join("update: ",
-                 describe_correspondence_break(
-                     {"the model", "the model", model.reference_points, model.topology.faces()},
-                     {added.names.front(), "mesh " + added.names.front(), added.points.front(),
-                      added.topology.faces()})));
+        throw InvalidInput(join("update: ", describe_correspondence_break(
+                                                {"the model", "the model", model.reference_points,
+                                                 model.topology.faces()},
+                                                {added.names.front(), "mesh " + added.names.front(),
+                                                 added.points.front(), added.topology.faces()})));
     const std::set<std::string> names(model.names.begin(), model.names.end());
     for (const std::string& name : added.names)
         if (names.contains(name))
@@ -62,8 +63,9 @@ Labels joined(const Labels& first, std::size_t first_count, const Labels& second
                          [&](const LabelColumn& c) { return c.name == column.name; }))
             all.push_back({column.name, std::vector<std::string>(first_count)});
     for (LabelColumn& column : all) {
-        const auto found = std::find_if(second.begin(), second.end(),
-                                        [&](const LabelColumn& c) { return c.name == column.name; });
+        const auto found = std::find_if(second.begin(), second.end(), [&](const LabelColumn& c) {
+            return c.name == column.name;
+        });
         if (found != second.end())
             column.values.insert(column.values.end(), found->values.begin(), found->values.end());
         column.values.resize(first_count + second_count);
@@ -93,13 +95,13 @@ ShapeModel update_model(const ShapeModel& model, const Collection& added,
     all_sizes << model.sizes, sizes(model.space, added);
     std::vector<std::string> names = model.names;
     names.insert(names.end(), added.names.begin(), added.names.end());
-    return model_of({.topology = model.topology,
-                     .reference_points = model.reference_points,
-                     .space = model.space,
-                     .names = std::move(names),
-                     .labels = joined(model.labels, model.names.size(), added.labels,
-                                      added.size())},
-                    std::move(coordinates), angles, std::move(all_sizes), options);
+    return model_of(
+        {.topology = model.topology,
+         .reference_points = model.reference_points,
+         .space = model.space,
+         .names = std::move(names),
+         .labels = joined(model.labels, model.names.size(), added.labels, added.size())},
+        std::move(coordinates), angles, std::move(all_sizes), options);
 }
 
 } // namespace shape

@@ -51,11 +51,10 @@ RowMatrix sum_of_strips(Index total, Index rows, Index columns,
 /// a^T b of tall matrices.
 RowMatrix inner(const RowMatrix& a, const RowMatrix& b)
 {
-    return sum_of_strips(a.rows(), a.cols(), b.cols(),
-                         [&](Index first, Index count, RowMatrix& sum) {
-                             add_product_of_columns(a.middleRows(first, count),
-                                                    b.middleRows(first, count), sum);
-                         });
+    return sum_of_strips(
+        a.rows(), a.cols(), b.cols(), [&](Index first, Index count, RowMatrix& sum) {
+            add_product_of_columns(a.middleRows(first, count), b.middleRows(first, count), sum);
+        });
 }
 
 /// a -= b c of tall a and b.
@@ -119,7 +118,9 @@ Index BlockKrylov::tile_rows(Index columns)
 }
 
 BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& options)
-    : rows_(rows), columns_(columns), options_(options),
+    : rows_(rows),
+      columns_(columns),
+      options_(options),
       size_(std::min({block_size(options.components > 0 ? options.components : 32), columns,
                       std::max<Index>(rows - 1, 1)})),
       sums_(Eigen::VectorXd::Zero(columns))
@@ -229,8 +230,11 @@ void BlockKrylov::judge(const Eigen::VectorXd& values, const Eigen::VectorXd& re
         if (sum < options_.variance * squares_ && product_.cols() > 0) {
             error_ = 1.0;
             if (static_cast<Index>(basis_.size()) >= most_blocks_)
-                throw LimitExceeded(join("a share of ", options_.variance, " of the variance needs more "
-                                         "than ", found, " modes, which is what the memory holds; "
+                throw LimitExceeded(join("a share of ", options_.variance,
+                                         " of the variance needs more "
+                                         "than ",
+                                         found,
+                                         " modes, which is what the memory holds; "
                                          "choose a number of modes or allow more memory"));
             return;
         }
@@ -243,7 +247,8 @@ void BlockKrylov::judge(const Eigen::VectorXd& values, const Eigen::VectorXd& re
         for (Index m = 0; m + 1 < found; ++m) {
             squares += residuals[m] * residuals[m];
             const double gap = values[m] - values[m + 1];
-            const double bound = gap > 0.0 ? squares / gap : std::numeric_limits<double>::infinity();
+            const double bound =
+                gap > 0.0 ? squares / gap : std::numeric_limits<double>::infinity();
             for (Index k = 0; k <= std::min(m, wanted_ - 1); ++k)
                 least[to_size(k)] = std::min({least[to_size(k)], residuals[k], bound});
         }
@@ -281,7 +286,8 @@ RowMatrix BlockKrylov::components() const
         RowMatrix part = RowMatrix::Zero(count, wanted_);
         Index row = 0;
         for (const RowMatrix& block : basis_) {
-            add_product(block.middleRows(first, count), weights.middleRows(row, block.cols()), part);
+            add_product(block.middleRows(first, count), weights.middleRows(row, block.cols()),
+                        part);
             row += block.cols();
         }
         result.middleCols(first, count) = part.transpose();

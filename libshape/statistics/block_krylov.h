@@ -51,10 +51,16 @@ public:
 
     [[nodiscard]] bool is_complete() const { return is_complete_; }
     [[nodiscard]] int passes() const { return passes_; }
-    [[nodiscard]] double error() const { return error_; } ///< Estimate of the largest relative error.
+    [[nodiscard]] double error() const
+    {
+        return error_;
+    } ///< Estimate of the largest relative error.
 
     [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; } ///< After the first pass.
-    [[nodiscard]] double squared_norm() const { return squares_; } ///< Of all centred rows, then too.
+    [[nodiscard]] double squared_norm() const
+    {
+        return squares_;
+    }                                           ///< Of all centred rows, then too.
     [[nodiscard]] RowMatrix components() const; ///< K by E, orthonormal; when complete.
 
     void release(PassState& state); ///< Between passes: hands over what restore() takes back.
@@ -73,7 +79,8 @@ private:
     Eigen::VectorXd mean_;     ///< In the first pass that of its first rows.
     Eigen::VectorXd sums_;
     double squares_ = 0.0;
-    std::vector<RowMatrix> basis_; ///< E by s each; the product of the last one is taken in this pass.
+    std::vector<RowMatrix>
+        basis_; ///< E by s each; the product of the last one is taken in this pass.
     RowMatrix product_;
     RowMatrix projected_; ///< C in the basis.
     Eigen::MatrixXd ritz_vectors_;

@@ -2,7 +2,6 @@
 
 #include "libshape/statistics/principal_components.h"
 
-
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"

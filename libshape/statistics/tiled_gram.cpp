@@ -35,9 +35,12 @@ Index TiledGram::tile_rows(Index columns)
 }
 
 TiledGram::TiledGram(Index rows, Index columns, Index held)
-    : rows_(rows), columns_(columns), tile_(tile_rows(columns)),
+    : rows_(rows),
+      columns_(columns),
+      tile_(tile_rows(columns)),
       kept_rows_(std::min(rows, std::max<Index>(held / tile_, 1) * tile_)),
-      products_(RowMatrix::Zero(rows, rows)), sums_(Eigen::VectorXd::Zero(columns))
+      products_(RowMatrix::Zero(rows, rows)),
+      sums_(Eigen::VectorXd::Zero(columns))
 {
 }
 

@@ -36,7 +36,7 @@ public:
     void end_pass();
 
     // When complete.
-    [[nodiscard]] Eigen::VectorXd mean() const;    ///< E.
+    [[nodiscard]] Eigen::VectorXd mean() const;     ///< E.
     [[nodiscard]] Eigen::MatrixXd products() const; ///< N by N, symmetric.
 
     void release(PassState& state); ///< Between passes: hands over what restore() takes back.

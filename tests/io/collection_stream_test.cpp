@@ -36,10 +36,11 @@ Collection several_chunks()
 std::vector<Points> all_of(const MeshStream& stream, Eigen::Index begin, Eigen::Index block)
 {
     std::vector<Points> points;
-    for_each_block(stream, begin, stream.size(), block, [&](Eigen::Index first, const Collection& b) {
-        EXPECT_EQ(first, begin + static_cast<Eigen::Index>(points.size()));
-        points.insert(points.end(), b.points.begin(), b.points.end());
-    });
+    for_each_block(stream, begin, stream.size(), block,
+                   [&](Eigen::Index first, const Collection& b) {
+                       EXPECT_EQ(first, begin + static_cast<Eigen::Index>(points.size()));
+                       points.insert(points.end(), b.points.begin(), b.points.end());
+                   });
     return points;
 }
 
@@ -128,8 +129,7 @@ TEST(CollectionStream, SaysThatTheFileChangedWhileItWasRead)
     std::vector<Points> points(1, Points(642, 3));
     stream.fetch({0})(points);
     std::ofstream(directory / "c.h5", std::ios::binary | std::ios::app) << "x";
-    const std::string message =
-        test::message_of<FileError>([&] { (void)stream.fetch({100}); });
+    const std::string message = test::message_of<FileError>([&] { (void)stream.fetch({100}); });
     EXPECT_NE(message.find("c.h5: it changed while it was read"), std::string::npos) << message;
     std::filesystem::resize_file(directory / "c.h5", 4096);
     EXPECT_THROW((void)stream.fetch({100}), FileError);

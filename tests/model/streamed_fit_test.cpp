@@ -70,8 +70,8 @@ TEST(StreamedFit, GivesTheModelOfTheCollectionInMemory)
         for (const SpaceOptions& space : spaces()) {
             const ModelOptions options{.modes = 6, .space = space};
             const ShapeModel expected = fit_model(collection, options);
-            const StreamedFit gram = fit_model(stream_of(collection), options,
-                                               {.algorithm = FitAlgorithm::Gram});
+            const StreamedFit gram =
+                fit_model(stream_of(collection), options, {.algorithm = FitAlgorithm::Gram});
             expect_near(gram.model, expected, 1e-10);
             EXPECT_EQ(gram.error, 0.0);
             const StreamedFit krylov =
@@ -90,8 +90,8 @@ TEST(StreamedFit, TheFoldedMeshesNeedTheBranchRuleIndeed)
     const Collection collection = folded(30);
     double sharpest = 0.0;
     for (const Points& points : collection.points)
-        sharpest = std::max(
-            sharpest, dihedral_angles(collection.topology, points).cwiseAbs().maxCoeff());
+        sharpest =
+            std::max(sharpest, dihedral_angles(collection.topology, points).cwiseAbs().maxCoeff());
     EXPECT_GT(sharpest, 3.0);
     const RowMatrix angles = companion_angles(collection);
     EXPECT_GT(angles.cwiseAbs().maxCoeff(), std::numbers::pi);
@@ -107,9 +107,8 @@ TEST(StreamedFit, KeepsAllModesOrAShareOfTheVariance)
         EXPECT_EQ(fit_model(stream_of(collection), share, {.algorithm = algorithm})
                       .model.variances.size(),
                   expected.variances.size());
-    EXPECT_THROW(
-        (void)fit_model(stream_of(collection), {}, {.algorithm = FitAlgorithm::Krylov}),
-        InvalidInput);
+    EXPECT_THROW((void)fit_model(stream_of(collection), {}, {.algorithm = FitAlgorithm::Krylov}),
+                 InvalidInput);
 }
 
 TEST(StreamedFit, MeetsTheRulesOfItsOptionsAndOfTheMeshes)
@@ -161,10 +160,10 @@ TEST(StreamedFit, HasTheSameBitsForAnyThreadCountAndWhenItIsResumedAfterAnyPass)
             EXPECT_EQ(resumed.passes, whole.passes);
         }
         const test::ThreadScope scope(1);
-        expect_same_bits(fit_model(stream_of(collection), options,
-                                   {.algorithm = algorithm, .tolerance = 1e-10})
-                             .model,
-                         whole.model);
+        expect_same_bits(
+            fit_model(stream_of(collection), options, {.algorithm = algorithm, .tolerance = 1e-10})
+                .model,
+            whole.model);
         EXPECT_THROW((void)fit_model(stream_of(test::bumpy_spheres(39, 1)), options,
                                      {.algorithm = algorithm, .state = states.front()}),
                      InvalidInput);

@@ -50,13 +50,10 @@ RowMatrix planted(Index rows, const Eigen::VectorXd& variances, Index columns, u
     const Eigen::HouseholderQR<Eigen::MatrixXd> left(scores);
     const Eigen::HouseholderQR<Eigen::MatrixXd> right(
         test::random_matrix(columns, count, seed + 1));
-    const Eigen::MatrixXd u =
-        left.householderQ() * Eigen::MatrixXd::Identity(rows, count);
-    const Eigen::MatrixXd v =
-        right.householderQ() * Eigen::MatrixXd::Identity(columns, count);
-    RowMatrix data = u *
-                     (static_cast<double>(rows - 1) * variances).cwiseSqrt().asDiagonal() *
-                     v.transpose();
+    const Eigen::MatrixXd u = left.householderQ() * Eigen::MatrixXd::Identity(rows, count);
+    const Eigen::MatrixXd v = right.householderQ() * Eigen::MatrixXd::Identity(columns, count);
+    RowMatrix data =
+        u * (static_cast<double>(rows - 1) * variances).cwiseSqrt().asDiagonal() * v.transpose();
     return data.rowwise() + test::random_matrix(1, columns, seed + 2).row(0);
 }
 
@@ -98,10 +95,10 @@ TEST(BlockKrylov, FindsPlantedVariancesWithinTheToleranceItReports)
             EXPECT_LE(krylov.error(), tolerance);
             const Eigen::VectorXd found = variances_along(data, components);
             for (Index k = 0; k < 10; ++k)
-                EXPECT_NEAR(found[k], spectrum[k],
-                            tolerance * spectrum[k] + 1e-13 * spectrum[0])
+                EXPECT_NEAR(found[k], spectrum[k], tolerance * spectrum[k] + 1e-13 * spectrum[0])
                     << k;
-            EXPECT_NEAR(krylov.squared_norm(), 399.0 * spectrum.sum(), 1e-10 * 399.0 * spectrum.sum());
+            EXPECT_NEAR(krylov.squared_norm(), 399.0 * spectrum.sum(),
+                        1e-10 * 399.0 * spectrum.sum());
         }
 }
 
@@ -124,8 +121,7 @@ TEST(BlockKrylov, KeepsAsManyAsHaveTheShareOfTheVariance)
     const Eigen::VectorXd spectrum = spectra()[2];
     const RowMatrix data = planted(400, spectrum, 500, 11);
     for (const double share : {0.2, 0.5, 0.9}) {
-        const Index expected =
-            principal_components(data, {.variance = share}).variances.size();
+        const Index expected = principal_components(data, {.variance = share}).variances.size();
         EXPECT_EQ(run(data, {.variance = share, .memory = plenty}).components().rows(), expected);
     }
     const std::uint64_t little = 8 * 500 * 42 * 5;

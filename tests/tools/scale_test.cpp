@@ -57,8 +57,8 @@ TEST_F(Scale, PassesGiveTheModelOfTheRunInMemoryAndSayHow)
     for (std::size_t k = 0; k < 5; ++k)
         EXPECT_NEAR(krylov["modes"][k]["variance"], memory["modes"][k]["variance"],
                     1e-8 * memory["modes"][k]["variance"].get<double>());
-    const Outcome told = outcome({"stats", "c.h5", "--modes", "5", "-o", "k.h5", "--algorithm",
-                                  "krylov"});
+    const Outcome told =
+        outcome({"stats", "c.h5", "--modes", "5", "-o", "k.h5", "--algorithm", "krylov"});
     EXPECT_NE(told.err.find("by block Krylov in"), std::string::npos) << told.err;
     EXPECT_NE(told.err.find("as estimated"), std::string::npos) << told.err;
 }
@@ -69,8 +69,8 @@ TEST_F(Scale, OnlyAndLabelsChooseTheSameMeshesInPasses)
     for (const std::string& name : bumpy_spheres(60, 3).names)
         labels += name + (name.back() % 2 == 0 ? ",left\n" : ",right\n");
     folder_.write("l.csv", labels);
-    const Arguments chosen{"stats", "c.h5", "--labels", "l.csv", "--only", "side=left", "--modes",
-                           "3"};
+    const Arguments chosen{"stats",  "c.h5",      "--labels", "l.csv",
+                           "--only", "side=left", "--modes",  "3"};
     (void)run(chosen + Arguments{"-o", "a.h5"});
     (void)run(chosen + Arguments{"-o", "b.h5", "--algorithm", "gram"});
     const ShapeModel a = read_model(folder_ / "a.h5");
@@ -115,8 +115,8 @@ TEST_F(Scale, MemoryIsABoundThatIsRefusedWhereNothingFits)
     EXPECT_EQ(little.exit_code, 2);
     EXPECT_NE(little.err.find("at least 16M"), std::string::npos) << little.err;
     EXPECT_EQ(outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "much"}).exit_code, 2);
-    const Outcome mixed = outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "1G", "--space",
-                                   "procrustes"});
+    const Outcome mixed =
+        outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "1G", "--space", "procrustes"});
     EXPECT_EQ(mixed.exit_code, 2);
     EXPECT_NE(mixed.err.find("are for one collection file"), std::string::npos) << mixed.err;
     EXPECT_EQ(run({"stats", "c.h5", "-o", "m.h5", "--memory", "64M", "--modes", "3"})["passes"], 3);
@@ -186,8 +186,8 @@ TEST_F(Scale, DerivedValuesAndCompressionAreWrittenOnDemand)
 
 TEST_F(Scale, ADiskThatIsFullEndsTheRunInALineAndLeavesNothing)
 {
-    const Outcome full = run_shape(folder_.path(), {"collect", "c.h5", "-o", "d.h5"},
-                                   {.largest_file = 20000});
+    const Outcome full =
+        run_shape(folder_.path(), {"collect", "c.h5", "-o", "d.h5"}, {.largest_file = 20000});
     EXPECT_EQ(full.exit_code, 5);
     EXPECT_NE(full.err.find("cannot write d.h5"), std::string::npos) << full.err;
     EXPECT_EQ(line_count(full.err), 1);

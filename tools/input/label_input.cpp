@@ -77,8 +77,7 @@ std::vector<std::size_t> chosen_meshes(const std::vector<std::string>& only, con
     for (std::size_t i = 0; i < count; ++i)
         if (std::all_of(wanted.begin(), wanted.end(),
                         [&](const auto& rule) {
-                            return rule.second.contains(
-                                find_label(labels, rule.first).values[i]);
+                            return rule.second.contains(find_label(labels, rule.first).values[i]);
                         }) &&
             std::all_of(labelled.begin(), labelled.end(), [&](const std::string& label) {
                 return !find_label(labels, label).values[i].empty();

@@ -25,7 +25,8 @@ std::uint64_t read_bytes(const std::string& text)
     constexpr std::string_view units = "KMGT";
     const std::size_t unit = text.empty() ? std::string::npos : units.find(text.back());
     if (unit == std::string_view::npos)
-        throw UsageError(join("--memory: '", text, "' must be a number with K, M, G or T behind it, "
+        throw UsageError(join("--memory: '", text,
+                              "' must be a number with K, M, G or T behind it, "
                               "such as 500M"));
     const double number = read_number(text.substr(0, text.size() - 1), "--memory");
     const double bytes = number * static_cast<double>(std::uint64_t{1024} << (10 * unit));
@@ -43,19 +44,20 @@ MeshStream without_degenerate_meshes(MeshStream stream, const std::string& path)
     auto fetch = std::move(stream.fetch);
     stream.fetch = [fetch = std::move(fetch), faces = stream.topology, names = stream.names, path,
                     seen](std::vector<Eigen::Index> meshes) -> MeshStream::Unpack {
-        return [unpack = fetch(meshes), meshes, faces, names, path, seen](std::span<Points> points) {
-            unpack(points);
-            parallel_for(points.size(), 1, [&](std::size_t i, std::size_t) {
-                const auto mesh = to_size(meshes[i]);
-                if ((*seen)[mesh])
-                    return;
-                const auto defects = find_degenerate_geometry(faces.faces(), points[i], 1);
-                if (!defects.empty())
-                    throw InvalidInput(
-                        join(path, ": mesh ", names[mesh], ": ", defects.front().message));
-                (*seen)[mesh] = true;
-            });
-        };
+        return
+            [unpack = fetch(meshes), meshes, faces, names, path, seen](std::span<Points> points) {
+                unpack(points);
+                parallel_for(points.size(), 1, [&](std::size_t i, std::size_t) {
+                    const auto mesh = to_size(meshes[i]);
+                    if ((*seen)[mesh])
+                        return;
+                    const auto defects = find_degenerate_geometry(faces.faces(), points[i], 1);
+                    if (!defects.empty())
+                        throw InvalidInput(
+                            join(path, ": mesh ", names[mesh], ": ", defects.front().message));
+                    (*seen)[mesh] = true;
+                });
+            };
     };
     return stream;
 }

@@ -95,14 +95,16 @@ public:
     }
     [[noreturn]] void fail() const
     {
-        throw InvalidInput(join(path_.string(), ": is no state of an interrupted run, or damaged; "
+        throw InvalidInput(join(path_.string(),
+                                ": is no state of an interrupted run, or damaged; "
                                 "remove it"));
     }
 
 private:
     void take(void* bytes, std::uint64_t size)
     {
-        if (size > left_ || !in_.read(static_cast<char*>(bytes), static_cast<std::streamsize>(size)))
+        if (size > left_ ||
+            !in_.read(static_cast<char*>(bytes), static_cast<std::streamsize>(size)))
             fail();
         left_ -= size;
     }
@@ -130,9 +132,9 @@ std::pair<std::string, PassState> read_state(const std::filesystem::path& path)
         const std::uint64_t values = reader.count(sizeof(double));
         if (rows == 0 ? values != 0 : values % rows != 0)
             reader.fail();
-        RowMatrix& array = state.arrays.emplace_back(
-            static_cast<Eigen::Index>(rows),
-            rows == 0 ? 0 : static_cast<Eigen::Index>(values / rows));
+        RowMatrix& array =
+            state.arrays.emplace_back(static_cast<Eigen::Index>(rows),
+                                      rows == 0 ? 0 : static_cast<Eigen::Index>(values / rows));
         reader.get(array.data(), values * sizeof(double));
     }
     reader.finish();
@@ -148,7 +150,8 @@ PassStore::PassStore(const Session& session, const std::filesystem::path& output
     if (!std::filesystem::exists(file_))
         return;
     if (!resume && !session.force)
-        throw FileError(join(file_.string(), ": an interrupted run has left it; --resume goes on "
+        throw FileError(join(file_.string(),
+                             ": an interrupted run has left it; --resume goes on "
                              "from there, --force starts anew"));
     if (!resume)
         return;

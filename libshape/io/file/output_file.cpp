@@ -127,8 +127,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
     file.commit();
 }
 
-void write_file_atomically(const std::filesystem::path& path,
-                           const std::function<void(int)>& write,
+void write_file_atomically(const std::filesystem::path& path, const std::function<void(int)>& write,
                            const std::function<void(const std::filesystem::path&)>& check)
 {
     TemporaryFile file(path);

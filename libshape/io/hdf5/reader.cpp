@@ -24,7 +24,7 @@ constexpr std::uint64_t largest_file = std::uint64_t{1} << 50;
 constexpr Eigen::Index largest_array = Eigen::Index{8} << 30; // [byte], of one dataset in memory
 constexpr Eigen::Index most_chunks = Eigen::Index{1} << 24;   // of one dataset
 constexpr Eigen::Index best_packing = 1032;                   // of deflate: bytes out of one
-constexpr hsize_t largest_chunk = hsize_t{64} << 20; // [byte]
+constexpr hsize_t largest_chunk = hsize_t{64} << 20;          // [byte]
 
 using IntMatrix = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -113,14 +113,13 @@ public:
         Id type(H5Dget_type(dataset), H5Tclose);
         const Id space(H5Dget_space(dataset), H5Sclose);
         const Id creation(H5Dget_create_plist(dataset), H5Pclose);
-        StoredDataset stored{
-            std::move(dataset), std::move(type), read_extents(space), 1, {}, {}};
+        StoredDataset stored{std::move(dataset), std::move(type), read_extents(space), 1, {}, {}};
         const std::size_t value_size = H5Tget_size(stored.type);
         if (value_size == 0 || value_size > longest_string)
             fail(join("has values of ", value_size, " bytes; the limit is ", longest_string));
         check_storage(creation, stored);
-        const bool is_packed = std::ranges::find(stored.filters, H5Z_FILTER_DEFLATE) !=
-                               stored.filters.end();
+        const bool is_packed =
+            std::ranges::find(stored.filters, H5Z_FILTER_DEFLATE) != stored.filters.end();
         const Eigen::Index room = file_.size * (is_packed ? best_packing : 1);
         for (const Eigen::Index length : stored.extents) {
             if (length < 1)
@@ -184,9 +183,8 @@ public:
         for (Eigen::Index i = 0; i < rows; i += table.chunk_extents[0])
             for (Eigen::Index j = 0; j < across; j += table.chunk_extents[1])
                 for (Eigen::Index k = 0; k < deep; k += table.chunk_extents[2]) {
-                    const std::array<hsize_t, 3> place{static_cast<hsize_t>(i),
-                                                       static_cast<hsize_t>(j),
-                                                       static_cast<hsize_t>(k)};
+                    const std::array<hsize_t, 3> place{
+                        static_cast<hsize_t>(i), static_cast<hsize_t>(j), static_cast<hsize_t>(k)};
                     haddr_t offset = HADDR_UNDEF;
                     hsize_t size = 0;
                     unsigned skipped = 0;
@@ -273,9 +271,10 @@ private:
                         rest.pop_back();
         }
         if (!rest.empty())
-            fail(join("is stored with filter ", rest.back(),
-                      " (compression?); only the checksum fletcher32 is read and, of float64 values, "
-                      "shuffle and deflate below it"));
+            fail(join(
+                "is stored with filter ", rest.back(),
+                " (compression?); only the checksum fletcher32 is read and, of float64 values, "
+                "shuffle and deflate below it"));
     }
 
     const OpenFile& file_;
@@ -314,8 +313,9 @@ void read_all(const StoredRows& rows, RowMatrix& values)
     for (Eigen::Index first = 0; first < rows.count(); first += step) {
         std::vector<Eigen::Index> wanted(to_size(std::min(step, rows.count() - first)));
         std::iota(wanted.begin(), wanted.end(), first);
-        rows.unpack(*rows.fetch(std::move(wanted)),
-                    [&](std::size_t i) { return values.row(first + static_cast<Eigen::Index>(i)).data(); });
+        rows.unpack(*rows.fetch(std::move(wanted)), [&](std::size_t i) {
+            return values.row(first + static_cast<Eigen::Index>(i)).data();
+        });
     }
 }
 
@@ -394,9 +394,8 @@ Extents Hdf5File::extents(const std::string& name) const
 StoredRows Hdf5File::rows(const std::string& name, const Extents& expected) const
 {
     const Item item(*state_, name);
-    return StoredRows(item.guarded([&] {
-        return item.chunk_table(item.open(expected, H5T_IEEE_F64LE, "float64"));
-    }));
+    return StoredRows(item.guarded(
+        [&] { return item.chunk_table(item.open(expected, H5T_IEEE_F64LE, "float64")); }));
 }
 
 RowMatrix Hdf5File::numbers(const std::string& name, const Extents& expected) const

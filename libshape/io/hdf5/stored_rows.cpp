@@ -104,7 +104,8 @@ struct StoredRows::State
     mutable std::vector<std::atomic<bool>> is_finite; ///< Rows.
 
     explicit State(ChunkTable chunks)
-        : table(std::move(chunks)), is_verified(table.chunks.size()),
+        : table(std::move(chunks)),
+          is_verified(table.chunks.size()),
           is_finite(to_size(table.extents[0]))
     {
         descriptor = ::open(table.file.c_str(), O_RDONLY | O_CLOEXEC);
@@ -140,10 +141,9 @@ struct StoredRows::State
     {
         check_unchanged();
         const Index last = std::min(first + table.chunk_extents[0], table.extents[0]) - 1;
-        throw InvalidInput(join(table.file, ": ", table.dataset, ": the stored values of ",
-                                first == last ? join("row ", first)
-                                              : join("rows ", first, " to ", last),
-                                " ", rule));
+        throw InvalidInput(join(
+            table.file, ": ", table.dataset, ": the stored values of ",
+            first == last ? join("row ", first) : join("rows ", first, " to ", last), " ", rule));
     }
 
     [[nodiscard]] Index across() const { return parts(table.extents[1], table.chunk_extents[1]); }
@@ -263,8 +263,7 @@ std::shared_ptr<StoredRows::Fetched> StoredRows::fetch(std::vector<Index> rows) 
     return fetched;
 }
 
-void StoredRows::unpack(Fetched& fetched,
-                        const std::function<double*(std::size_t i)>& row) const
+void StoredRows::unpack(Fetched& fetched, const std::function<double*(std::size_t i)>& row) const
 {
     const ChunkTable& table = state_->table;
     const auto& chunk = table.chunk_extents;
@@ -274,8 +273,8 @@ void StoredRows::unpack(Fetched& fetched,
         const Index first = number / in_a_slab * chunk[0];
         const Index begin = number % in_a_slab / state_->deep() * chunk[1];
         const Index depth = number % state_->deep() * chunk[2];
-        const Bytes bytes = state_->unpacked(to_size(number), first,
-                                             std::move(fetched.pieces[p].bytes));
+        const Bytes bytes =
+            state_->unpacked(to_size(number), first, std::move(fetched.pieces[p].bytes));
         const Index across = std::min(chunk[1], table.extents[1] - begin);
         const Index deep = std::min(chunk[2], table.extents[2] - depth);
         const auto low = std::lower_bound(fetched.rows.begin(), fetched.rows.end(), first);
@@ -301,9 +300,9 @@ void StoredRows::unpack(Fetched& fetched,
             state_->is_finite[to_size(fetched.rows[i])] = true;
             return;
         }
-        const Index bad = std::find_if(numbers, numbers + size(),
-                                       [](double x) { return !std::isfinite(x); }) -
-                          numbers;
+        const Index bad =
+            std::find_if(numbers, numbers + size(), [](double x) { return !std::isfinite(x); }) -
+            numbers;
         const std::string place =
             table.extents[2] > 1 ? join(", ", bad / table.extents[2], ", ", bad % table.extents[2])
             : table.extents[1] > 1 ? join(", ", bad)

@@ -26,7 +26,8 @@ struct ChunkTable
     std::string dataset; ///< For messages.
     std::array<Eigen::Index, 3> extents{1, 1, 1};
     std::array<Eigen::Index, 3> chunk_extents{1, 1, 1};
-    std::vector<int> filters{}; ///< HDF5's numbers, in the order of writing; fletcher32 is the last.
+    std::vector<int>
+        filters{}; ///< HDF5's numbers, in the order of writing; fletcher32 is the last.
     std::vector<Chunk> chunks{}; ///< In row-major order of their places.
 };
 
@@ -40,9 +41,9 @@ public:
     /// @throws FileError if it cannot be read.
     explicit StoredRows(ChunkTable table);
 
-    [[nodiscard]] Eigen::Index count() const;                  ///< Rows.
-    [[nodiscard]] Eigen::Index size() const;                   ///< Numbers of a row.
-    [[nodiscard]] std::uint64_t stored_bytes() const;          ///< Of all chunks.
+    [[nodiscard]] Eigen::Index count() const;         ///< Rows.
+    [[nodiscard]] Eigen::Index size() const;          ///< Numbers of a row.
+    [[nodiscard]] std::uint64_t stored_bytes() const; ///< Of all chunks.
 
     /// Bytes as they stand in the file.
     class Fetched;
