@@ -94,9 +94,9 @@ ShapePoint target_of(const Renumbering& renumbering, const ShapePoint& point)
 /// Vertices row by row in the order of the renumbering, in their own, about their centroid.
 Points result_of(const Renumbering& renumbering, const VectorXd& points)
 {
-    Points result =
-        restored(renumbering,
-                 Eigen::Map<const Points>(points.data(), renumbering.topology.vertex_count(), 3));
+    Points result = restored(
+        renumbering,
+        Eigen::Map<const Points>(points.data(), renumbering.topology.vertex_count(), 3));
     result.rowwise() -= centroid(result);
     return result;
 }

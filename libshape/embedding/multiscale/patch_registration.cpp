@@ -26,10 +26,7 @@ struct Problem
     std::array<Eigen::Matrix<double, 3, max_patches>, max_patches> shifts;
 
     [[nodiscard]] Block& block(int k, int l) { return blocks[to_size(k * max_patches + l)]; }
-    [[nodiscard]] const Block& block(int k, int l) const
-    {
-        return blocks[to_size(k * max_patches + l)];
-    }
+    [[nodiscard]] const Block& block(int k, int l) const { return blocks[to_size(k * max_patches + l)]; }
 };
 
 Moments gather_moments(const PaddedPoint* first, const PaddedPoint* second,
