@@ -131,48 +131,62 @@ def one_size(shape, work, name, meshes, vertices, picture):
     file.unlink()
 
 
-def draw(points, path):
-    """CPU seconds and memory against N E, both axes logarithmic, as SVG."""
-    width, height, left, bottom = 760, 420, 70, 60
-    works = [n * e for _, n, e, _, _ in points]
-    low, high = math.floor(math.log10(min(works))), math.ceil(math.log10(max(works)))
-    values = [s for *_, s, _ in points] + [m for *_, m in points]
-    floor, top = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
+def series(points):
+    """[(title, index of what grows, points)]: along the meshes of the fewest edges, and along the edges of
+    the fewest meshes."""
+    fewest = [min(p[k] for p in points) for k in (1, 2)]
+    return [(f"meshes, of {fewest[1]} edges", 1, [p for p in points if p[2] == fewest[1]]),
+            (f"edges, of {fewest[0]} meshes", 2, [p for p in points if p[1] == fewest[0]])]
 
-    def x(work):
-        return left + (math.log10(work) - low) / (high - low) * (width - left - 150)
+
+def draw(points, path):
+    """CPU seconds and memory against meshes and against edges, all axes logarithmic, as SVG."""
+    width, height, bottom = 900, 400, 60
+    values = [p[k] for p in points for k in (3, 4)]
+    floor, top = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
 
     def y(value):
         return height - bottom - (math.log10(value) - floor) / (top - floor) * (height - bottom - 20)
 
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
-             'font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="white"/>']
-    for k in range(low, high + 1):
-        parts.append(f'<path d="M{x(10 ** k):.1f} 20V{height - bottom}" stroke="#ddd"/>'
-                     f'<text x="{x(10 ** k):.1f}" y="{height - bottom + 18}" text-anchor="middle">1e{k}</text>')
-    for k in range(floor, top + 1):
-        parts.append(f'<path d="M{left} {y(10 ** k):.1f}H{width - 150}" stroke="#ddd"/>'
-                     f'<text x="{left - 8}" y="{y(10 ** k) + 4:.1f}" text-anchor="end">{10.0 ** k:g}</text>')
     looks = [("gram", 3, "CPU s, gram", "#c0392b"), ("krylov", 3, "CPU s, krylov", "#2471a3"),
              ("gram", 4, "MB, gram", "#e59866"), ("krylov", 4, "MB, krylov", "#85c1e9")]
-    for i, (algorithm, field, label, colour) in enumerate(looks):
-        line = sorted((p[1] * p[2], p[field]) for p in points if p[0] == algorithm)
-        path_text = " ".join(f"{'M' if k == 0 else 'L'}{x(w):.1f} {y(v):.1f}" for k, (w, v) in enumerate(line))
-        parts.append(f'<path d="{path_text}" fill="none" stroke="{colour}" stroke-width="2"/>')
-        parts += [f'<circle cx="{x(w):.1f}" cy="{y(v):.1f}" r="3.5" fill="{colour}"/>' for w, v in line]
-        parts.append(f'<text x="{width - 140}" y="{40 + 20 * i}" fill="{colour}">{label}</text>')
-    parts.append(f'<text x="{(left + width - 150) / 2}" y="{height - 15}" text-anchor="middle">'
-                 'meshes times edges</text></svg>')
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
+             'font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="white"/>']
+    for panel, (title, index, some) in enumerate(series(points)):
+        left, right = 60 + 380 * panel, 390 + 380 * panel
+        low = math.floor(math.log10(min(p[index] for p in some)))
+        high = math.ceil(math.log10(max(p[index] for p in some)))
+
+        def x(size):
+            return left + (math.log10(size) - low) / (high - low) * (right - left)
+
+        for k in range(low, high + 1):
+            parts.append(f'<path d="M{x(10 ** k):.1f} 20V{height - bottom}" stroke="#ddd"/>'
+                         f'<text x="{x(10 ** k):.1f}" y="{height - bottom + 18}" text-anchor="middle">'
+                         f'1e{k}</text>')
+        for k in range(floor, top + 1):
+            parts.append(f'<path d="M{left} {y(10 ** k):.1f}H{right}" stroke="#ddd"/>'
+                         f'<text x="{left - 6}" y="{y(10 ** k) + 4:.1f}" text-anchor="end">{10.0 ** k:g}</text>')
+        for algorithm, field, _, colour in looks:
+            line = sorted((p[index], p[field]) for p in some if p[0] == algorithm)
+            steps = " ".join(f"{'M' if k == 0 else 'L'}{x(w):.1f} {y(v):.1f}" for k, (w, v) in enumerate(line))
+            parts.append(f'<path d="{steps}" fill="none" stroke="{colour}" stroke-width="2"/>')
+            parts += [f'<circle cx="{x(w):.1f}" cy="{y(v):.1f}" r="3.5" fill="{colour}"/>' for w, v in line]
+        parts.append(f'<text x="{(left + right) / 2}" y="{height - 15}" text-anchor="middle">{title}</text>')
+    for i, (_, _, label, colour) in enumerate(looks):
+        parts.append(f'<text x="{width - 110}" y="{40 + 20 * i}" fill="{colour}">{label}</text>')
+    parts.append("</svg>")
     Path(path).write_text("\n".join(parts) + "\n")
 
 
 def slopes(points):
-    """How the CPU seconds grow along the meshes, as powers; and the largest memory over the least."""
-    for algorithm in ["gram", "krylov"]:
-        some = [p for p in points if p[0] == algorithm]
-        power = np.polyfit(np.log([p[1] * p[2] for p in some]), np.log([p[3] for p in some]), 1)[0]
-        print(f"{algorithm}: CPU time grows as the power {power:.2f} of meshes times edges; memory from "
-              f"{min(p[4] for p in some):.0f} to {max(p[4] for p in some):.0f} MB.")
+    """How CPU seconds grow as powers, and the range of the memory."""
+    for title, index, all_points in series(points):
+        for algorithm in ["gram", "krylov"]:
+            some = [p for p in all_points if p[0] == algorithm]
+            power = np.polyfit(np.log([p[index] for p in some]), np.log([p[3] for p in some]), 1)[0]
+            print(f"* Along the {title}, {algorithm}: CPU time grows as the power {power:.2f}; memory from "
+                  f"{min(p[4] for p in some):.0f} to {max(p[4] for p in some):.0f} MB.")
 
 
 def main():
