@@ -25,6 +25,9 @@ install(FILES
 
 # pkg-config: a static library needs to be linked with all that it is made from.
 set(third_party "-lOpenMeshCore -lpthread -lcholmod -lopenblas -lhdf5_serial -llbfgs -lutf8proc -lz -lgomp")
+if(SHAPE_READS_VTP)
+    string(APPEND third_party " -lpugixml")
+endif()
 if(BUILD_SHARED_LIBS)
     set(pc_private_libraries ${third_party})
 else()

@@ -19,8 +19,13 @@ function(shape_add_library name)
     # Eigen's own threads would split sums by their number; threads.h does not.
     target_compile_definitions(${name}_objects PRIVATE EIGEN_DONT_PARALLELIZE)
     target_include_directories(${name}_objects PUBLIC ${PROJECT_SOURCE_DIR})
+    # A Python module is linked from the objects, and is a shared library like the others.
+    set(is_shared OFF)
+    if(BUILD_SHARED_LIBS OR SHAPE_BUILD_PYTHON)
+        set(is_shared ON)
+    endif()
     set_target_properties(${name}_objects PROPERTIES
-        POSITION_INDEPENDENT_CODE ${BUILD_SHARED_LIBS}
+        POSITION_INDEPENDENT_CODE ${is_shared}
         VISIBILITY_INLINES_HIDDEN ON)
 
     add_library(${name})

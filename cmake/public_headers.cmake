@@ -36,7 +36,10 @@ set(public_headers
     libshape/io/hdf5/untrusted_files.h
     libshape/io/label_file.h
     libshape/io/mesh_file.h
+    libshape/io/mesh_write_options.h
     libshape/io/model_file.h
+    libshape/io/obj_template.h
+    libshape/io/statismo_file.h
     libshape/io/table_file.h
     libshape/io/vertex_scalars.h
     libshape/linalg/dense.h
@@ -58,6 +61,7 @@ set(public_headers
     libshape/model/covariate_effect.h
     libshape/model/difference.h
     libshape/model/group_means.h
+    libshape/model/linearised_model.h
     libshape/model/model_quality.h
     libshape/model/nuisance.h
     libshape/model/outlying_meshes.h

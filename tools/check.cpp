@@ -233,14 +233,17 @@ Result check_all(const Session& session, const Arguments& arguments)
 {
     const Progress progress = session.progress();
     const std::vector<std::filesystem::path> files = mesh_files(arguments.meshes);
-    note_passed_over(session, arguments.meshes);
+    const MeshNotices notices = notices_of(session);
+    note_passed_over(notices, arguments.meshes);
     Result result;
     std::set<std::string> names;
+    FormatNotes notes;
     for (std::size_t i = 0; i < files.size(); ++i) {
         progress("checking", i, files.size());
         FileContent content;
         try {
             content = read_mesh_file(files[i], arguments.meshes.triangulate);
+            notes.add(files[i], content);
         } catch (const InvalidInput& error) {
             result.meshes.push_back({files[i].stem().string(),
                                      files[i].string(),
@@ -263,6 +266,7 @@ Result check_all(const Session& session, const Arguments& arguments)
         }
     }
     progress("checking", files.size(), files.size());
+    notes.say(notices);
     check_together(result);
     return result;
 }

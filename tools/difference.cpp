@@ -79,7 +79,7 @@ Json find_effects(const Session& session, const Arguments& arguments,
                             embedding_options(session, arguments.embedding.options));
     const ShapePoint start = start_of(difference, difference.from_size);
     return write_effects(session, arguments.effects, difference.topology,
-                         embedder.embed(start).points, effects);
+                         embedder.embed(start).points, effects, arguments.mesh.colours);
 }
 
 /// The start of a transfer: a mesh, brought to the size that is wanted.
@@ -269,10 +269,9 @@ void add_applying_options(CLI::App& command, Arguments& arguments)
                              ->group(group);
     CLI::Option* mesh =
         command
-            .add_option(
-                "--mesh", arguments.mesh.path,
-                "Where the result goes: a file (.obj .ply .off .glb), or a directory if there\n"
-                "are several")
+            .add_option("--mesh", arguments.mesh.path,
+                        "Where the result goes: a file (.obj .ply .off .stl .vtk .vtp .glb), or a\n"
+                        "directory if there are several")
             ->option_text("PATH")
             ->group(group);
     apply->needs(mesh);

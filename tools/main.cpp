@@ -57,6 +57,7 @@ constexpr Command commands[] = {
     {"draw", set_up_draw, ".svg"},
     {"explore", set_up_explore, ".html"},
     {"report", set_up_explore, ".html"},
+    {"export", set_up_export, ".h5"},
     {"synth", set_up_synth, ".ply"},
 };
 
@@ -73,8 +74,9 @@ enum ExitCode
 };
 
 constexpr const char* program_footer =
-    "MESHES is any mix of mesh files (.obj .ply .off), directories (their mesh files in natural\n"
-    "name order) and collection files (.h5). Lengths have the unit of the input. `-` is standard\n"
+    "MESHES is any mix of mesh files (.obj .ply .off .stl .vtk .vtp .glb), directories (their\n"
+    "mesh files in natural name order) and collection files (.h5). Lengths have the unit of the "
+    "input. `-` is standard\n"
     "input, and after -o standard output.\n"
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 4 numerical failure,\n"
     "5 input/output, 6 over a limit, 130 interrupted.\n"

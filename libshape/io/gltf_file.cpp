@@ -233,7 +233,7 @@ std::string print(Asset asset)
 
 } // namespace
 
-std::string internal::print_glb(const Points& points, const Faces& faces)
+std::string internal::print_glb(const Points& points, const Faces& faces, const MeshWriteOptions&)
 {
     return print(mesh_asset(points, faces));
 }

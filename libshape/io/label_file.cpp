@@ -72,7 +72,7 @@ std::string key_of(std::string_view name)
 {
     name = without_outer_blanks(name);
     const std::string lower = lower_case(name);
-    for (const std::string_view ending : {".ply", ".obj", ".off"})
+    for (const std::string_view ending : {".ply", ".obj", ".off", ".stl", ".vtk", ".vtp", ".glb"})
         if (lower.size() > ending.size() && lower.ends_with(ending)) {
             name.remove_suffix(ending.size());
             break;

@@ -21,7 +21,7 @@ struct LabelFile
 /// Reads the labels of the named meshes from a table whose first column is `mesh`.
 ///
 /// A row is of the mesh whose name it has; if there is none, of the one whose name is the same without
-/// outer blanks, without the ending of a mesh file (.ply .obj .off) and with accents composed (Unicode
+/// outer blanks, without the ending of a mesh file (.ply, .stl, ...) and with accents composed (Unicode
 /// NFC) on both sides.
 /// @throws InvalidInput as read_table(); if the first column has another name, a mesh has no row or
 ///     two, or a row could be of several meshes.

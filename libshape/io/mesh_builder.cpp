@@ -12,11 +12,8 @@
 #include "libshape/io/file/line_reader.h"
 
 namespace shape::internal {
-namespace {
 
-/// The name as it is, or with the bytes that are no text as %XX: tables, pictures and JSON take
-/// nothing but text, and on Linux a file may be called anything.
-std::string as_text(const std::string& name)
+std::string text_name(const std::string& name)
 {
     const bool is_text = is_utf8(name);
     std::string text;
@@ -33,8 +30,6 @@ std::string as_text(const std::string& name)
     }
     return text;
 }
-
-} // namespace
 
 MeshBuilder::MeshBuilder(std::filesystem::path path, const MeshReadOptions& options, Fail fail)
     : path_(std::move(path)), options_(options), fail_(std::move(fail))
@@ -101,7 +96,7 @@ NamedMesh MeshBuilder::finish() const
             join(path_.string(), ": the file has ", counted(vertex_count(), "vertex", "vertices"),
                  " and ", counted(face_count(), "face"),
                  "; a mesh needs some of both (export the faces as well, and only the surface)"));
-    return {as_text(path_.stem().string()), path_.string(),
+    return {text_name(path_.stem().string()), path_.string(),
             Eigen::Map<const Points>(coordinates_.data(), vertex_count(), 3),
             Eigen::Map<const Faces>(corners_.data(), face_count(), 3)};
 }

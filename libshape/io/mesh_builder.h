@@ -6,12 +6,17 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "libshape/io/mesh_file.h"
 
 namespace shape::internal {
+
+/// The name as it is, or with the bytes that are no text as %XX: tables, pictures and JSON take
+/// nothing but text, and on Linux a file may be called anything.
+[[nodiscard]] std::string text_name(const std::string& name);
 
 /// Takes the vertices and polygons of a file in their order and applies the rules that all formats
 /// share. Internal to the readers.

@@ -17,19 +17,46 @@ namespace shape {
 using namespace internal;
 namespace {
 
+/// A reader of one mesh as one of files with several.
+template <NamedMesh (*parse)(std::string_view, const std::filesystem::path&,
+                             const MeshReadOptions&)>
+MeshFileContent parse_one(std::string_view content, const std::filesystem::path& path,
+                          const MeshReadOptions& options)
+{
+    return {.meshes = {parse(content, path, options)}};
+}
+
+#ifndef SHAPE_READS_VTP
+MeshFileContent refuse_vtp(std::string_view, const std::filesystem::path& path,
+                           const MeshReadOptions&)
+{
+    throw InvalidInput(join(path.string(),
+                            ": this build does not read .vtp files; build it anew with the "
+                            "package libpugixml-dev, or save as legacy .vtk"));
+}
+#define parse_vtp refuse_vtp
+#endif
+
 struct Format
 {
     MeshFormat format;
     const char* ending;
-    /// Null if the format is only written.
-    NamedMesh (*parse)(std::string_view, const std::filesystem::path&, const MeshReadOptions&);
-    std::string (*print)(const Points&, const Faces&);
+    MeshFileContent (*parse)(std::string_view, const std::filesystem::path&,
+                             const MeshReadOptions&);
+    std::string (*print)(const Points&, const Faces&, const MeshWriteOptions&);
+    bool has_text = false;    ///< As well as bytes.
+    bool has_scalars = false; ///< And colours, and both precisions.
+    bool is_single = false;   ///< In bytes or in text.
 };
 
-constexpr std::array<Format, 4> formats = {{{MeshFormat::Obj, ".obj", parse_obj, print_obj},
-                                            {MeshFormat::Ply, ".ply", parse_ply, print_ply},
-                                            {MeshFormat::Off, ".off", parse_off, print_off},
-                                            {MeshFormat::Glb, ".glb", nullptr, print_glb}}};
+constexpr std::array<Format, 7> formats = {
+    {{MeshFormat::Obj, ".obj", parse_one<parse_obj>, print_obj},
+     {MeshFormat::Ply, ".ply", parse_one<parse_ply>, print_ply, true, true},
+     {MeshFormat::Off, ".off", parse_one<parse_off>, print_off},
+     {MeshFormat::Stl, ".stl", parse_stl, print_stl, true, false, true},
+     {MeshFormat::Vtk, ".vtk", parse_vtk, print_vtk, true, true},
+     {MeshFormat::Vtp, ".vtp", parse_vtp, print_vtp, true, true},
+     {MeshFormat::Glb, ".glb", parse_glb, print_glb, false, false, true}}};
 
 const Format& find_format(MeshFormat format)
 {
@@ -51,6 +78,10 @@ void internal::append_number(std::string& text, double value)
 {
     append(text, value);
 }
+void internal::append_number(std::string& text, float value)
+{
+    append(text, value);
+}
 void internal::append_number(std::string& text, int value)
 {
     append(text, value);
@@ -68,20 +99,57 @@ void internal::check_mesh(const Points& points, const Faces& faces)
                                     faces(f, 2), "), must be in [0, ", points.rows(), ")"));
 }
 
-NamedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options)
+MeshFileContent read_mesh_members(const std::filesystem::path& path, const MeshReadOptions& options)
 {
     const Format& format = find_format(mesh_format(path));
-    if (format.parse == nullptr)
-        throw InvalidInput(
-            join(path.string(), ": ", format.ending, " files are written, not read"));
     return format.parse(read_file(path, MeshBuilder::file_limit), path, options);
+}
+
+NamedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options)
+{
+    MeshFileContent content = read_mesh_members(path, options);
+    if (content.meshes.size() > 1)
+        throw InvalidInput(join(path.string(), ": holds ", content.meshes.size(), " meshes, '",
+                                content.meshes[0].name, "', '", content.meshes[1].name,
+                                "', ...; one is wanted here (`shape collect` takes all of them)"));
+    return std::move(content.meshes.front());
 }
 
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,
                 MeshFormat format)
 {
+    write_mesh(path, points, faces, format, {});
+}
+
+void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,
+                MeshFormat kind, const MeshWriteOptions& options)
+{
+    const Format& format = find_format(kind);
+    const auto refuse = [&](bool is_refused, const char* what, const char* formats_that_can) {
+        if (is_refused)
+            throw InvalidInput(
+                join(format.ending, " files have no ", what, "; ", formats_that_can, " have"));
+    };
+    const bool is_text_always = kind == MeshFormat::Obj || kind == MeshFormat::Off;
+    refuse(options.ascii && !format.has_text && !is_text_always, "form as text", "all others");
+    refuse(options.single_precision && !format.has_scalars && !format.is_single, "single precision",
+           ".ply, .vtk, .vtp, .stl and .glb");
+    refuse(!options.scalars.empty() && !format.has_scalars, "values at vertices",
+           ".ply, .vtk and .vtp");
+    refuse(options.colours.rows() > 0 && !format.has_scalars, "colours of vertices",
+           ".ply, .vtk and .vtp");
+    refuse(options.obj_template != nullptr && kind != MeshFormat::Obj, "template", ".obj files");
     check_mesh(points, faces);
-    write_file_atomically(path, find_format(format).print(points, faces));
+    check_scalars(options, points.rows());
+    if (options.colours.rows() > 0 && options.colours.rows() != points.rows())
+        throw InvalidInput(join("colours has ", options.colours.rows(), " rows, the mesh has ",
+                                points.rows(), " vertices"));
+    if ((options.single_precision || format.is_single) && !points.cast<float>().allFinite())
+        throw InvalidInput("points: a coordinate is beyond single precision");
+    if (options.obj_template != nullptr && (options.obj_template->faces.rows() != faces.rows() ||
+                                            options.obj_template->faces != faces))
+        throw InvalidInput("the template has other faces than the mesh");
+    write_file_atomically(path, format.print(points, faces, options));
 }
 
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces)
@@ -99,8 +167,8 @@ MeshFormat mesh_format(const std::filesystem::path& path)
         if (ending == format.ending)
             return format.format;
     throw InvalidInput(join(path.string(),
-                            ": the ending of a mesh file must be .obj, .ply or .off, or .glb to "
-                            "write"));
+                            ": the ending of a mesh file must be .obj, .ply, .off, .stl, .vtk, "
+                            ".vtp or .glb"));
 }
 
 std::string file_ending(MeshFormat format)

@@ -2,8 +2,10 @@
 
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "libshape/mesh/collection.h"
 #include "libshape/mesh/points.h"
@@ -16,12 +18,28 @@ enum class MeshFormat
     Obj,
     Ply, ///< Read: ascii and both binary orders. Written: binary little-endian, double coordinates.
     Off,
-    Glb, ///< Binary glTF 2.0, only written; see gltf_file.h.
+    Stl, ///< Single precision; corners of equal coordinates become one vertex.
+    Vtk, ///< Legacy VTK polydata. Written: binary, double coordinates.
+    Vtp, ///< XML polydata of VTK. Read only if the library was built with pugixml.
+    Glb, ///< Binary glTF 2.0, single precision; see gltf_file.h.
 };
 
 struct MeshReadOptions
 {
     bool triangulate = false; ///< Split polygons as fans from their first corner; else refuse them.
+};
+
+/// The meshes of one file, and what its format has cost them.
+struct MeshFileContent
+{
+    /// At least one. A GLB file has one for every node that shows a mesh, and after it one for every
+    /// morph target, with weight one; all others have one.
+    std::vector<NamedMesh> meshes;
+    /// STL, VTK, VTP and GLB: coordinates are float32, of about 7 digits.
+    bool single_precision = false;
+    /// STL: so many corners became the vertices, by equal coordinates, numbered in the order of their
+    /// first appearance. Else 0.
+    Eigen::Index merged_corners = 0;
 };
 
 /// Reads a mesh strictly: vertex and face order and double precision are kept, nothing is guessed
@@ -32,13 +50,17 @@ struct MeshReadOptions
 /// @throws InvalidInput naming file, line or byte offset, and rule, for anything malformed: an
 ///     unknown ending or that of a format not read, counts that disagree with the data or exceed
 ///     the file's size, coordinates that are missing or not finite, indices out of range, polygons
-///     without `triangulate`.
+///     without `triangulate`; or if the file holds several meshes.
 /// Cost: linear in the size of the file, which is held in memory.
 [[nodiscard]] NamedMesh read_mesh(const std::filesystem::path& path,
                                   const MeshReadOptions& options = {});
 
-/// Writes a mesh by write_file_atomically(); read_mesh() gives every bit of it back, except of
-/// MeshFormat::Glb, which is single precision and not read.
+/// The same of all meshes in a file; their names differ.
+[[nodiscard]] MeshFileContent read_mesh_members(const std::filesystem::path& path,
+                                                const MeshReadOptions& options = {});
+
+/// Writes a mesh by write_file_atomically(); read_mesh() gives every bit of it back, except of STL and
+/// GLB, which are single precision. mesh_write_options.h has further ways to write.
 /// @throws InvalidInput if a coordinate is not finite or a face names a missing vertex.
 /// @throws FileError if it cannot be written.
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,
@@ -48,11 +70,12 @@ void write_mesh(const std::filesystem::path& path, const Points& points, const F
 /// @throws as write_mesh() and mesh_format().
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces);
 
-/// The format that the ending of a path tells (".obj", ".ply", ".off", ".glb", any case).
+/// The format that the ending of a path tells (".obj", ".ply", ".off", ".stl", ".vtk", ".vtp",
+/// ".glb", any case).
 /// @throws InvalidInput for any other; the message lists those that exist.
 [[nodiscard]] MeshFormat mesh_format(const std::filesystem::path& path);
 
-/// ".obj", ".ply", ".off" or ".glb".
+/// ".obj" and so on.
 [[nodiscard]] std::string file_ending(MeshFormat format);
 
 } // namespace shape

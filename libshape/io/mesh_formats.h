@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "libshape/io/mesh_file.h"
+#include "libshape/io/mesh_write_options.h"
 
 // Readers and writers of the formats, from and to memory. Internal to mesh_file.cpp: the writers
 // trust their arguments.
@@ -22,16 +23,44 @@ namespace shape::internal {
 [[nodiscard]] NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
                                   const MeshReadOptions& options);
 
-[[nodiscard]] std::string print_obj(const Points& points, const Faces& faces);
-[[nodiscard]] std::string print_ply(const Points& points, const Faces& faces);
-[[nodiscard]] std::string print_off(const Points& points, const Faces& faces);
-[[nodiscard]] std::string print_glb(const Points& points, const Faces& faces);
+[[nodiscard]] MeshFileContent parse_stl(std::string_view content, const std::filesystem::path& path,
+                                        const MeshReadOptions& options);
+[[nodiscard]] MeshFileContent parse_vtk(std::string_view content, const std::filesystem::path& path,
+                                        const MeshReadOptions& options);
+/// There if SHAPE_READS_VTP is defined.
+[[nodiscard]] MeshFileContent parse_vtp(std::string_view content, const std::filesystem::path& path,
+                                        const MeshReadOptions& options);
+[[nodiscard]] MeshFileContent parse_glb(std::string_view content, const std::filesystem::path& path,
+                                        const MeshReadOptions& options);
+
+/// @param options  Each writer looks at what its format can hold alone.
+[[nodiscard]] std::string print_obj(const Points& points, const Faces& faces,
+                                    const MeshWriteOptions& options);
+[[nodiscard]] std::string print_ply(const Points& points, const Faces& faces,
+                                    const MeshWriteOptions& options);
+[[nodiscard]] std::string print_off(const Points& points, const Faces& faces,
+                                    const MeshWriteOptions& options);
+[[nodiscard]] std::string print_stl(const Points& points, const Faces& faces,
+                                    const MeshWriteOptions& options);
+[[nodiscard]] std::string print_vtk(const Points& points, const Faces& faces,
+                                    const MeshWriteOptions& options);
+[[nodiscard]] std::string print_vtp(const Points& points, const Faces& faces,
+                                    const MeshWriteOptions& options);
+[[nodiscard]] std::string print_glb(const Points& points, const Faces& faces,
+                                    const MeshWriteOptions& options);
+
+/// The template with other positions, and normals that follow from them.
+[[nodiscard]] std::string print_obj_template(const ObjTemplate& model, const Points& points);
 
 /// @throws InvalidInput if a coordinate is not finite or a face names a missing vertex.
 void check_mesh(const Points& points, const Faces& faces);
 
+/// @throws InvalidInput if the scalars or `quality` break a rule.
+void check_scalars(const MeshWriteOptions& options, Eigen::Index vertices);
+
 /// Appends the shortest digits that give the number back.
 void append_number(std::string& text, double value);
+void append_number(std::string& text, float value);
 void append_number(std::string& text, int value);
 
 /// Appends the numbers of a row to `start`, one blank between all, and ends the line.

@@ -136,8 +136,10 @@ NamedMesh parse_obj(std::string_view content, const std::filesystem::path& path,
     return mesh.finish();
 }
 
-std::string print_obj(const Points& points, const Faces& faces)
+std::string print_obj(const Points& points, const Faces& faces, const MeshWriteOptions& options)
 {
+    if (options.obj_template != nullptr)
+        return print_obj_template(*options.obj_template, points);
     std::string text;
     text.reserve(to_size(points.rows() * 64 + faces.rows() * 24));
     for (const auto& row : points.rowwise())

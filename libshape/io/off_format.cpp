@@ -151,7 +151,7 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
     return mesh.finish();
 }
 
-std::string print_off(const Points& points, const Faces& faces)
+std::string print_off(const Points& points, const Faces& faces, const MeshWriteOptions&)
 {
     std::string text = join("OFF\n", points.rows(), " ", faces.rows(), " 0\n");
     text.reserve(to_size(points.rows() * 64 + faces.rows() * 24));

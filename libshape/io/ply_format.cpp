@@ -468,29 +468,78 @@ NamedMesh parse(std::string_view content, const std::filesystem::path& path,
     return read(BinaryBody(content, reader.offset(), path.string(), !is_native));
 }
 
-std::string print(const Points& points, const Faces& faces,
-                  const std::vector<VertexScalar>& scalars)
+/// Values of an element behind one another, as text or as bytes.
+class PlyWriter
+{
+public:
+    PlyWriter(std::string& text, bool ascii) : text_(text), ascii_(ascii) {}
+
+    template <class Value>
+    void value(Value value)
+    {
+        if (!ascii_) {
+            text_.append(reinterpret_cast<const char*>(&value), sizeof value);
+            return;
+        }
+        if (!text_.ends_with('\n'))
+            text_ += ' ';
+        if constexpr (sizeof(Value) == 1)
+            append_number(text_, int{value});
+        else
+            append_number(text_, value);
+    }
+    void end()
+    {
+        if (ascii_)
+            text_ += '\n';
+    }
+
+private:
+    std::string& text_;
+    bool ascii_;
+};
+
+template <class Real>
+std::string print(const Points& points, const Faces& faces, const MeshWriteOptions& options)
 {
     static_assert(std::endian::native == std::endian::little, "values are written as they are");
-    std::string text = join("ply\nformat binary_little_endian 1.0\nelement vertex ", points.rows(),
-                            "\nproperty double x\nproperty double y\nproperty double z\n");
-    for (const VertexScalar& scalar : scalars)
-        text += "property double " + scalar.name + "\n";
+    const std::string type = std::is_same_v<Real, float> ? "float" : "double";
+    std::string text = join("ply\nformat ", options.ascii ? "ascii" : "binary_little_endian",
+                            " 1.0\nelement vertex ", points.rows(), "\nproperty ", type,
+                            " x\nproperty ", type, " y\nproperty ", type, " z\n");
+    const VertexScalar* quality = nullptr;
+    for (const VertexScalar& scalar : options.scalars) {
+        text += "property " + type + " " + scalar.name + "\n";
+        if (scalar.name == options.quality)
+            quality = &scalar;
+    }
+    if (quality != nullptr)
+        text += "property " + type + " quality\n";
+    if (options.colours.rows() > 0)
+        text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
     text += join("element face ", faces.rows(),
                  "\nproperty list uchar int vertex_indices\nend_header\n");
-    const auto append_bytes = [&](const void* bytes, std::size_t size) {
-        text.append(static_cast<const char*>(bytes), size);
-    };
-    const auto vertex_size = static_cast<Eigen::Index>(sizeof(double) * (3 + scalars.size()));
+    const auto vertex_size =
+        static_cast<Eigen::Index>(sizeof(Real) * (4 + options.scalars.size()) + 3);
     text.reserve(text.size() + to_size(points.rows() * vertex_size + faces.rows() * 13));
+    PlyWriter out(text, options.ascii);
     for (Eigen::Index v = 0; v < points.rows(); ++v) {
-        append_bytes(points.data() + 3 * v, 3 * sizeof(double));
-        for (const VertexScalar& scalar : scalars)
-            append_bytes(scalar.values.data() + v, sizeof(double));
+        for (int axis = 0; axis < 3; ++axis)
+            out.value(static_cast<Real>(points(v, axis)));
+        for (const VertexScalar& scalar : options.scalars)
+            out.value(static_cast<Real>(scalar.values[v]));
+        if (quality != nullptr)
+            out.value(static_cast<Real>(quality->values[v]));
+        if (options.colours.rows() > 0)
+            for (int channel = 0; channel < 3; ++channel)
+                out.value(options.colours(v, channel));
+        out.end();
     }
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        text += '\3';
-        append_bytes(faces.data() + 3 * f, 3 * sizeof(int));
+        out.value(std::uint8_t{3});
+        for (int corner = 0; corner < 3; ++corner)
+            out.value(faces(f, corner));
+        out.end();
     }
     return text;
 }
@@ -518,10 +567,12 @@ bool is_property_name(std::string_view name)
            std::all_of(name.begin(), name.end(), is_usual);
 }
 
-void check_scalars(const std::vector<VertexScalar>& scalars, Eigen::Index vertices)
+} // namespace
+
+void internal::check_scalars(const MeshWriteOptions& options, Eigen::Index vertices)
 {
     std::set<std::string> names;
-    for (const VertexScalar& scalar : scalars) {
+    for (const VertexScalar& scalar : options.scalars) {
         const std::string place = join("scalar ", in_quotes(scalar.name));
         if (!is_property_name(scalar.name) || !names.insert(scalar.name).second)
             throw InvalidInput(join(place, ": the name must be of letters, digits and _, start ",
@@ -533,10 +584,13 @@ void check_scalars(const std::vector<VertexScalar>& scalars, Eigen::Index vertic
             if (!std::isfinite(scalar.values[v]))
                 throw InvalidInput(
                     join(place, ": value ", v, " is ", scalar.values[v], ", must be finite"));
+        if (options.single_precision && !scalar.values.cast<float>().allFinite())
+            throw InvalidInput(join(place, ": a value is beyond single precision"));
     }
+    if (!options.quality.empty() && (!names.contains(options.quality) || names.contains("quality")))
+        throw InvalidInput(join("quality is ", in_quotes(options.quality),
+                                ", must be one of the scalars, none of which is called quality"));
 }
-
-} // namespace
 
 NamedMesh internal::parse_ply(std::string_view content, const std::filesystem::path& path,
                               const MeshReadOptions& options)
@@ -544,17 +598,21 @@ NamedMesh internal::parse_ply(std::string_view content, const std::filesystem::p
     return parse(content, path, options, nullptr);
 }
 
-std::string internal::print_ply(const Points& points, const Faces& faces)
+std::string internal::print_ply(const Points& points, const Faces& faces,
+                                const MeshWriteOptions& options)
 {
-    return print(points, faces, {});
+    return options.single_precision ? print<float>(points, faces, options)
+                                    : print<double>(points, faces, options);
 }
 
 void write_vertex_scalars(const std::filesystem::path& path, const Points& points,
                           const Faces& faces, const std::vector<VertexScalar>& scalars)
 {
-    check_mesh(points, faces);
-    check_scalars(scalars, points.rows());
-    write_file_atomically(path, print(points, faces, scalars));
+    MeshWriteOptions options{.scalars = scalars};
+    if (!scalars.empty() &&
+        std::ranges::none_of(scalars, [](const VertexScalar& s) { return s.name == "quality"; }))
+        options.quality = scalars.front().name;
+    write_mesh(path, points, faces, mesh_format(path), options);
 }
 
 Eigen::VectorXd read_vertex_scalar(const std::filesystem::path& path, std::string_view name)

@@ -19,8 +19,10 @@ struct VertexScalar
     Eigen::VectorXd values; ///< #V, finite.
 };
 
-/// Writes a mesh as write_mesh() does as PLY, with one further `double` property of its vertices for
-/// each scalar, in their order. Other programs colour the mesh by them; read_mesh() skips them.
+/// Writes a mesh as write_mesh() does, with one further `double` property of its vertices for each scalar,
+/// in their order. Other programs colour the mesh by them; read_mesh() skips them. PLY has the first once
+/// more as `quality`, the name that most programs look for.
+/// @param path  .ply, .vtk or .vtp.
 /// @throws InvalidInput as write_mesh(), and if a scalar breaks a rule above or a name occurs twice.
 /// @throws FileError if it cannot be written.
 void write_vertex_scalars(const std::filesystem::path& path, const Points& points,

@@ -78,9 +78,9 @@ Target reading(const std::string& name, const std::string& file_name, const Read
             }};
 }
 
-NamedMesh read_any_mesh(const fs::path& path)
+MeshFileContent read_any_mesh(const fs::path& path)
 {
-    return read_mesh(path, {.triangulate = true});
+    return read_mesh_members(path, {.triangulate = true});
 }
 
 /// HDF5 itself is known to crash; what is looked for is whether that harms us.
@@ -157,6 +157,10 @@ const std::vector<Target>& targets()
         reading("obj", "x.obj", &read_any_mesh),
         reading("off", "x.off", &read_any_mesh),
         reading("ply", "x.ply", &read_any_mesh),
+        reading("stl", "x.stl", &read_any_mesh),
+        reading("vtk", "x.vtk", &read_any_mesh),
+        reading("vtp", "x.vtp", &read_any_mesh),
+        reading("glb", "x.glb", &read_any_mesh),
         reading("csv", "x.csv", [](const fs::path& path) { return read_table(path); }),
         reading("path", "path.json",
                 [](const fs::path& path) {

@@ -189,13 +189,26 @@ TEST(GltfFile, TheKhronosValidatorFindsNothing)
     EXPECT_NE(test::gltf_issues(directory / "bad.glb"), "");
 }
 
-TEST(GltfFile, IsNotRead)
+TEST(GltfFile, OfSeveralMeshesIsACollection)
 {
     const TemporaryDirectory directory;
-    write_glb(directory / "mesh.glb", test::tetrahedron());
+    const TestMesh mesh = test::icosphere(1);
+    const std::vector<Points> frames = swinging(mesh.points, 5);
+    const GlbAnimation written = write_glb_animation(directory / "swing.glb", frames,
+                                                     mesh.topology.faces(), {.tolerance = 0.0});
+    const MeshFileContent read = read_mesh_members(directory / "swing.glb");
+    EXPECT_TRUE(read.single_precision);
+    ASSERT_EQ(read.meshes.size(), written.keyframes.size());
+    EXPECT_EQ(read.meshes[0].name, "swing");
+    EXPECT_EQ(read.meshes[1].name, "swing_frame " + std::to_string(written.keyframes[1]));
+    for (std::size_t k = 0; k < read.meshes.size(); ++k) {
+        EXPECT_EQ(read.meshes[k].faces, mesh.topology.faces());
+        EXPECT_LE((read.meshes[k].points - frames[written.keyframes[k]]).cwiseAbs().maxCoeff(),
+                  2e-7 * bounding_box_diagonal(mesh.points));
+    }
     EXPECT_NE(test::message_of<InvalidInput>([&] {
-                  (void)read_mesh(directory / "mesh.glb");
-              }).find("written, not read"),
+                  (void)read_mesh(directory / "swing.glb");
+              }).find("one is wanted"),
               std::string::npos);
 }
 

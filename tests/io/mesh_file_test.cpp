@@ -120,7 +120,8 @@ TEST(MeshFile, GivesEveryBitAndTheOrderBackInEveryFormat)
     const test::TemporaryDirectory directory;
     const test::TestMesh sphere = test::icosphere(2);
     const Points points = hard_points(sphere.points.rows());
-    for (const MeshFormat format : {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off}) {
+    for (const MeshFormat format :
+         {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off, MeshFormat::Vtk}) {
         const std::filesystem::path path = directory / ("some.mesh" + file_ending(format));
         SCOPED_TRACE(path);
         write_mesh(path, points, sphere.topology.faces(), format);
@@ -130,7 +131,7 @@ TEST(MeshFile, GivesEveryBitAndTheOrderBackInEveryFormat)
         EXPECT_TRUE(same_bits(mesh.points, points));
         EXPECT_EQ(mesh.faces, sphere.topology.faces());
     }
-    EXPECT_EQ(directory.names().size(), 3u);
+    EXPECT_EQ(directory.names().size(), 4u);
 }
 
 TEST(MeshFile, RefusesToWriteWhatCannotBeReadAgain)
@@ -157,10 +158,11 @@ TEST(MeshFile, TakesItsFormatFromTheEndingInAnyCase)
     EXPECT_EQ(mesh_format("dir.obj/a.off"), MeshFormat::Off);
     EXPECT_EQ(mesh_format(".off"), MeshFormat::Off);
     EXPECT_EQ(mesh_format("a.glb"), MeshFormat::Glb);
-    for (const char* name : {"a.stl", "a", "obj", "a.obj.gz", "a.obj ", ""}) {
+    for (const char* name : {"a.fbx", "a", "obj", "a.obj.gz", "a.obj ", ""}) {
         const std::string message =
             test::message_of<InvalidInput>([&] { (void)mesh_format(name); });
-        EXPECT_NE(message.find(".obj, .ply or .off"), std::string::npos) << message;
+        EXPECT_NE(message.find(".obj, .ply, .off, .stl, .vtk, .vtp or .glb"), std::string::npos)
+            << message;
     }
 }
 

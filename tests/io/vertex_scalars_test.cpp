@@ -121,7 +121,7 @@ TEST_F(VertexScalars, ThatAreNotThereAreNotRead)
     write_vertex_scalars(directory_ / "nan.ply", mesh_.points, mesh_.topology.faces(),
                          {{"heat", Eigen::VectorXd::Zero(mesh_.points.rows())}});
     std::string bytes = test::read_bytes(directory_ / "nan.ply");
-    const std::size_t heat_of_second = bytes.find("end_header\n") + 11 + 32 + 24;
+    const std::size_t heat_of_second = bytes.find("end_header\n") + 11 + 40 + 24; // quality too
     bytes.replace(heat_of_second, 8, std::string("\0\0\0\0\0\0\xf8\x7f", 8));
     test::write_bytes(directory_ / "nan.ply", bytes);
     EXPECT_NE(reading("nan.ply", "heat").find("vertex 1 is not finite"), std::string::npos);

@@ -215,7 +215,7 @@ std::vector<BadInput> bad_meshes()
          3,
          {"changed.ply", "another order"},
          collecting_changed([](Points&, Faces& faces) { faces.row(3).swap(faces.row(7)); })},
-        {"UnknownEnding", 3, {"x.stl"}, collecting("x.stl", "solid x\n")},
+        {"UnknownEnding", 3, {"x.fbx"}, collecting("x.fbx", "Kaydara\n")},
         {"MissingFile", 5, {"nowhere.ply"}, running({"collect", "nowhere.ply", "-o", "out.h5"})},
         {"DirectoryWithoutMeshes",
          3,

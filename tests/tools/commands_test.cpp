@@ -59,13 +59,13 @@ TEST_F(Commands, ADirectoryIsReadInNaturalNameOrder)
 TEST_F(Commands, MeshFilesOfOtherFormatsAreNotPassedOverInSilence)
 {
     folder_.write("set/x.ply", folder_.read("a.ply"));
-    folder_.write("set/y.stl", "solid y");
-    folder_.write("set/z.VTK", "# vtk");
+    folder_.write("set/y.fbx", "Kaydara");
+    folder_.write("set/z.DAE", "# dae");
     for (const Arguments& arguments :
          {Arguments{"collect", "set", "-o", "f.h5"}, Arguments{"check", "set"}}) {
         const Outcome outcome = run_shape(folder_.path(), arguments);
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        EXPECT_NE(outcome.err.find("set: 2 mesh files of other formats passed over, first y.stl"),
+        EXPECT_NE(outcome.err.find("set: 2 mesh files of other formats passed over, first y.fbx"),
                   std::string::npos)
             << outcome.err;
     }

@@ -159,7 +159,7 @@ std::vector<WrongUsage> wrong_usages()
          {"conformal", "a.ply", "-o", "x.ply", "--residuals"}},
         {"ResidualsWithoutMesh", "--residuals",
          difference + Arguments{"--from", "k=1", "--to", "k=2", "--residuals"}},
-        {"UnknownFormat", "x.stl", {"generate", "model.h5", "--mean", "-o", "x.stl"}},
+        {"UnknownFormat", "x.fbx", {"generate", "model.h5", "--mean", "-o", "x.fbx"}},
         {"FormatAgainstTheEnding",
          "--format",
          {"generate", "model.h5", "--mean", "-o", "x.ply", "--format", "obj"}},

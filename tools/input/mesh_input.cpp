@@ -35,8 +35,9 @@ std::string lower_extension(const fs::path& path)
 
 bool is_mesh_file(const fs::path& path)
 {
-    const std::string extension = lower_extension(path);
-    return extension == ".obj" || extension == ".ply" || extension == ".off";
+    constexpr std::array<std::string_view, 7> endings = {".obj", ".ply", ".off", ".stl",
+                                                         ".vtk", ".vtp", ".glb"};
+    return std::find(endings.begin(), endings.end(), lower_extension(path)) != endings.end();
 }
 
 std::vector<fs::path> mesh_files_of_directory(const fs::path& directory)
@@ -47,8 +48,9 @@ std::vector<fs::path> mesh_files_of_directory(const fs::path& directory)
             files.push_back(entry.path());
     if (files.empty())
         throw InvalidInput(join(directory.string(),
-                                ": the directory holds no mesh file (.obj .ply .off); other "
-                                "formats must be exported as one of them, subfolders named"));
+                                ": the directory holds no mesh file (.obj .ply .off .stl .vtk "
+                                ".vtp .glb); other formats must be exported as one of them, "
+                                "subfolders named"));
     std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
         return natural_less(a.filename().string(), b.filename().string());
     });
@@ -58,9 +60,9 @@ std::vector<fs::path> mesh_files_of_directory(const fs::path& directory)
 /// Files of a directory that hold meshes as well, in formats that are not read.
 std::vector<std::string> passed_over(const fs::path& directory)
 {
-    constexpr std::array<std::string_view, 16> others = {
-        ".stl", ".vtk", ".vtp", ".vtu", ".glb",  ".gltf", ".fbx", ".dae",
-        ".3ds", ".x3d", ".wrl", ".msh", ".mesh", ".3mf",  ".usd", ".usdz"};
+    constexpr std::array<std::string_view, 12> others = {".vtu",  ".gltf", ".fbx", ".dae",
+                                                         ".3ds",  ".x3d",  ".wrl", ".msh",
+                                                         ".mesh", ".3mf",  ".usd", ".usdz"};
     std::vector<std::string> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(directory))
         if (std::find(others.begin(), others.end(), lower_extension(entry.path())) != others.end())
@@ -119,20 +121,20 @@ void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name
 {
     command
         .add_option(name, input.paths,
-                    "Mesh files (.obj .ply .off), directories (their mesh files in natural\n"
-                    "name order) and collection files (.h5), in any mix")
+                    "Mesh files (.obj .ply .off .stl .vtk .vtp .glb), directories (their mesh\n"
+                    "files in natural name order) and collection files (.h5), in any mix")
         ->required()
         ->option_text("PATH ... REQUIRED");
     command.add_flag("--triangulate", input.triangulate,
                      "Split polygons as fans from their first corner (default: refuse them)");
 }
 
-Labels labels_of(const Session& session, const std::string& path,
+Labels labels_of(const MeshNotices& notices, const std::string& path,
                  const std::vector<std::string>& names)
 {
     LabelFile file = read_label_file(path, names);
     if (!file.unused.empty())
-        session.message(join(path, ": ", counted(file.unused.size(), "row"),
+        notices.message(join(path, ": ", counted(file.unused.size(), "row"),
                              " of meshes that are not among these left out, first '",
                              file.unused.front(), "'"));
     return std::move(file.labels);
@@ -159,14 +161,14 @@ std::vector<fs::path> mesh_files(const MeshInput& input)
     return files;
 }
 
-void note_passed_over(const Session& session, const MeshInput& input)
+void note_passed_over(const MeshNotices& notices, const MeshInput& input)
 {
     for (const fs::path path : input.paths)
         if (fs::is_directory(path))
             if (const std::vector<std::string> names = passed_over(path); !names.empty())
-                session.warn(join(path.string(), ": ", counted(names.size(), "mesh file"),
+                notices.warn(join(path.string(), ": ", counted(names.size(), "mesh file"),
                                   " of other formats passed over, first ", names.front(),
-                                  "; export as .ply, .obj or .off"));
+                                  "; export as .ply or .obj"));
 }
 
 std::vector<fs::path> input_files(const MeshInput& input)
@@ -181,8 +183,10 @@ FileContent read_mesh_file(const fs::path& path, bool triangulate)
 {
     FileContent content;
     if (!is_collection_file(path)) {
-        content.meshes.push_back(read_mesh(path, {.triangulate = triangulate}));
-        return content;
+        MeshFileContent file = read_mesh_members(path, {.triangulate = triangulate});
+        return {.meshes = std::move(file.meshes),
+                .single_precision = file.single_precision,
+                .merged_corners = file.merged_corners};
     }
     Collection collection = read_collection(path);
     for (std::size_t i = 0; i < collection.size(); ++i)
@@ -193,32 +197,68 @@ FileContent read_mesh_file(const fs::path& path, bool triangulate)
     return content;
 }
 
+void FormatNotes::add(const fs::path& path, const FileContent& content)
+{
+    if (content.single_precision && single_++ == 0)
+        first_single_ = path.string();
+    if (content.merged_corners > 0 && merged_++ == 0)
+        first_merged_ = join(path.string(), ": ", content.merged_corners, " corners, ",
+                             content.meshes.front().points.rows(), " vertices");
+}
+
+void FormatNotes::say(const MeshNotices& notices) const
+{
+    if (merged_ > 0)
+        notices.message(
+            join("STL: corners of equal coordinates became one vertex, in the order of "
+                 "first appearance, in ",
+                 counted(merged_, "file"), " (", first_merged_, ")"));
+    if (single_ > 0)
+        notices.message(join("single precision (float32, about 7 digits) in ",
+                             counted(single_, "file"), ", first ", first_single_));
+}
+
+MeshNotices notices_of(const Session& session)
+{
+    return {.message = [&session](const std::string& text) { session.message(text); },
+            .warn = [&session](const std::string& text) { session.warn(text); },
+            .progress = session.progress()};
+}
+
 Collection read_meshes(const Session& session, const MeshInput& input)
 {
-    const Progress progress = session.progress();
+    return read_meshes(notices_of(session), input);
+}
+
+Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
+{
     const std::vector<fs::path> files = mesh_files(input);
-    note_passed_over(session, input);
+    note_passed_over(notices, input);
     if (files.size() == 1 && is_collection_file(files.front())) {
         Collection collection = read_single_collection(files.front());
         if (!input.labels.empty())
-            collection.labels = labels_of(session, input.labels, collection.names);
+            collection.labels = labels_of(notices, input.labels, collection.names);
         return collection;
     }
     std::vector<NamedMesh> meshes;
     Labels labels;
+    FormatNotes notes;
     for (std::size_t i = 0; i < files.size(); ++i) {
         FileContent content = read_mesh_file(files[i], input.triangulate);
+        notes.add(files[i], content);
         append_labels(labels, meshes.size(), content.labels, content.meshes.size());
         std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
-        progress("reading", i + 1, files.size());
+        if (notices.progress)
+            notices.progress("reading", i + 1, files.size());
     }
+    notes.say(notices);
     if (input.may_repeat)
         number_repeated_names(meshes);
     Collection collection = collect(std::move(meshes));
     collection.labels =
-        input.labels.empty() ? labels : labels_of(session, input.labels, collection.names);
+        input.labels.empty() ? labels : labels_of(notices, input.labels, collection.names);
     for (const Oddity& oddity : find_oddities(collection))
-        session.warn(oddity.message);
+        notices.warn(oddity.message);
     return collection;
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "libshape/base/progress.h"
 #include "libshape/mesh/collection.h"
 
 namespace CLI {
@@ -36,8 +38,17 @@ void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name
 /// @throws FileError if a path does not exist; InvalidInput if a directory holds no mesh file.
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const MeshInput& input);
 
+/// Where what is said while meshes are read goes, and whether reading goes on.
+struct MeshNotices
+{
+    std::function<void(const std::string&)> message;
+    std::function<void(const std::string&)> warn;
+    Progress progress;
+};
+[[nodiscard]] MeshNotices notices_of(const Session& session);
+
 /// Warns of files in the directories that hold meshes in formats that are not read.
-void note_passed_over(const Session& session, const MeshInput& input);
+void note_passed_over(const MeshNotices& notices, const MeshInput& input);
 
 /// All files that reading the input opens: mesh_files() and the file of labels.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const MeshInput& input);
@@ -51,12 +62,29 @@ struct FileContent
 {
     std::vector<NamedMesh> meshes;
     Labels labels;
+    bool single_precision = false;   ///< As of MeshFileContent.
+    Eigen::Index merged_corners = 0; ///< Likewise.
 };
 [[nodiscard]] FileContent read_mesh_file(const std::filesystem::path& path, bool triangulate);
+
+/// What the formats of files have cost their meshes; said in a line for each kind, however many they are.
+class FormatNotes
+{
+public:
+    void add(const std::filesystem::path& path, const FileContent& content);
+    void say(const MeshNotices& notices) const;
+
+private:
+    std::size_t single_ = 0;
+    std::size_t merged_ = 0;
+    std::string first_single_;
+    std::string first_merged_; ///< And what became of it.
+};
 
 /// Reads everything and checks that it is in correspondence. Without a file of labels a mesh keeps
 /// those of its collection file; where others have a label that it lacks, its value is empty. Warns of
 /// what is odd about meshes that are not read from a single collection file (find_oddities()).
+[[nodiscard]] Collection read_meshes(const MeshNotices& notices, const MeshInput& input);
 [[nodiscard]] Collection read_meshes(const Session& session, const MeshInput& input);
 
 } // namespace shape::tools

@@ -7,8 +7,8 @@
 
 #include "libshape/base/format.h"
 #include "libshape/io/table_file.h"
-#include "libshape/io/vertex_scalars.h"
 #include "libshape/mesh/vertex_means.h"
+#include "tools/output/mesh_output.h"
 #include "tools/output/output_rules.h"
 
 namespace shape::tools {
@@ -41,35 +41,37 @@ Table effect_table(const Topology& topology, const ColumnEffects& effects)
 CLI::Option* add_effects(CLI::App& command, std::string& path)
 {
     return command
-        .add_option(
-            "--effects", path,
-            "Where pairs or groups differ: the mean mesh as PLY with the properties effect\n"
-            "(mean of Cohen's d over the edges at a vertex; > 0: longer), magnitude (of\n"
-            "its absolute value) and significant (share of edges with q <= 0.05), for\n"
-            "`shape draw --color-by`; and FILE.csv with one row an edge: v0,v1,effect,p,q\n"
-            "(t test, paired or, of groups, Welch's; q by Benjamini and Hochberg)")
+        .add_option("--effects", path,
+                    "Where pairs or groups differ: the mean mesh as PLY (.vtk, .vtp) with the "
+                    "values effect\n"
+                    "(mean of Cohen's d over the edges at a vertex; > 0: longer), magnitude (of\n"
+                    "its absolute value) and significant (share of edges with q <= 0.05), for\n"
+                    "`shape draw --color-by`; and FILE.csv with one row an edge: v0,v1,effect,p,q\n"
+                    "(t test, paired or, of groups, Welch's; q by Benjamini and Hochberg)")
         ->option_text("FILE.ply");
 }
 
 void check_effects(const Session& session, const fs::path& path,
                    const std::vector<fs::path>& inputs)
 {
-    check_ending("--effects", path, ".ply");
+    if (path.extension() != ".vtk" && path.extension() != ".vtp")
+        check_ending("--effects", path, ".ply");
     check_output(session, path, inputs);
     check_output(session, table_path(path), inputs);
 }
 
 Json write_effects(const Session& session, const fs::path& path, const Topology& topology,
-                   const Points& points, const ColumnEffects& effects)
+                   const Points& points, const ColumnEffects& effects, const std::string& colours)
 {
     const Eigen::VectorXd significant =
         (effects.false_discovery_rates.array() <= significance).cast<double>();
     const Eigen::VectorXd magnitudes = effects.effects.cwiseAbs();
     write_table(table_path(path), effect_table(topology, effects));
-    write_vertex_scalars(path, points, topology.faces(),
-                         {{"effect", vertex_means(topology, effects.effects)},
-                          {"magnitude", vertex_means(topology, magnitudes)},
-                          {"significant", vertex_means(topology, significant)}});
+    write_with_colours(path, points, topology.faces(),
+                       {{"effect", vertex_means(topology, effects.effects)},
+                        {"magnitude", vertex_means(topology, magnitudes)},
+                        {"significant", vertex_means(topology, significant)}},
+                       colours);
     const auto count = static_cast<int>(significant.sum());
     session.message(join(path.string(), ": ", count, " of ", topology.edge_count(),
                          " edges differ (q <= ", significance, "); largest effect ",

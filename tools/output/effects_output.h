@@ -28,9 +28,10 @@ void check_effects(const Session& session, const std::filesystem::path& path,
 
 /// Writes effects per edge as a table beside `path`, and averaged to the vertices of a mesh as
 /// `path`; says how many edges are significant.
+/// @param colours  As write_with_colours() takes it.
 /// @return The fields `outputs`, `edges`, `significant_edges` and `largest_effect`.
 [[nodiscard]] Json write_effects(const Session& session, const std::filesystem::path& path,
                                  const Topology& topology, const Points& points,
-                                 const ColumnEffects& effects);
+                                 const ColumnEffects& effects, const std::string& colours);
 
 } // namespace shape::tools

@@ -156,15 +156,15 @@ private:
     double worst_edge_ = 0.0;
 };
 
-void write_residuals(const std::filesystem::path& path, const Topology& topology,
-                     const Points& points, const DecodedShape& target)
+void write_residuals(const MeshOutput& output, const std::filesystem::path& path,
+                     const Topology& topology, const Points& points, const DecodedShape& target)
 {
     const ShapePoint* const point = std::get_if<ShapePoint>(&target);
     const ResidualField field = residual_field(
         topology, points,
         point ? *point
               : ShapePoint{edge_lengths(topology, points), dihedral_angles(topology, points)});
-    write_vertex_scalars(
+    output.write_scalars(
         path, points, topology.faces(),
         {{"edge_error", field.edge_error}, {"dihedral_drift", field.dihedral_drift}});
 }
@@ -244,7 +244,7 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments, dou
     command
         .add_flag(
             "--residuals", arguments.residuals,
-            "Write residuals/NAME_residuals.ply beside each mesh: that mesh with the properties\n"
+            "Write residuals/NAME_residuals.ply (.vtk, .vtp) beside each mesh: with the values\n"
             "edge_error (largest relative error of the edges at a vertex) and\n"
             "dihedral_drift (largest of their angles [deg]); `shape draw --color-by` shows\n"
             "them")
@@ -269,7 +269,7 @@ void prepare_output(const EmbeddingArguments& arguments, const Topology& topolog
                     const std::vector<EmbeddingTarget>& targets, MeshOutput& output)
 {
     if (arguments.residuals)
-        output.add_companions("residuals", "_residuals.ply");
+        output.add_companions("residuals", "_residuals" + output.scalar_ending());
     if (arguments.strict)
         refuse_infeasible(topology, targets);
 }
@@ -293,7 +293,7 @@ Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
         infeasible.add(targets[i].name, shape, mesh);
         output.write(i, mesh.points, topology.faces());
         if (arguments.residuals)
-            write_residuals(output.staged_companion(i), topology, mesh.points, shape);
+            write_residuals(output, output.staged_companion(i), topology, mesh.points, shape);
         if (order == TargetOrder::Sequence && i > 0)
             steps.push_back(measure_step(topology, previous, mesh.points));
         rows.push_back(table_row(mesh.figures));

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/report/colour_map.h"
 #include "tools/output/frame_store.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
@@ -81,6 +82,26 @@ std::vector<std::string> file_names(const std::vector<std::string>& names)
     return result;
 }
 
+/// Dark blue to yellow; blue to red, with grey at 0, if there are both signs.
+VertexColours vertex_colours(const Eigen::VectorXd& values)
+{
+    double low = values.minCoeff();
+    double high = values.maxCoeff();
+    const bool has_both_signs = low < 0.0 && high > 0.0;
+    if (has_both_signs) {
+        high = std::max(-low, high);
+        low = -high;
+    }
+    VertexColours colours(values.size(), 3);
+    for (Eigen::Index v = 0; v < values.size(); ++v) {
+        const Colour colour =
+            map_colour(has_both_signs ? ColourMap::Diverging : ColourMap::Sequential,
+                       high > low ? (values[v] - low) / (high - low) : 0.0);
+        colours.row(v) << colour.red, colour.green, colour.blue;
+    }
+    return colours;
+}
+
 /// A hidden name that no other process uses.
 std::string staging_name(const std::string& name)
 {
@@ -94,18 +115,37 @@ void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments)
     command
         .add_option("--format", arguments.format,
                     "Format of the files in a directory (default: ply, binary with doubles)")
-        ->check(CLI::IsMember({"obj", "ply", "off", "glb"}))
-        ->option_text("obj|ply|off|glb");
+        ->check(CLI::IsMember({"obj", "ply", "off", "stl", "vtk", "vtp", "glb"}))
+        ->option_text("obj|ply|off|stl|vtk|vtp|glb");
+    command.add_flag("--ascii", arguments.ascii, "Numbers as text in .ply, .stl, .vtk and .vtp")
+        ->group("Mesh files");
+    command
+        .add_flag("--float", arguments.single_precision,
+                  "Single precision (float32) in .ply, .vtk and .vtp; .stl and .glb always are")
+        ->group("Mesh files");
+    command
+        .add_option("--template", arguments.template_file,
+                    "OBJ file of the same faces whose texture coordinates, materials and polygons\n"
+                    ".obj meshes are written with; normals are computed anew where it has some")
+        ->option_text("FILE.obj")
+        ->group("Mesh files");
+    command
+        .add_flag("--colors{first}", arguments.colours,
+                  "Colour meshes with values at their vertices (--residuals, --effects), as red,\n"
+                  "green and blue, by the first of them or by NAME")
+        ->option_text("[=NAME]")
+        ->group("Mesh files");
 }
 
 CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments)
 {
     add_mesh_format(command, arguments);
     return command
-        .add_option("-o,--output", arguments.path,
-                    "One mesh: a file (.obj .ply .off .glb) or a directory; several: a directory,\n"
-                    "or a .glb file for one animation.\n"
-                    "A missing directory is made, its parent must exist")
+        .add_option(
+            "-o,--output", arguments.path,
+            "One mesh: a file (.obj .ply .off .stl .vtk .vtp .glb) or a directory; several:\n"
+            "a directory, or a .glb file for one animation.\n"
+            "A missing directory is made, its parent must exist")
         ->required()
         ->option_text("PATH REQUIRED");
 }
@@ -128,9 +168,15 @@ void add_animation_options(CLI::App& command, MeshOutputArguments& arguments)
 MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& arguments,
                        const std::vector<std::string>& names, const std::vector<fs::path>& inputs,
                        const std::vector<std::string>& further_files)
-    : session_(session), inputs_(inputs), mesh_count_(names.size())
+    : session_(session),
+      inputs_(inputs),
+      write_options_{.ascii = arguments.ascii, .single_precision = arguments.single_precision},
+      colours_(arguments.colours),
+      mesh_count_(names.size())
 {
     const fs::path path = arguments.path;
+    if (!arguments.template_file.empty())
+        inputs_.emplace_back(arguments.template_file);
     if (names_a_file(path)) {
         format_ = format_of(path);
         is_animation_ = format_ == MeshFormat::Glb && names.size() > 1;
@@ -141,13 +187,15 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
             throw UsageError(join("--format ", arguments.format, " contradicts the ending of '",
                                   path.string(), "'"));
         prepare_animation(arguments, names.size());
-        check_output(session, path, inputs);
+        check_output(session, path, inputs_);
         paths_ = {path};
+        prepare_writing(arguments, path.parent_path());
         return;
     }
     prepare_animation(arguments, names.size());
     format_ = arguments.format.empty() ? MeshFormat::Ply : mesh_format("x." + arguments.format);
     directory_ = path.has_filename() ? path : path.parent_path();
+    prepare_writing(arguments, directory_);
     for (const std::string& name : file_names(names))
         paths_.push_back(directory_ / (name + file_ending(format_)));
     for (const std::string& file : further_files)
@@ -156,7 +204,7 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
         check_paths(0);
         staging_ = directory_ / staging_name("shape");
     } else {
-        check_output(session, directory_, inputs);
+        check_output(session, directory_, inputs_);
         staging_ = directory_.parent_path() / staging_name(directory_.filename().string());
     }
 }
@@ -188,6 +236,60 @@ void MeshOutput::prepare_animation(const MeshOutputArguments& arguments, std::si
         .frames_per_second = arguments.frames_per_second.value_or(standard.frames_per_second)};
 }
 
+void MeshOutput::prepare_writing(const MeshOutputArguments& arguments, const fs::path& folder)
+{
+    const bool is_text = format_ == MeshFormat::Obj || format_ == MeshFormat::Off;
+    const bool is_glb = format_ == MeshFormat::Glb;
+    const bool is_stl = format_ == MeshFormat::Stl;
+    if (arguments.ascii && (is_text || is_glb))
+        throw UsageError("--ascii is for .ply, .stl, .vtk and .vtp");
+    if (arguments.single_precision && (is_text || is_glb || is_stl))
+        throw UsageError("--float is for .ply, .vtk and .vtp");
+    if (arguments.template_file.empty())
+        return;
+    if (format_ != MeshFormat::Obj)
+        throw UsageError("--template is for .obj meshes; add --format obj, or let -o end in .obj");
+    write_options_.obj_template =
+        std::make_shared<const ObjTemplate>(read_obj_template(arguments.template_file, folder));
+}
+
+std::string MeshOutput::scalar_ending() const
+{
+    const bool holds_scalars = format_ == MeshFormat::Vtk || format_ == MeshFormat::Vtp;
+    return file_ending(holds_scalars ? format_ : MeshFormat::Ply);
+}
+
+void write_with_colours(const fs::path& path, const Points& points, const Faces& faces,
+                        std::vector<VertexScalar> scalars, const std::string& colours,
+                        MeshWriteOptions options)
+{
+    std::size_t chosen = 0;
+    if (!colours.empty() && colours != "first") {
+        const auto found = std::ranges::find(scalars, colours, &VertexScalar::name);
+        if (found == scalars.end()) {
+            std::string names;
+            for (const VertexScalar& scalar : scalars)
+                names += " " + scalar.name;
+            throw UsageError(join("--colors: no value '", colours, "' in ",
+                                  path.filename().string(), "; there are:", names));
+        }
+        chosen = static_cast<std::size_t>(found - scalars.begin());
+    }
+    options.quality = scalars[chosen].name;
+    if (!colours.empty())
+        options.colours = vertex_colours(scalars[chosen].values);
+    options.scalars = std::move(scalars);
+    write_mesh(path, points, faces, mesh_format(path), options);
+}
+
+void MeshOutput::write_scalars(const fs::path& path, const Points& points, const Faces& faces,
+                               std::vector<VertexScalar> scalars) const
+{
+    MeshWriteOptions options = write_options_;
+    options.obj_template = nullptr; // never an OBJ file
+    write_with_colours(path, points, faces, std::move(scalars), colours_, options);
+}
+
 void MeshOutput::add_companions(const std::string& folder, const std::string& suffix)
 {
     if (is_animation_)
@@ -217,7 +319,8 @@ void MeshOutput::write(std::size_t index, const Points& points, const Faces& fac
     if (!staging_.empty())
         fs::create_directory(staging_);
     const fs::path path = paths_.at(index);
-    write_mesh(staging_.empty() ? path : staging_ / path.filename(), points, faces, format_);
+    write_mesh(staging_.empty() ? path : staging_ / path.filename(), points, faces, format_,
+               write_options_);
 }
 
 fs::path MeshOutput::staged(const std::string& further_file) const

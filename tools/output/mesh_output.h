@@ -9,6 +9,7 @@
 
 #include "libshape/io/gltf_file.h"
 #include "libshape/io/mesh_file.h"
+#include "libshape/io/mesh_write_options.h"
 
 namespace CLI {
 class App;
@@ -24,19 +25,30 @@ struct MeshOutputArguments
 {
     std::string path;   ///< A file, or a directory.
     std::string format; ///< Ending without the dot, for directories; empty: ply.
+    bool ascii = false;
+    bool single_precision = false;
+    std::string template_file; ///< OBJ; empty: none.
+    std::string colours;       ///< Scalar that meshes with values are coloured by; empty: none.
     std::optional<double> frames_per_second; ///< An animation shows this many.
     std::optional<double>
         glb_tolerance; ///< Frames of an animation may err by this, relative to the diagonal.
 };
 
-/// Adds --format alone, for commands that have options of their own for where meshes go.
+/// Adds --format, --ascii, --float, --template and --colors alone, for commands that have options of their own for where meshes go.
 void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments);
 
-/// Adds -o, which is required and returned, and --format.
+/// Adds -o, which is required and returned, and those.
 CLI::Option* add_mesh_output(CLI::App& command, MeshOutputArguments& arguments);
 
 /// Adds --fps and --glb-tolerance: for commands whose meshes are a sequence.
 void add_animation_options(CLI::App& command, MeshOutputArguments& arguments);
+
+/// Writes a mesh with values at its vertices.
+/// @param colours  Name of the scalar that it is coloured by, "first" for the first, or empty.
+/// @throws as MeshOutput::write_scalars().
+void write_with_colours(const std::filesystem::path& path, const Points& points, const Faces& faces,
+                        std::vector<VertexScalar> scalars, const std::string& colours,
+                        MeshWriteOptions options = {});
 
 /// Takes the meshes of a run and keeps all of them or none: they are written beside their place and
 /// renamed into it by commit(). A new directory appears as a whole.
@@ -67,6 +79,15 @@ public:
     /// @throws UsageError  if the output is an animation.
     void add_companions(const std::string& folder, const std::string& suffix);
 
+    /// The ending of files of meshes with values at their vertices: that of the meshes if it can hold
+    /// them, else .ply.
+    [[nodiscard]] std::string scalar_ending() const;
+
+    /// Writes a mesh with values at its vertices, with the colours that are asked for, if any.
+    /// @throws UsageError  if they are to be of a scalar that is not among these.
+    void write_scalars(const std::filesystem::path& path, const Points& points, const Faces& faces,
+                       std::vector<VertexScalar> scalars) const;
+
     /// Writes the mesh of names[index]; meshes of an animation come in order.
     void write(std::size_t index, const Points& points, const Faces& faces);
 
@@ -85,6 +106,7 @@ public:
 
 private:
     void check_paths(std::size_t first) const;
+    void prepare_writing(const MeshOutputArguments& arguments, const std::filesystem::path& folder);
     void prepare_animation(const MeshOutputArguments& arguments, std::size_t meshes);
 
     const Session& session_;
@@ -93,6 +115,8 @@ private:
     std::filesystem::path directory_; ///< Where the files go.
     std::filesystem::path staging_;   ///< Where they are kept until then.
     MeshFormat format_ = MeshFormat::Ply;
+    MeshWriteOptions write_options_;
+    std::string colours_;
     std::size_t mesh_count_ = 0;
     std::size_t first_companion_ = 0; ///< Into paths_.
 

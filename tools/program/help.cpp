@@ -24,6 +24,12 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name,
     return help + "\n" + make_footer(app);
 }
 
+std::string HelpFormatter::make_option_name(const CLI::Option* option, bool is_positional) const
+{
+    const std::string name = CLI::Formatter::make_option_name(option, is_positional);
+    return name.substr(0, name.find('{'));
+}
+
 std::string HelpFormatter::make_subcommand(const CLI::App* command) const
 {
     std::string summary = command->get_description();

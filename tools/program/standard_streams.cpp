@@ -48,6 +48,14 @@ std::string ending_of(std::string_view content)
         return ".h5";
     if (content.starts_with("ply"))
         return ".ply";
+    if (content.starts_with("glTF"))
+        return ".glb";
+    if (content.starts_with("solid"))
+        return ".stl";
+    if (content.starts_with("# vtk"))
+        return ".vtk";
+    if (content.starts_with("<"))
+        return ".vtp";
     if (line.substr(0, line.find_first_of(" \t\r0123456789")).ends_with("OFF"))
         return ".off";
     if (content.starts_with("{") || content.starts_with("["))

@@ -25,13 +25,14 @@ namespace {
 
 constexpr std::size_t chunk_size = 1 << 20; // [byte]
 
-/// Fixed-length UTF-8, padded with NUL: unlike the heap of variable-length strings it has checksums.
-Id make_string_type(std::size_t size)
+/// Fixed-length text, padded with NUL: unlike the heap of variable-length strings it has checksums. UTF-8,
+/// but tagged as ASCII where it is no more than that, for Octave reads no other.
+Id make_string_type(std::size_t size, bool is_ascii, bool plain)
 {
     Id type(H5Tcopy(H5T_C_S1), H5Tclose);
     checked(H5Tset_size(type, size));
-    checked(H5Tset_strpad(type, H5T_STR_NULLPAD));
-    checked(H5Tset_cset(type, H5T_CSET_UTF8));
+    checked(H5Tset_strpad(type, plain ? H5T_STR_NULLTERM : H5T_STR_NULLPAD));
+    checked(H5Tset_cset(type, is_ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8));
     return type;
 }
 
@@ -50,7 +51,7 @@ struct Encoded
     [[nodiscard]] std::size_t size() const { return count * value_size; }
 };
 
-Encoded encode(std::span<const double> values, const std::string&)
+Encoded encode(std::span<const double> values, const std::string&, bool)
 {
     return {{H5Tcopy(H5T_IEEE_F64LE), H5Tclose},
             {H5Tcopy(H5T_NATIVE_DOUBLE), H5Tclose},
@@ -60,7 +61,17 @@ Encoded encode(std::span<const double> values, const std::string&)
             {}};
 }
 
-Encoded encode(std::span<const int> values, const std::string&)
+Encoded encode(std::span<const float> values, const std::string&, bool)
+{
+    return {{H5Tcopy(H5T_IEEE_F32LE), H5Tclose},
+            {H5Tcopy(H5T_NATIVE_FLOAT), H5Tclose},
+            values.data(),
+            sizeof(float),
+            values.size(),
+            {}};
+}
+
+Encoded encode(std::span<const int> values, const std::string&, bool)
 {
     return {{H5Tcopy(H5T_STD_I32LE), H5Tclose},
             {H5Tcopy(H5T_NATIVE_INT), H5Tclose},
@@ -70,7 +81,7 @@ Encoded encode(std::span<const int> values, const std::string&)
             {}};
 }
 
-Encoded encode(std::span<const std::int64_t> values, const std::string&)
+Encoded encode(std::span<const std::int64_t> values, const std::string&, bool)
 {
     return {{H5Tcopy(H5T_STD_I64LE), H5Tclose},
             {H5Tcopy(H5T_NATIVE_INT64), H5Tclose},
@@ -80,7 +91,7 @@ Encoded encode(std::span<const std::int64_t> values, const std::string&)
             {}};
 }
 
-Encoded encode(std::span<const std::string> values, const std::string& name)
+Encoded encode(std::span<const std::string> values, const std::string& name, bool plain)
 {
     std::size_t size = 1;
     for (const std::string& text : values) {
@@ -88,7 +99,7 @@ Encoded encode(std::span<const std::string> values, const std::string& name)
             throw InvalidInput(join(name, ": ", in_quotes(text),
                                     " must be UTF-8 without NUL, at most ", longest_string,
                                     " bytes"));
-        size = std::max(size, text.size());
+        size = std::max(size, text.size() + (plain ? 1 : 0));
     }
     std::string packed;
     packed.reserve(size * values.size());
@@ -96,13 +107,18 @@ Encoded encode(std::span<const std::string> values, const std::string& name)
         packed += text;
         packed.append(size - text.size(), '\0');
     }
-    return {make_string_type(size), make_string_type(size), nullptr, size,
-            values.size(),          std::move(packed)};
+    const bool is_ascii = std::ranges::all_of(packed, [](char c) { return (c & 0x80) == 0; });
+    return {make_string_type(size, is_ascii, plain),
+            make_string_type(size, is_ascii, plain),
+            nullptr,
+            size,
+            values.size(),
+            std::move(packed)};
 }
 
-Encoded encode(const Hdf5Rows& rows, const std::string& name)
+Encoded encode(const Hdf5Rows& rows, const std::string& name, bool plain)
 {
-    Encoded encoded = encode(std::span<const double>(), name);
+    Encoded encoded = encode(std::span<const double>(), name, plain);
     encoded.rows = rows;
     return encoded;
 }
@@ -113,18 +129,18 @@ std::size_t product(std::span<const Eigen::Index> extents)
         std::accumulate(extents.begin(), extents.end(), Eigen::Index{1}, std::multiplies()));
 }
 
-Encoded encode(const Hdf5Dataset& dataset)
+Encoded encode(const Hdf5Dataset& dataset, bool plain)
 {
-    Encoded encoded = std::visit([&](const auto& values) { return encode(values, dataset.name); },
-                                 dataset.values);
+    Encoded encoded = std::visit(
+        [&](const auto& values) { return encode(values, dataset.name, plain); }, dataset.values);
     if (encoded.rows)
         encoded.count = product(dataset.extents);
     return encoded;
 }
 
-Encoded encode(const std::string& name, const Hdf5Value& value)
+Encoded encode(const std::string& name, const Hdf5Value& value, bool plain)
 {
-    return std::visit([&](const auto& v) { return encode(std::span(&v, 1), name); }, value);
+    return std::visit([&](const auto& v) { return encode(std::span(&v, 1), name, plain); }, value);
 }
 
 /// Objects without time stamps, so that equal contents give equal bytes.
@@ -217,29 +233,33 @@ void for_each_block(const Encoded& values, const Extents& extents, bool make,
 }
 
 /// Creates the group of a dataset. Groups remember the order of their members: that of labels.
-void create_group(hid_t file, const std::string& dataset)
+void create_group(hid_t file, const std::string& dataset, bool plain)
 {
     const std::string group = dataset.substr(0, dataset.rfind('/'));
     if (group.empty() || checked(H5Lexists(file, group.c_str(), H5P_DEFAULT)) > 0)
         return;
+    create_group(file, group, plain); // that of the group
     const Id list = make_creation_list(H5P_GROUP_CREATE);
-    checked(H5Pset_link_creation_order(list, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
+    if (!plain)
+        checked(H5Pset_link_creation_order(list, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
     Id(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, list, H5P_DEFAULT), H5Gclose).close();
 }
 
 /// @param hashes  Get those of the blocks that are made.
-void write_dataset(hid_t file, const Hdf5Dataset& dataset, std::vector<std::uint64_t>& hashes,
-                   const NewFile& target)
+void write_dataset(hid_t file, const Hdf5Dataset& dataset, bool plain,
+                   std::vector<std::uint64_t>& hashes, const NewFile& target)
 {
-    const Encoded values = encode(dataset);
+    const Encoded values = encode(dataset, plain);
     const Id space = make_space(dataset.extents);
     const auto count = to_size(checked(H5Sget_simple_extent_npoints(space)));
     if (count != values.count || count == 0)
         throw InvalidInput(join(dataset.name, ": has ", values.count, " values, must have ", count,
                                 " and at least 1"));
-    create_group(file, dataset.name);
+    create_group(file, dataset.name, plain);
     const Id creation = make_creation_list(H5P_DATASET_CREATE);
-    if (dataset.extents.empty()) {
+    if (plain) {
+        checked(H5Pset_layout(creation, H5D_CONTIGUOUS));
+    } else if (dataset.extents.empty()) {
         checked(H5Pset_layout(creation, H5D_COMPACT)); // within the checksummed header
     } else {
         const std::vector<hsize_t> chunk = chunk_dimensions(dataset.extents, values.value_size);
@@ -266,11 +286,11 @@ void write_dataset(hid_t file, const Hdf5Dataset& dataset, std::vector<std::uint
     stored.close();
 }
 
-void write_attribute(hid_t file, const std::string& name, const Hdf5Value& value)
+void write_attribute(hid_t place, const std::string& name, const Hdf5Value& value, bool plain)
 {
-    const Encoded encoded = encode(name, value);
+    const Encoded encoded = encode(name, value, plain);
     Id attribute(
-        H5Acreate2(file, name.c_str(), encoded.type, make_space({}), H5P_DEFAULT, H5P_DEFAULT),
+        H5Acreate2(place, name.c_str(), encoded.type, make_space({}), H5P_DEFAULT, H5P_DEFAULT),
         H5Aclose);
     checked(H5Awrite(attribute, encoded.memory_type, encoded.data()));
     attribute.close();
@@ -284,16 +304,22 @@ std::vector<std::uint64_t> make_file(const Hdf5Content& content, NewFile& target
     const std::string unique = join("/dev/null/shape-", counter++); // no such file can exist
     const Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     write_through(access, target);
-    checked(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST));
+    checked(H5Pset_libver_bounds(access, content.plain ? H5F_LIBVER_EARLIEST : H5F_LIBVER_LATEST,
+                                 H5F_LIBVER_LATEST));
     Id file(H5Fcreate(unique.c_str(), H5F_ACC_TRUNC, make_creation_list(H5P_FILE_CREATE), access),
             H5Fclose);
     std::vector<std::uint64_t> hashes;
     for (const auto& [name, value] : content.attributes)
-        write_attribute(file, name, value);
+        write_attribute(file, name, value, content.plain);
     for (const Hdf5Dataset& dataset : content.datasets) {
-        write_dataset(file, dataset, hashes, target);
+        write_dataset(file, dataset, content.plain, hashes, target);
         if (target.error != 0)
             break;
+    }
+    for (const auto& [group, attribute] : content.group_attributes) {
+        Id place(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose);
+        write_attribute(place, attribute.first, attribute.second, content.plain);
+        place.close();
     }
     file.close();
     return hashes;
@@ -315,7 +341,7 @@ bool holds(const std::filesystem::path& path, const Hdf5Content& content,
     };
     for (const auto& [name, value] : content.attributes) {
         const Id attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
-        const Encoded encoded = encode(name, value);
+        const Encoded encoded = encode(name, value, content.plain);
         if (!agrees(encoded.data(), encoded.size(),
                     [&](void* out) { return H5Aread(attribute, encoded.memory_type, out); }))
             return false;
@@ -323,7 +349,7 @@ bool holds(const std::filesystem::path& path, const Hdf5Content& content,
     bool is_equal = true;
     for (const Hdf5Dataset& dataset : content.datasets) {
         const Id stored(H5Dopen2(file, dataset.name.c_str(), H5P_DEFAULT), H5Dclose);
-        const Encoded encoded = encode(dataset);
+        const Encoded encoded = encode(dataset, content.plain);
         for_each_block(encoded, dataset.extents, false, [&](const Block& block) {
             is_equal = is_equal && agrees(block.values, block.size, [&](void* out) {
                            return H5Dread(stored, encoded.memory_type, block.memory_space,

@@ -25,8 +25,8 @@ struct Hdf5Dataset
 {
     std::string name; ///< "/group/name".
     Extents extents;
-    std::variant<std::span<const double>, std::span<const int>, std::span<const std::string>,
-                 Hdf5Rows>
+    std::variant<std::span<const double>, std::span<const float>, std::span<const int>,
+                 std::span<const std::string>, Hdf5Rows>
         values;
     bool compress = false; ///< Doubles are stored with shuffle and deflate, below the checksum.
 };
@@ -38,6 +38,10 @@ struct Hdf5Content
 {
     std::vector<std::pair<std::string, Hdf5Value>> attributes;
     std::vector<Hdf5Dataset> datasets;
+    /// Attributes of groups of datasets: the group, then name and value.
+    std::vector<std::pair<std::string, std::pair<std::string, Hdf5Value>>> group_attributes = {};
+    /// As the oldest readers take it: contiguous, without checksums, strings that end in NUL.
+    bool plain = false;
 };
 
 /// Writes a file beside the target, reads every dataset back and compares it bit by bit (numbers that

@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: MIT
+
+#include <Eigen/Geometry>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "libshape/base/counted.h"
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
+#include "libshape/io/file/line_reader.h"
+#include "libshape/io/mesh_builder.h"
+#include "libshape/io/mesh_formats.h"
+
+// Binary glTF 2.0: a description in JSON and a buffer that its accessors look into.
+
+namespace shape::internal {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t description_limit = std::uint64_t{64} << 20; ///< [byte]
+constexpr std::int64_t member_vertex_limit =
+    40'000'000; ///< Of all members, beyond what the file holds.
+
+/// The description and the buffer; every access is checked, for the file may say anything.
+class Glb
+{
+public:
+    Glb(std::string_view content, std::string path) : path_(std::move(path))
+    {
+        const auto number = [&](std::size_t offset) {
+            std::uint32_t value = 0;
+            std::memcpy(&value, content.data() + offset, sizeof value);
+            return value;
+        };
+        if (content.size() < 20 || !content.starts_with("glTF"))
+            fail("must start with 'glTF'; is this a GLB file?");
+        if (number(4) != 2)
+            fail(join("version is ", number(4), ", must be 2"));
+        if (number(8) > content.size())
+            fail(join("states ", number(8), " bytes, has ", content.size()));
+        content = content.substr(0, number(8));
+        const std::uint64_t size = number(12);
+        if (content.substr(16, 4) != "JSON" || 20 + size > content.size())
+            fail("has no JSON chunk that it could hold");
+        if (size > description_limit)
+            throw LimitExceeded(join(path_, ": a description of ", size, " bytes; the limit is ",
+                                     description_limit));
+        try {
+            root_ = Json::parse(content.substr(20, size));
+        } catch (const Json::exception& error) {
+            fail(join("the JSON chunk is damaged: ", error.what()));
+        }
+        if (!root_.is_object())
+            fail("the JSON chunk is no object");
+        const std::size_t next = 20 + (size + 3) / 4 * 4;
+        if (next + 8 <= content.size() && content.substr(next + 4, 4) == std::string("BIN\0", 4)) {
+            if (number(next) > content.size() - next - 8)
+                fail("the BIN chunk is longer than the file");
+            buffer_ = content.substr(next + 8, number(next));
+        }
+    }
+
+    [[noreturn]] void fail(std::string_view rule) const
+    {
+        throw InvalidInput(join(path_, ": ", rule));
+    }
+
+    /// An entry of one of the lists of the description.
+    const Json& entry(const char* list, std::int64_t index) const
+    {
+        const auto found = root_.find(list);
+        if (found == root_.end() || !found->is_array() || index < 0 ||
+            index >= std::ssize(*found) || !(*found)[to_size(index)].is_object())
+            fail(join("there is no entry ", index, " of ", list));
+        return (*found)[to_size(index)];
+    }
+
+    std::int64_t integer(const Json& object, const char* name,
+                         std::optional<std::int64_t> otherwise = std::nullopt) const
+    {
+        const auto found = object.find(name);
+        if (found == object.end() && otherwise)
+            return *otherwise;
+        if (found == object.end() || !found->is_number_integer())
+            fail(join("'", name, "' is missing or no integer"));
+        const auto value = found->get<std::int64_t>();
+        if (value < 0 || value > (std::int64_t{1} << 40))
+            fail(join("'", name, "' is ", value));
+        return value;
+    }
+
+    /// A list of the object; empty if there is none.
+    const Json& list(const Json& object, const char* name) const
+    {
+        static const Json none = Json::array();
+        const auto found = object.find(name);
+        if (found == object.end())
+            return none;
+        if (!found->is_array())
+            fail(join("'", name, "' is no list"));
+        return *found;
+    }
+
+    std::string text(const Json& object, const char* name) const
+    {
+        const auto found = object.find(name);
+        return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+    }
+
+    std::int64_t accessor_count(std::int64_t index) const
+    {
+        return integer(entry("accessors", index), "count");
+    }
+
+    /// The values of an accessor, count by `components`.
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values(
+        std::int64_t index, int components) const
+    {
+        const Json& accessor = entry("accessors", index);
+        const std::string wanted = components == 3 ? "VEC3" : "SCALAR";
+        if (text(accessor, "type") != wanted)
+            fail(join("accessor ", index, " must have the type ", wanted));
+        const std::int64_t count = accessor_count(index);
+        const std::int64_t most =
+            components == 3 ? MeshBuilder::vertex_limit : 3 * MeshBuilder::face_limit;
+        if (count > most)
+            throw LimitExceeded(
+                join(path_, ": accessor ", index, " has ", count, " values; the limit is ", most));
+        const std::int64_t type = integer(accessor, "componentType");
+        if (components == 1)
+            check_index_type(type);
+        const bool is_normalised =
+            accessor.contains("normalized") && accessor["normalized"] == Json(true);
+        const auto sparse = accessor.find("sparse");
+        const bool has_view = accessor.contains("bufferView");
+        std::optional<View> view;
+        // What is all zeros but for some has the length of what is in the file.
+        if (!has_view && (components == 1 || count > static_cast<std::int64_t>(buffer_.size()) / 3))
+            fail(join("accessor ", index, " has ", count, " values and no bufferView"));
+        if (has_view)
+            view = view_of(accessor, count, components, type);
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> result(count,
+                                                                                      components);
+        result.setZero();
+        if (view)
+            for (std::int64_t i = 0; i < count; ++i)
+                for (int c = 0; c < components; ++c)
+                    result(i, c) = view->value(i, c, type, is_normalised);
+        if (sparse == accessor.end())
+            return result;
+        const std::int64_t changed = integer(*sparse, "count");
+        if (changed > count || !sparse->contains("indices") || !sparse->contains("values"))
+            fail(join("accessor ", index, " is sparse in a way that does not fit"));
+        const Json& where = (*sparse)["indices"];
+        const std::int64_t where_type = integer(where, "componentType");
+        check_index_type(where_type);
+        const View places = view_of(where, changed, 1, where_type);
+        const View news = view_of((*sparse)["values"], changed, components, type);
+        for (std::int64_t i = 0; i < changed; ++i) {
+            const auto row = static_cast<std::int64_t>(places.value(i, 0, where_type, false));
+            if (row < 0 || row >= count)
+                fail(join("accessor ", index, " changes value ", row, " of ", count));
+            for (int c = 0; c < components; ++c)
+                result(row, c) = news.value(i, c, type, is_normalised);
+        }
+        return result;
+    }
+
+    const Json& root() const { return root_; }
+    std::size_t buffer_size() const { return buffer_.size(); }
+
+private:
+    struct View
+    {
+        const char* bytes;
+        std::int64_t stride;
+        std::int64_t size; ///< Of a component.
+
+        double value(std::int64_t row, int column, std::int64_t type, bool is_normalised) const
+        {
+            const char* const at = bytes + row * stride + column * size;
+            const auto read = [&]<class Value>(Value value) {
+                std::memcpy(&value, at, sizeof value);
+                return static_cast<double>(value);
+            };
+            const auto scaled = [&](double value, double largest) {
+                return is_normalised ? std::max(value / largest, -1.0) : value;
+            };
+            switch (type) {
+                case 5120:
+                    return scaled(read(std::int8_t{}), 127.0);
+                case 5121:
+                    return scaled(read(std::uint8_t{}), 255.0);
+                case 5122:
+                    return scaled(read(std::int16_t{}), 32767.0);
+                case 5123:
+                    return scaled(read(std::uint16_t{}), 65535.0);
+                case 5125:
+                    return read(std::uint32_t{});
+                default:
+                    return read(float{});
+            }
+        }
+    };
+
+    void check_index_type(std::int64_t type) const
+    {
+        if (type != 5121 && type != 5123 && type != 5125)
+            fail(join("indices have the componentType ", type, ", must be 5121, 5123 or 5125"));
+    }
+
+    /// @param part  An accessor, or the indices or values of a sparse one.
+    View view_of(const Json& part, std::int64_t count, int components, std::int64_t type) const
+    {
+        const std::int64_t size = type == 5120 || type == 5121   ? 1
+                                  : type == 5122 || type == 5123 ? 2
+                                  : type == 5125 || type == 5126 ? 4
+                                                                 : 0;
+        if (size == 0)
+            fail(join("componentType ", type, " does not exist"));
+        const std::int64_t index = integer(part, "bufferView");
+        const Json& view = entry("bufferViews", index);
+        const Json& buffer = entry("buffers", integer(view, "buffer"));
+        if (integer(view, "buffer") != 0 || buffer.contains("uri"))
+            fail("the data lie in another file; export as one .glb file");
+        const std::int64_t begin = integer(view, "byteOffset", 0);
+        const std::int64_t length = integer(view, "byteLength");
+        const std::int64_t offset = integer(part, "byteOffset", 0);
+        const std::int64_t stride = integer(view, "byteStride", size * components);
+        const auto available = static_cast<std::int64_t>(buffer_.size());
+        if (begin + length > available || offset > length ||
+            (count > 0 && (stride < size * components || (count - 1) > (length - offset) / stride ||
+                           (count - 1) * stride + size * components > length - offset)))
+            fail(join("bufferView ", index, " does not hold the ", count,
+                      " values that are to be in it, or lies outside the file"));
+        return {buffer_.data() + begin + offset, stride, size};
+    }
+
+    std::string path_;
+    Json root_;
+    std::string_view buffer_;
+};
+
+Eigen::Matrix4d local_matrix(const Glb& glb, const Json& node)
+{
+    const auto numbers = [&](const char* name, std::vector<double> standard) {
+        const Json& list = glb.list(node, name);
+        if (list.empty())
+            return standard;
+        if (list.size() != standard.size())
+            glb.fail(join("'", name, "' of a node has ", list.size(), " numbers"));
+        for (std::size_t i = 0; i < standard.size(); ++i) {
+            if (!list[i].is_number())
+                glb.fail(join("'", name, "' of a node holds what is no number"));
+            standard[i] = list[i].get<double>();
+        }
+        return standard;
+    };
+    if (node.contains("matrix")) {
+        const std::vector<double> columns = numbers("matrix", std::vector<double>(16, 0.0));
+        return Eigen::Map<const Eigen::Matrix4d>(columns.data());
+    }
+    const std::vector<double> move = numbers("translation", {0, 0, 0});
+    const std::vector<double> turn = numbers("rotation", {0, 0, 0, 1});
+    const std::vector<double> scale = numbers("scale", {1, 1, 1});
+    const Eigen::Affine3d matrix = Eigen::Translation3d(move[0], move[1], move[2]) *
+                                   Eigen::Quaterniond(turn[3], turn[0], turn[1], turn[2]) *
+                                   Eigen::Scaling(scale[0], scale[1], scale[2]);
+    return matrix.matrix();
+}
+
+struct PlacedMesh
+{
+    const Json* node;
+    Eigen::Matrix4d place;
+};
+
+/// The nodes of the scene that have a mesh, in the order of the file's tree.
+std::vector<PlacedMesh> placed_meshes(const Glb& glb)
+{
+    std::vector<std::pair<std::int64_t, Eigen::Matrix4d>> open;
+    const auto push = [&](const Json& nodes, const Eigen::Matrix4d& parent) {
+        for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
+            if (!node->is_number_unsigned())
+                glb.fail("a node is named by what is no number");
+            open.emplace_back(node->get<std::int64_t>(), parent);
+        }
+    };
+    if (glb.list(glb.root(), "scenes").empty())
+        glb.fail("there is no scene");
+    push(glb.list(glb.entry("scenes", glb.integer(glb.root(), "scene", 0)), "nodes"),
+         Eigen::Matrix4d::Identity());
+    std::set<std::int64_t> seen;
+    std::vector<PlacedMesh> meshes;
+    while (!open.empty()) {
+        const auto [index, parent] = open.back();
+        open.pop_back();
+        if (!seen.insert(index).second)
+            glb.fail(join("node ", index, " is met twice; nodes must form a tree"));
+        const Json& node = glb.entry("nodes", index);
+        const Eigen::Matrix4d place = parent * local_matrix(glb, node);
+        if (node.contains("mesh")) // a skin places the mesh by its bones: here it stays in rest
+            meshes.push_back(
+                {&node, node.contains("skin") ? Eigen::Matrix4d::Identity().eval() : place});
+        push(glb.list(node, "children"), place);
+    }
+    return meshes;
+}
+
+Points moved(const Points& points, const Eigen::Matrix4d& place)
+{
+    if (place.isIdentity(0.0))
+        return points;
+    return (points * place.topLeftCorner<3, 3>().transpose()).rowwise() +
+           place.topRightCorner<3, 1>().transpose();
+}
+
+std::vector<std::string> target_names(const Glb& glb, const Json& mesh, std::size_t count)
+{
+    std::vector<std::string> names;
+    const auto extras = mesh.find("extras");
+    if (extras != mesh.end() && extras->is_object())
+        for (const Json& name : glb.list(*extras, "targetNames"))
+            names.push_back(name.is_string() ? name.get<std::string>() : "");
+    names.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+        if (names[i].empty())
+            names[i] = join("target ", i + 1);
+    return names;
+}
+
+/// The mesh itself, then each of its morph targets with weight one.
+std::vector<Points> members(const Glb& glb, const Json& mesh, Faces& faces,
+                            const MeshReadOptions& options, const std::filesystem::path& path)
+{
+    const Json& primitives = glb.list(mesh, "primitives");
+    if (primitives.empty())
+        glb.fail("a mesh has no primitives");
+    std::vector<std::vector<double>> coordinates;
+    MeshBuilder base(path, options, [&](std::string_view rule) { glb.fail(rule); });
+    for (const Json& primitive : primitives) {
+        if (!primitive.is_object() || !primitive.contains("attributes"))
+            glb.fail("a primitive has no attributes");
+        const std::int64_t mode = glb.integer(primitive, "mode", 4);
+        if (mode != 4)
+            glb.fail(join("a primitive has the mode ", mode, ", must be 4: triangles"));
+        const auto extensions = primitive.find("extensions");
+        if (extensions != primitive.end() && extensions->contains("KHR_draco_mesh_compression"))
+            glb.fail("the mesh is compressed by Draco; export without compression");
+        const Json& targets = glb.list(primitive, "targets");
+        if (&primitive == &primitives.front())
+            coordinates.resize(1 + targets.size());
+        else if (coordinates.size() != 1 + targets.size())
+            glb.fail("the primitives of a mesh have different numbers of morph targets");
+        const std::int64_t accessor = glb.integer(primitive["attributes"], "POSITION");
+        const std::int64_t count = glb.accessor_count(accessor);
+        const std::int64_t before = base.vertex_count();
+        const auto limit =
+            std::max(member_vertex_limit, static_cast<std::int64_t>(glb.buffer_size() / 12));
+        if ((before + count) > limit / std::ssize(coordinates))
+            throw LimitExceeded(join(path.string(), ": ", coordinates.size(), " meshes of ",
+                                     before + count, " vertices; the limit is ", limit,
+                                     " vertices in all"));
+        const auto positions = glb.values(accessor, 3);
+        base.reserve(before + count, 0);
+        for (const auto& row : positions.rowwise())
+            base.add_vertex(row[0], row[1], row[2]);
+        coordinates[0].insert(coordinates[0].end(), positions.data(),
+                              positions.data() + positions.size());
+        for (std::size_t t = 0; t < targets.size(); ++t) {
+            Points target = positions;
+            if (targets[t].contains("POSITION")) {
+                const auto offsets = glb.values(glb.integer(targets[t], "POSITION"), 3);
+                if (offsets.rows() != target.rows())
+                    glb.fail(join("morph target ", t, " moves ", offsets.rows(),
+                                  " vertices, the mesh has ", target.rows()));
+                target += offsets;
+            }
+            if (!target.allFinite())
+                glb.fail(join("morph target ", t, " has a coordinate that is not finite"));
+            coordinates[t + 1].insert(coordinates[t + 1].end(), target.data(),
+                                      target.data() + target.size());
+        }
+        const auto corners = [&]() -> Eigen::Matrix<double, Eigen::Dynamic, 1> {
+            if (primitive.contains("indices"))
+                return glb.values(glb.integer(primitive, "indices"), 1);
+            return Eigen::VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1));
+        }();
+        if (corners.size() % 3 != 0)
+            glb.fail(join("triangles have ", corners.size(), " corners"));
+        for (Eigen::Index c = 0; c < corners.size(); c += 3) {
+            std::array<std::int64_t, 3> face{};
+            for (int i = 0; i < 3; ++i) {
+                face[to_size(i)] = static_cast<std::int64_t>(corners[c + i]);
+                if (face[to_size(i)] >= count)
+                    glb.fail(join("a triangle names vertex ", face[to_size(i)], " of ", count));
+                face[to_size(i)] += before;
+            }
+            base.add_polygon(face);
+        }
+    }
+    faces = base.finish().faces;
+    std::vector<Points> result;
+    for (std::vector<double>& of_member : coordinates) {
+        result.emplace_back(Eigen::Map<const Points>(of_member.data(), base.vertex_count(), 3));
+        of_member = {};
+    }
+    return result;
+}
+
+} // namespace
+
+MeshFileContent parse_glb(std::string_view content, const std::filesystem::path& path,
+                          const MeshReadOptions& options)
+{
+    const Glb glb(content, path.string());
+    const std::vector<PlacedMesh> placed = placed_meshes(glb);
+    if (placed.empty())
+        glb.fail("no node of the scene has a mesh");
+    const std::string stem = text_name(path.stem().string());
+    MeshFileContent result{.meshes = {}, .single_precision = true};
+    std::set<std::string> taken;
+    const auto add = [&](std::string name, Points points, const Faces& faces) {
+        const std::string wanted = name;
+        for (int number = 2; !taken.insert(name).second; ++number)
+            name = join(wanted, " (", number, ")");
+        result.meshes.push_back({name, path.string(), std::move(points), faces});
+    };
+    for (const PlacedMesh& node : placed) {
+        const Json& mesh = glb.entry("meshes", glb.integer(*node.node, "mesh"));
+        Faces faces;
+        std::vector<Points> points = members(glb, mesh, faces, options, path);
+        std::string name = stem;
+        if (placed.size() > 1) {
+            const std::string own = glb.text(*node.node, "name");
+            name =
+                join(stem, "_", text_name(own.empty() ? join("node ", &node - &placed[0]) : own));
+        }
+        const std::vector<std::string> names = target_names(glb, mesh, points.size() - 1);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            Points in_scene = moved(points[i], node.place);
+            if (!in_scene.allFinite())
+                glb.fail("a node moves its mesh to where coordinates are not finite");
+            add(i == 0 ? name : join(name, "_", text_name(names[i - 1])), std::move(in_scene),
+                faces);
+        }
+    }
+    return result;
+}
+
+} // namespace shape::internal

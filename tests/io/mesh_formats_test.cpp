@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: MIT
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
+#include "libshape/io/mesh_write_options.h"
+#include "tests/support/files.h"
+#include "tests/support/matrices.h"
+#include "tests/support/meshes.h"
+
+// STL, VTK, VTP and GLB, and what a file holds beside a mesh.
+
+namespace shape {
+namespace {
+
+using namespace internal;
+using test::TemporaryDirectory;
+using test::TestMesh;
+
+MeshFileContent read(const std::string& name, std::string_view bytes, bool triangulate = false)
+{
+    static const TemporaryDirectory directory;
+    test::write_bytes(directory / name, bytes);
+    return read_mesh_members(directory / name, {.triangulate = triangulate});
+}
+
+std::string refusal(const std::string& name, std::string_view bytes)
+{
+    return test::message_of<InvalidInput>([&] { (void)read(name, bytes); });
+}
+
+const Points square = (Points(4, 3) << 0, 0, 0, 1, 0, 0, 1, 1, 0.5, 0, 1, 0).finished();
+const Faces halves = (Faces(2, 3) << 0, 1, 2, 0, 2, 3).finished();
+
+void expect_square(const MeshFileContent& content)
+{
+    ASSERT_EQ(content.meshes.size(), 1U);
+    EXPECT_EQ(content.meshes[0].points, square);
+    EXPECT_EQ(content.meshes[0].faces, halves);
+}
+
+template <class Value>
+std::string bytes_of(std::initializer_list<Value> values, bool big_endian = false)
+{
+    std::string bytes;
+    for (Value value : values) {
+        std::string part(sizeof value, '\0');
+        std::memcpy(part.data(), &value, sizeof value);
+        if (big_endian)
+            std::reverse(part.begin(), part.end());
+        bytes += part;
+    }
+    return bytes;
+}
+
+const std::string stl_text =
+    "solid two words\n"
+    "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 1 1 0.5\n endloop\n"
+    "endfacet\nfacet normal 0 0 1\nouter loop\nvertex -0 0 0\nvertex 1.0 1 5e-1\nvertex 0 1 0\n"
+    "endloop\nendfacet\nendsolid\n";
+
+TEST(StlFile, MergesEqualCornersInTheOrderOfTheirFirstAppearance)
+{
+    const MeshFileContent text = read("a.stl", stl_text);
+    expect_square(text);
+    EXPECT_EQ(text.merged_corners, 6);
+    EXPECT_FALSE(text.single_precision);
+
+    const TestMesh mesh = test::icosphere(2);
+    for (const bool ascii : {false, true}) {
+        const TemporaryDirectory directory;
+        write_mesh(directory / "b.stl", mesh.points, mesh.topology.faces(), MeshFormat::Stl,
+                   {.ascii = ascii});
+        const MeshFileContent read = read_mesh_members(directory / "b.stl");
+        EXPECT_EQ(read.single_precision, !ascii);
+        EXPECT_EQ(read.merged_corners, 3 * mesh.topology.face_count());
+        // A renumbering, found from the corners: the shape is the same.
+        const Faces& faces = read.meshes[0].faces;
+        int next = 0;
+        for (Eigen::Index f = 0; f < faces.rows(); ++f)
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_LE(faces(f, c), next);
+                next = std::max(next, faces(f, c) + 1);
+                const Eigen::RowVector3d wanted = mesh.points.row(mesh.topology.faces()(f, c));
+                EXPECT_EQ(Eigen::RowVector3f(read.meshes[0].points.row(faces(f, c)).cast<float>()),
+                          Eigen::RowVector3f(wanted.cast<float>()));
+            }
+        EXPECT_EQ(next, mesh.points.rows());
+    }
+}
+
+TEST(StlFile, TellsBytesFromTextByItsLength)
+{
+    std::string bytes = "solid as some programs begin binary files";
+    bytes.resize(80, ' ');
+    bytes += bytes_of<std::uint32_t>({2});
+    bytes += bytes_of<float>({0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0.5F}) + "xx";
+    bytes += bytes_of<float>({0, 0, 1, 0, 0, 0, 1, 1, 0.5F, 0, 1, 0}) + "xx";
+    expect_square(read("a.stl", bytes));
+    EXPECT_NE(refusal("b.stl", std::string(200, '\1')).find("byte 80"), std::string::npos);
+    EXPECT_NE(
+        refusal("c.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\n").find("line 4"),
+        std::string::npos);
+    EXPECT_NE(refusal("d.stl", stl_text.substr(0, stl_text.size() - 10)).find("endsolid"),
+              std::string::npos);
+}
+
+const std::string vtk_head = "# vtk DataFile Version 3.0\nany title\n";
+
+TEST(VtkFile, ReadsEveryFormOfPolydata)
+{
+    const std::string points = "DATASET POLYDATA\nPOINTS 4 double\n0 0 0 1 0 0\n1 1 0.5 0 1 0\n";
+    expect_square(
+        read("a.vtk", vtk_head + "ASCII\n" + points + "POLYGONS 2 8\n3 0 1 2\n3 0 2 3\n"));
+    expect_square(
+        read("b.vtk", vtk_head + "ASCII\n" + points +
+                          "METADATA\nINFORMATION 0\n\nLINES 1 3\n2 0 1\n\nPOLYGONS 2 8\n3 0 "
+                          "1 2 3 0 2 3\nPOINT_DATA 4\nSCALARS x float\nwhatever follows"));
+    // A strip turns every other triangle over: 1 2 0, then 2 and 0 exchanged before 3.
+    const MeshFileContent strip =
+        read("c.vtk", vtk_head + "ASCII\n" + points + "TRIANGLE_STRIPS 1 5\n4 1 2 0 3\n");
+    EXPECT_EQ(strip.meshes[0].faces, (Faces(2, 3) << 1, 2, 0, 0, 2, 3).finished());
+    expect_square(read("d.vtk", "# vtk DataFile Version 5.1\n\nASCII\n" + points +
+                                    "POLYGONS 3 6\nOFFSETS vtktypeint64\n0 3 6\nCONNECTIVITY "
+                                    "vtktypeint64\n0 1 2 0 2 3\n"));
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)read("e.vtk", vtk_head + "ASCII\n" + points + "POLYGONS 1 5\n4 0 1 2 3\n");
+              }).find("4 corners"),
+              std::string::npos);
+    expect_square(read("e.vtk", vtk_head + "ASCII\n" + points + "POLYGONS 1 5\n4 0 1 2 3\n", true));
+    const MeshFileContent bytes =
+        read("f.vtk", vtk_head + "BINARY\nDATASET POLYDATA\nFIELD FieldData 1\nTime 1 1 float\n" +
+                          bytes_of<float>({0.5F}, true) + "\nPOINTS 4 float\n" +
+                          bytes_of<float>({0, 0, 0, 1, 0, 0, 1, 1, 0.5F, 0, 1, 0}, true) +
+                          "\nPOLYGONS 2 8\n" +
+                          bytes_of<std::int32_t>({3, 0, 1, 2, 3, 0, 2, 3}, true) + "\n");
+    expect_square(bytes);
+    EXPECT_TRUE(bytes.single_precision);
+}
+
+TEST(VtkFile, RefusesInALineWhatItIsNot)
+{
+    const std::string ascii = vtk_head + "ASCII\n";
+    const std::string points = "DATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
+    for (const auto& [text, rule] : std::vector<std::pair<std::string, std::string>>{
+             {"ply\n", "line 2: must start with '# vtk"},
+             {"# vtk DataFile Version 9.0\n\nASCII\n", "version"},
+             {ascii + "DATASET UNSTRUCTURED_GRID\n", "must be POLYDATA"},
+             {ascii + "POINTS 3 float\n", "must be 'DATASET POLYDATA'"},
+             {ascii + "DATASET POLYDATA\nPOINTS 900 float\n0 0 0\n", "do not fit"},
+             {ascii + "DATASET POLYDATA\nPOINTS -3 float\n", "must be an integer >= 0"},
+             {ascii + "DATASET POLYDATA\nPOINTS 1 bit\n", "of type 'bit'"},
+             {ascii + "DATASET POLYDATA\nPOINTS 1 float\n0 0 nan\n", "'nan'"},
+             {ascii + points + "POLYGONS 1 4\n3 0 1 3\n", "names vertex 3 of 3"},
+             {ascii + points + "POLYGONS 1 4\n9 0 1 2\n", "has 9 corners"},
+             {ascii + points + "POLYGONS 2 4\n3 0 1 2\n", "holds 1 cell"},
+             {ascii + points + "MOLECULES 2\n", "unknown keyword"},
+             {ascii + points, "0 faces"}}) {
+        const std::string message = refusal("a.vtk", text);
+        EXPECT_NE(message.find(rule), std::string::npos) << message << " for " << text;
+        EXPECT_EQ(message.find('\n'), std::string::npos);
+    }
+}
+
+const std::string vtp_text =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" "
+    "byte_order=\"LittleEndian\">"
+    "<PolyData><Piece NumberOfPoints=\"4\" NumberOfPolys=\"2\"><PointData/><Points>"
+    "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0\n1 1 0.5 0 "
+    "1 0"
+    "</DataArray></Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\" "
+    "format=\"ascii\">0 1 "
+    "2 0 2 3</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 6</DataArray>"
+    "</Polys></Piece></PolyData></VTKFile>\n";
+
+std::string replaced(std::string text, const std::string& what, const std::string& by)
+{
+    EXPECT_NE(text.find(what), std::string::npos) << what;
+    return text.replace(text.find(what), what.size(), by);
+}
+
+#define SKIP_WITHOUT_VTP(name)                                                     \
+    try {                                                                          \
+        (void)read("probe.vtp", vtp_text);                                         \
+    } catch (const InvalidInput& error) {                                          \
+        if (std::string(error.what()).find("libpugixml-dev") != std::string::npos) \
+            GTEST_SKIP() << "built without pugixml: .vtp files are not read";      \
+    }
+
+TEST(VtpFile, ReadsTextBase64AndCompressedArrays)
+{
+    SKIP_WITHOUT_VTP();
+    expect_square(read("a.vtp", vtp_text));
+    // The head in four bytes and the numbers behind it, in one piece of base 64.
+    const std::string inlined =
+        replaced(replaced(vtp_text, "format=\"ascii\">3 6<", "format=\"binary\">CAAAAAMAAAAGAAAA<"),
+                 "format=\"ascii\">0 1 2 0 2 3<",
+                 "format=\"binary\">GAAAAAAAAAABAAAAAgAAAAAAAAACAAAAAwAAAA==<");
+    expect_square(read("b.vtp", inlined));
+    // The head in a piece of its own, and one block packed by zlib (Python's zlib.compress).
+    std::string packed =
+        replaced(vtp_text, "byte_order", "compressor=\"vtkZLibDataCompressor\" byte_order");
+    packed = replaced(packed, "format=\"ascii\">3 6<",
+                      "format=\"binary\">AQAAAACAAAAIAAAADgAAAA==eJxjZmBgYANiAAA4AAo=<");
+    expect_square(read("c.vtp", packed));
+}
+
+TEST(VtpFile, RefusesInALineWhatItIsNot)
+{
+    SKIP_WITHOUT_VTP();
+    for (const auto& [what, by, rule] : std::vector<std::array<std::string, 3>>{
+             {"PolyData\" v", "ImageData\" v", "PolyData"},
+             {"</VTKFile>", "", "whole XML file"},
+             {"0.5", "x", "must be finite numbers"},
+             {"3 6", "3", "holds fewer"},
+             {"3 6", "3 6 7", "holds more"},
+             {"3 6", "7 6", "ends at entry"},
+             {"Int32", "Float32", "integer type"},
+             {"0 2 3<", "0 2 4<", "names vertex 4"},
+             {"\"4\"", "\"4000000000\"", "NumberOfPoints"},
+             {"ascii\">3 6", "appended\" offset=\"9\">", "behind"},
+             {"Components=\"3\"", "Components=\"2\"", "three"}}) {
+        const std::string message = refusal("a.vtp", replaced(vtp_text, what, by));
+        EXPECT_NE(message.find(rule), std::string::npos) << message << " for " << by;
+    }
+}
+
+TEST(MeshWriteOptions, RoundTripInEveryFormThatHasDoubles)
+{
+    const TemporaryDirectory directory;
+    const TestMesh mesh = test::bumpy_sphere(2, 0.2, 3);
+    const Eigen::VectorXd heat = test::random_matrix(mesh.points.rows(), 1, 1);
+    VertexColours colours(mesh.points.rows(), 3);
+    for (Eigen::Index i = 0; i < colours.size(); ++i)
+        colours.data()[i] = static_cast<std::uint8_t>(i);
+    for (const MeshFormat format : {MeshFormat::Ply, MeshFormat::Vtk, MeshFormat::Vtp})
+        for (const bool ascii : {false, true})
+            for (const bool is_single : {false, true}) {
+                const std::filesystem::path path = directory / join("x", file_ending(format));
+                SCOPED_TRACE(path);
+                write_mesh(path, mesh.points, mesh.topology.faces(), format,
+                           {.ascii = ascii,
+                            .single_precision = is_single,
+                            .scalars = {{"heat", heat}, {"cold", -heat}},
+                            .quality = "cold",
+                            .colours = colours});
+                if (format == MeshFormat::Vtp)
+                    SKIP_WITHOUT_VTP();
+                const MeshFileContent read = read_mesh_members(path);
+                // Text of single precision is the shortest that gives the float back.
+                const auto stored = [&](const auto& values) {
+                    return is_single ? values.template cast<float>().template cast<double>().eval()
+                                     : values.eval();
+                };
+                EXPECT_EQ(stored(read.meshes[0].points), stored(mesh.points));
+                EXPECT_EQ(read.meshes[0].faces, mesh.topology.faces());
+                if (format != MeshFormat::Ply) {
+                    EXPECT_EQ(read.single_precision, is_single);
+                    continue;
+                }
+                EXPECT_EQ(stored(read_vertex_scalar(path, "heat")), stored(heat));
+                EXPECT_EQ(stored(read_vertex_scalar(path, "quality")), stored(-heat));
+                EXPECT_EQ(read_vertex_scalar(path, "green"),
+                          Eigen::VectorXd(colours.col(1).cast<double>()));
+            }
+}
+
+TEST(MeshWriteOptions, ThatAFormatCannotKeepAreRefused)
+{
+    const TemporaryDirectory directory;
+    const TestMesh mesh = test::tetrahedron();
+    const auto message = [&](MeshFormat format, const MeshWriteOptions& options) {
+        return test::message_of<InvalidInput>([&] {
+            write_mesh(directory / "x", mesh.points, mesh.topology.faces(), format, options);
+        });
+    };
+    const std::vector<VertexScalar> heat{{"heat", Eigen::VectorXd::Ones(4)}};
+    EXPECT_NE(message(MeshFormat::Glb, {.ascii = true}).find("text"), std::string::npos);
+    EXPECT_NE(message(MeshFormat::Obj, {.single_precision = true}).find("single"),
+              std::string::npos);
+    EXPECT_NE(message(MeshFormat::Off, {.scalars = heat}).find("values"), std::string::npos);
+    EXPECT_NE(message(MeshFormat::Stl, {.colours = VertexColours::Zero(4, 3)}).find("colours"),
+              std::string::npos);
+    EXPECT_NE(message(MeshFormat::Ply, {.colours = VertexColours::Zero(3, 3)}).find("3 rows"),
+              std::string::npos);
+    EXPECT_NE(message(MeshFormat::Ply, {.scalars = heat, .quality = "cold"}).find("'cold'"),
+              std::string::npos);
+    EXPECT_NE(message(MeshFormat::Ply, {.obj_template = std::make_shared<ObjTemplate>()})
+                  .find("template"),
+              std::string::npos);
+    EXPECT_NE(message(MeshFormat::Obj, {.obj_template = std::make_shared<ObjTemplate>()})
+                  .find("other faces"),
+              std::string::npos);
+    EXPECT_TRUE(directory.names().empty());
+    Points far = mesh.points;
+    far(0, 0) = 1e39;
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  write_mesh(directory / "x.stl", far, mesh.topology.faces());
+              }).find("single precision"),
+              std::string::npos);
+}
+
+TEST(ObjTemplate, KeepsTextureMaterialsAndPolygonsAndComputesNormalsAnew)
+{
+    const TemporaryDirectory directory;
+    std::filesystem::create_directory(directory / "out");
+    test::write_bytes(directory / "skin.mtl", "newmtl skin\n");
+    test::write_bytes(
+        directory / "t.obj",
+        "# made by hand\nmtllib skin.mtl\nv 9 9 9 0.5 0.5 0.5\nv 1 0 0\nv 1 1 0\r\nv 0 1 "
+        "0\nvt 0 0\nvt 1 0.25\nvn 1 0 0\nvn 0 1 0\nusemtl skin\nf 1/1/1 2/2/1 3/1/1 "
+        "4/2/1\n");
+    const ObjTemplate made = read_obj_template(directory / "t.obj", directory / "out");
+    EXPECT_EQ(made.faces, halves);
+    Points flat = square;
+    flat(2, 2) = 0.0;
+    write_mesh(directory / "out/x.obj", flat, halves, MeshFormat::Obj,
+               {.obj_template = std::make_shared<ObjTemplate>(made)});
+    EXPECT_EQ(
+        test::read_bytes(directory / "out/x.obj"),
+        "# made by hand\nmtllib ../skin.mtl\nv 0 0 0 0.5 0.5 0.5\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt "
+        "0 0\nvt 1 0.25\nvn 0 0 1\nvn 0 1 0\nusemtl skin\nf 1/1/1 2/2/1 3/1/1 4/2/1\n");
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)read_obj_template(directory / "skin.ply", directory.path());
+              }).find("must be an OBJ"),
+              std::string::npos);
+}
+
+/// A GLB file of a description and a buffer.
+std::string glb_of(std::string json, std::string buffer)
+{
+    json.append((4 - json.size() % 4) % 4, ' ');
+    buffer.append((4 - buffer.size() % 4) % 4, '\0');
+    const auto number = [](std::size_t value) {
+        return bytes_of<std::uint32_t>({static_cast<std::uint32_t>(value)});
+    };
+    return "glTF" + number(2) + number(28 + json.size() + buffer.size()) + number(json.size()) +
+           "JSON" + json + number(buffer.size()) + std::string("BIN\0", 4) + buffer;
+}
+
+const std::string square_floats = bytes_of<float>({0, 0, 0, 1, 0, 0, 1, 1, 0.5F, 0, 1, 0});
+const std::string glb_json =
+    R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"children":[1],"translation":[10,0,0]},{"mesh":0,"scale":[2,2,2]}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":2},{}]}],
+"extras":{"targetNames":["smile","smile"]}}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},
+{"bufferView":1,"componentType":5121,"count":6,"type":"SCALAR"},
+{"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,
+"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}}}],
+"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":6},
+{"buffer":0,"byteOffset":54,"byteLength":2},{"buffer":0,"byteOffset":56,"byteLength":12}],
+"buffers":[{"byteLength":68}]})";
+const std::string glb_buffer = square_floats + std::string("\0\1\2\0\2\3", 6) +
+                               bytes_of<std::uint16_t>({2}) + bytes_of<float>({0, 0, 1});
+
+TEST(GlbFile, ReadsNodesSmallIndicesAndSparseTargets)
+{
+    const MeshFileContent content = read("face.glb", glb_of(glb_json, glb_buffer));
+    ASSERT_EQ(content.meshes.size(), 3U);
+    EXPECT_EQ(content.meshes[0].name, "face");
+    EXPECT_EQ(content.meshes[1].name, "face_smile");
+    EXPECT_EQ(content.meshes[2].name, "face_smile (2)");
+    Points placed = 2.0 * square;
+    placed.col(0).array() += 10.0;
+    EXPECT_EQ(content.meshes[0].points, placed);
+    EXPECT_EQ(content.meshes[2].points, placed);
+    placed(2, 2) += 2.0;
+    EXPECT_EQ(content.meshes[1].points, placed);
+    EXPECT_EQ(content.meshes[0].faces, halves);
+}
+
+TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
+{
+    for (const auto& [what, by, rule] : std::vector<std::array<std::string, 3>>{
+             {"\"count\":4", "\"count\":400000", "does not hold"},
+             {"\"count\":4", "\"count\":-1", "'count' is -1"},
+             {"\"count\":4", "\"count\":1e300", "no integer"},
+             {"\"children\":[1]", "\"children\":[0]", "met twice"},
+             {"\"children\":[1]", "\"children\":[7]", "no entry 7 of nodes"},
+             {"\"indices\":1", "\"mode\":5", "mode 5"},
+             {"\"mesh\":0", "\"mesh\":1", "no entry 1 of meshes"},
+             {"\"mesh\":0,", "", "no node of the scene"},
+             {"\"byteOffset\":48", "\"byteOffset\":4800", "outside the file"},
+             {"{\"byteLength\":68}", "{\"byteLength\":68,\"uri\":\"a.bin\"}", "another file"},
+             {"\"count\":1", "\"count\":5", "sparse"},
+             {"5121", "5126", "indices have the componentType 5126"},
+             {"\"bufferView\":1,", "", "no bufferView"},
+             {"\"asset\"", "asset", "damaged"}}) {
+        const std::string message =
+            refusal("a.glb", glb_of(replaced(glb_json, what, by), glb_buffer));
+        EXPECT_NE(message.find(rule), std::string::npos) << message << " for " << by;
+    }
+    EXPECT_NE(refusal("a.glb", "glTF").find("GLB file?"), std::string::npos);
+    const std::string far = replaced(glb_json, "\"targets\":[{\"POSITION\":2},", "\"targets\":[");
+    EXPECT_EQ(read("b.glb", glb_of(far, glb_buffer)).meshes.size(), 2U);
+}
+
+TEST(MeshFormats, TakeNoHarmFromDamage)
+{
+    const TemporaryDirectory directory;
+    const TestMesh mesh = test::tetrahedron();
+    std::vector<std::pair<std::string, std::string>> files{
+        {"a.stl", stl_text}, {"a.vtp", vtp_text}, {"a.glb", glb_of(glb_json, glb_buffer)}};
+    for (const char* name : {"b.stl", "b.vtk", "b.vtp", "b.glb"}) {
+        write_mesh(directory / name, mesh.points, mesh.topology.faces());
+        files.emplace_back(name, test::read_bytes(directory / name));
+    }
+    Random random(3);
+    std::size_t refused = 0;
+    const auto attempt = [&](const std::string& name, std::string_view bytes) {
+        try {
+            (void)read(name, bytes, true);
+        } catch (const InvalidInput& error) {
+            EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+            ++refused;
+        } catch (const LimitExceeded&) {
+            ++refused;
+        }
+    };
+    for (const auto& [name, bytes] : files) {
+        for (std::size_t length = 0; length < bytes.size(); length += 1 + bytes.size() / 200)
+            attempt(name, std::string_view(bytes).substr(0, length));
+        for (int round = 0; round < 200; ++round) {
+            std::string damaged = bytes;
+            for (int hit = 0; hit < 1 + round % 3; ++hit)
+                damaged[random.bits() % damaged.size()] = static_cast<char>(random.bits());
+            attempt(name, damaged);
+        }
+    }
+    EXPECT_GT(refused, 1000U);
+}
+
+} // namespace
+} // namespace shape

@@ -1,0 +1,388 @@
+# SPDX-License-Identifier: MIT
+"""The Python package against the program, and by itself."""
+import csv
+import gc
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import warnings
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+import libshape as ls
+from ecosystem import shape
+from libshape import _core
+
+
+class WithFaces(unittest.TestCase):
+    """A folder with the meshes, the collection and the model that the program makes."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.scratch.name)
+        shape(cls.folder, "synth", "faces", "-o", "faces", "--count", "4", "--vertices", "400")
+        shape(cls.folder, "collect", "faces", "--labels", "faces/labels.csv", "-o", "faces.h5")
+        shape(cls.folder, "stats", "faces.h5", "-o", "model.h5", "--modes", "5")
+        cls.faces = ls.read(cls.folder / "faces", labels=cls.folder / "faces/labels.csv")
+        cls.model = cls.faces.model(modes=5)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.scratch.cleanup()
+
+    def mesh_of_program(self, *arguments: str) -> ls.Mesh:
+        shape(self.folder, *arguments, "-o", "x.ply", "--force")
+        return ls.read_mesh(self.folder / "x.ply")
+
+
+class SameBitsAsTheProgram(WithFaces):
+    def test_reading(self) -> None:
+        file = ls.read(self.folder / "faces.h5")
+        self.assertEqual(file.names, self.faces.names)
+        self.assertEqual(file.labels, self.faces.labels)
+        for a, b in zip(file, self.faces):
+            np.testing.assert_array_equal(a.V, b.V)
+            np.testing.assert_array_equal(a.F, b.F)
+        self.assertEqual(len(self.faces), 12)
+
+    def test_model_files(self) -> None:
+        self.model.write(self.folder / "ours.h5")
+        self.assertEqual(
+            (self.folder / "ours.h5").read_bytes(), (self.folder / "model.h5").read_bytes()
+        )
+        self.faces.write(self.folder / "collection.h5")
+        self.assertEqual(
+            (self.folder / "collection.h5").read_bytes(), (self.folder / "faces.h5").read_bytes()
+        )
+        read = ls.read_model(self.folder / "model.h5")
+        np.testing.assert_array_equal(read.modes, self.model.modes)
+
+    def test_decoding(self) -> None:
+        mesh, report = self.model.decode([-2, 1, 0])
+        wanted = self.mesh_of_program("generate", "model.h5", "--scores=-2,1,0")
+        np.testing.assert_array_equal(mesh.V, wanted.V)
+        self.assertEqual(report.status, "exact" if report.edge_max <= 1e-6 else report.status)
+        self.assertLess(report.edge_rms, 0.01)
+        mesh, _ = self.model.decode([], size=3.0)
+        wanted = self.mesh_of_program("generate", "model.h5", "--mean", "--size", "3")
+        np.testing.assert_array_equal(mesh.V, wanted.V)
+
+    def test_samples(self) -> None:
+        meshes, _ = self.model.decode_all(self.model.sample(2, seed=7), quality="preview")
+        shape(self.folder, "generate", "model.h5", "--sample", "2", "--seed", "7", "--quality",
+              "preview", "-o", "samples", "--quiet")
+        for mesh, wanted in zip(meshes, ls.read(self.folder / "samples")):
+            np.testing.assert_array_equal(mesh.V, wanted.V)
+
+    def test_scores(self) -> None:
+        shape(self.folder, "project", "model.h5", "faces.h5", "-o", "scores.csv")
+        with open(self.folder / "scores.csv", encoding="utf-8") as file:
+            wanted = list(csv.DictReader(file))
+        found = self.model.scores(self.faces).as_dict()
+        self.assertEqual(list(found), list(wanted[0]))
+        for i, row in enumerate(wanted):
+            for column, cell in row.items():
+                value = found[column][i]
+                self.assertEqual(value, cell if isinstance(value, str) else float(cell))
+        single = self.model.scores(self.faces[3].V)
+        np.testing.assert_allclose(  # a sum over a row alone may be added up in another order
+            single.scores, self.model.scores(self.faces).scores[3], rtol=0, atol=1e-15
+        )
+        np.testing.assert_allclose(
+            self.model.scores(self.model.decode([1.5, -1])[0]).deviations[:2], [1.5, -1], atol=0.1
+        )
+
+    def test_interpolation(self) -> None:
+        frames = ls.interpolate(self.faces[0], self.faces[1], frames=4)
+        names = [f"faces/{self.faces.names[i]}.ply" for i in (0, 1)]
+        shape(self.folder, "interpolate", *names, "--frames", "4", "-o", "frames")
+        for frame, wanted in zip(frames, ls.read(self.folder / "frames")):
+            np.testing.assert_array_equal(frame.V, wanted.V)
+            self.assertEqual(frame.name, wanted.name)
+        blend = ls.interpolate(*self.faces[[0, 1, 2]], weights=[[0.25, 0.25, 0.5]])
+        wanted = self.mesh_of_program(
+            "interpolate", *names, f"faces/{self.faces.names[2]}.ply", "--weights", "0.25,0.25,0.5"
+        )
+        np.testing.assert_array_equal(blend[0].V, wanted.V)
+        frames.write(self.folder / "frames.glb", tolerance=1e-9)
+        self.assertEqual(len(ls.read(self.folder / "frames.glb")), 4)
+
+    def test_differences(self) -> None:
+        pairs = ["--pair-by", "subject", "--from", "expression=neutral", "--to", "expression=happy"]
+        shape(self.folder, "difference", "faces.h5", *pairs, "-o", "d.h5", "--mesh", "applied.ply",
+              "--apply", "--amount", "1.5", "--force")
+        smile = ls.difference(
+            self.faces, "expression=neutral", "expression=happy", pair_by="subject"
+        )
+        np.testing.assert_array_equal(
+            smile.apply(amount=1.5)[0].V, ls.read_mesh(self.folder / "applied.ply").V
+        )
+        smile.write(self.folder / "ours_d.h5")
+        np.testing.assert_array_equal(
+            ls.read_difference(self.folder / "ours_d.h5").lengths, smile.lengths
+        )
+        shape(self.folder, "difference", "--load", "d.h5", "--onto", f"faces/{self.faces.names[2]}.ply",
+              "--mesh", "onto.ply", "--force")
+        np.testing.assert_array_equal(
+            smile.apply(self.faces[2])[0].V, ls.read_mesh(self.folder / "onto.ply").V
+        )
+        self.assertEqual(len(smile.pairs), 4)
+
+    def test_groups_and_distances(self) -> None:
+        shape(self.folder, "groups", "faces.h5", "--by", "expression", "--within", "subject", "-o",
+              "groups.csv", "--force", "--quiet")
+        with open(self.folder / "groups.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        found = ls.groups(self.faces, "expression", within="subject")
+        self.assertEqual(found.overall.f, float(rows[0]["f"] if "f" in rows[0] else rows[0]["F"]))
+        self.assertEqual(found.overall.p_value, float(rows[0]["p_value"]))
+        for pair, row in zip(found.pairs, rows[1:]):
+            self.assertEqual((pair.first, pair.second), (row["first"], row["second"]))
+            self.assertEqual(pair.distance, float(row["distance"]))
+            self.assertEqual(pair.adjusted_p, float(row["p_adjusted"]))
+        for metric in ("edge", "edge-unit", "procrustes"):
+            shape(self.folder, "distance", "faces.h5", "--metric", metric, "-o", "m.csv", "--force",
+                  "--quiet")
+            wanted = np.loadtxt(
+                self.folder / "m.csv", delimiter=",", skiprows=1, usecols=range(1, 13)
+            )
+            np.testing.assert_array_equal(ls.distance(self.faces, metric).matrix, wanted)
+
+    def test_any_number_of_threads(self) -> None:
+        before = ls.thread_count()
+        wanted = self.model.decode([1, 1])[0].V
+        for count in (1, 3):
+            ls.set_thread_count(count)
+            np.testing.assert_array_equal(
+                self.faces.model(modes=5).decode([1, 1])[0].V, wanted
+            )
+        ls.set_thread_count(before)
+
+
+class Arguments(WithFaces):
+    def test_kinds_that_are_taken(self) -> None:
+        V, F = self.faces[0]
+        wanted = ls.edges((V, F))
+        for mesh in (
+            self.faces[0],
+            [V.tolist(), F.tolist()],
+            (np.asfortranarray(V), F.astype(np.int32)),
+            SimpleNamespace(vertices=V, faces=F),
+            SimpleNamespace(points=V, cells_dict={"triangle": F.astype(np.uint64)}),
+            SimpleNamespace(points=V, regular_faces=F),
+        ):
+            np.testing.assert_array_equal(ls.edges(mesh).lengths, wanted.lengths)
+        single = ls.edges((V.astype(np.float32), F))
+        np.testing.assert_allclose(single.lengths, wanted.lengths, rtol=1e-5)
+        ends = V[wanted.ends]
+        np.testing.assert_allclose(
+            wanted.lengths, np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), rtol=1e-14
+        )
+
+    def test_errors_name_argument_and_shape(self) -> None:
+        V, F = self.faces[0]
+        for run, words in (
+            (lambda: ls.Mesh(V[:, :2], F), r"V: shape must be \(n, 3\), is \(\d+, 2\)"),
+            (lambda: ls.Mesh(V, F.ravel()), r"F: shape must be \(m, 3\), is \(\d+,\)"),
+            (lambda: ls.Mesh(V, F.astype(float)), "F: must hold integers, holds float64"),
+            (lambda: ls.Mesh("abc", F), "V: must be an array of numbers, is str"),
+            (lambda: ls.Mesh([[0, 0, 0], [1, 2]], F), "V: must be an array of numbers, is list"),
+            (lambda: ls.edges(3), r"mesh: must be a Mesh or a pair \(V, F\), is int"),
+            (lambda: ls.collection([(V, F), (V.T, F)]), r"meshes\[1\].V: shape must be"),
+            (lambda: ls.collection([V, V[0]], F), r"meshes\[1\]: shape must be \(n, 3\), is \(3,\)"),
+            (lambda: self.model.decode([[1, 2]]), r"scores: shape must be \(k,\), is \(1, 2\)"),
+            (lambda: self.model.scores(V.ravel()), r"V: shape must be \(n, 3\)"),
+            (lambda: ls.interpolate((V, F), (V, F), weights=[[1.0]]), r"weights: shape must be \(frames, 2\)"),
+            (lambda: ls.interpolate((V, F), (V, F)), "frames, weights"),
+            (lambda: ls.difference(self.faces, "neutral", "a=b"), "from_: must be 'LABEL=VALUE'"),
+            (lambda: ls.read(self.folder / "faces", progress=3), "progress"),
+            (lambda: self.faces[0].write("x.ply", colors=V), r"colors: must be uint8 of shape \(n, 3\)"),
+        ):
+            with self.subTest(words), self.assertRaisesRegex(TypeError, words):
+                run()
+
+    def test_errors_of_the_library_are_errors_of_python(self) -> None:
+        V, F = self.faces[0]
+        for run, kind, words in (
+            (lambda: ls.read("nowhere.ply"), OSError, "nowhere.ply"),
+            (lambda: ls.read(__file__), ValueError, "ending of a mesh file"),
+            (lambda: ls.collection([(V, F[:, [0, 2, 1]]), (V, F)]), ValueError, "other faces"),
+            (lambda: self.faces.model(modes=99), ls.InvalidInput, "modes"),
+            (lambda: self.faces.model(space="flat"), ls.InvalidInput, "space: 'flat'"),
+            (lambda: self.model.decode(np.zeros(99)), ls.InvalidInput, "99 given, the model has 5"),
+            (lambda: self.model.decode([0], method="magic"), ls.InvalidInput, "'magic'"),
+            (lambda: self.model.scores(V[:-1]), ls.InvalidInput, "vertices"),
+            (lambda: self.model.scores(V * np.nan), ls.InvalidInput, "not finite"),
+            (lambda: ls.distance(self.faces, "city"), ls.InvalidInput, "metric"),
+            (lambda: ls.groups(self.faces, "age"), ls.InvalidInput, "age"),
+            (lambda: ls.Mesh(V, F + 10**9).write("x.ply"), ls.InvalidInput, "faces"),
+            (lambda: ls.Mesh(V, F - 10**9).write("x.ply"), ls.InvalidInput, "F: row 0"),
+        ):
+            with self.subTest(words), self.assertRaisesRegex(kind, words) as caught:
+                run()
+            self.assertIsInstance(caught.exception, ls.Error)
+        with self.assertRaises(KeyError):
+            self.faces["nobody"]
+        with self.assertRaises(IndexError):
+            self.faces[12]
+
+    def test_collections_from_memory(self) -> None:
+        labels = {"age": [1, 2, 3]}
+        made = ls.collection([m.V for m in self.faces[:3]], self.faces.F, names=["a", "b", "c"],
+                             labels=labels)
+        self.assertEqual((made.names, made.labels), (["a", "b", "c"], {"age": ["1", "2", "3"]}))
+        self.assertEqual(made[-1].name, "c")
+        self.assertEqual(made[::-2].names, ["c", "a"])
+        np.testing.assert_array_equal(made["b"].V, self.faces[1].V)
+        self.assertEqual([m.name for m in made], made.names)
+
+
+class Behaviour(WithFaces):
+    def test_large_arrays_are_not_copied(self) -> None:
+        V, F = self.faces[0]
+        mesh = ls.Mesh(V, F)
+        self.assertIs(mesh.V, V)
+        self.assertIs(mesh.F, F)
+        for a, b in ((self.faces[0].V, V), (self.model.modes, self.model.modes)):
+            self.assertEqual(a.ctypes.data, b.ctypes.data)
+            self.assertFalse(a.flags.writeable)
+        points, _ = self.model.decode([0])[0]
+        self.assertFalse(points.flags.owndata)  # the library's own memory
+        self.assertTrue(points.flags.writeable)
+
+    def test_views_outlive_what_they_look_into(self) -> None:
+        model = self.faces.model(modes=3)
+        modes = model.modes
+        wanted = modes.copy()
+        V = ls.read(self.folder / "faces.h5")[2].V
+        del model
+        gc.collect()
+        np.testing.assert_array_equal(modes, wanted)
+        np.testing.assert_array_equal(V, self.faces[2].V)
+
+    def test_other_threads_run_meanwhile(self) -> None:
+        counts = []
+        stop = threading.Event()
+
+        def count() -> None:
+            n = 0
+            while not stop.is_set():
+                n += 1
+                time.sleep(0.001)
+            counts.append(n)
+
+        other = threading.Thread(target=count)
+        other.start()
+        _core.wait(0.5, 0.1, None)
+        stop.set()
+        other.join()
+        self.assertGreater(counts[0], 20)
+
+    def test_interrupts_end_the_wait_at_once(self) -> None:
+        program = (
+            "import libshape._core as c, sys, time\n"
+            "try:\n"
+            "    print('ready', flush=True)\n"
+            "    c.wait(60, float(sys.argv[1]), None)\n"
+            "except KeyboardInterrupt:\n"
+            "    print(time.time(), flush=True)\n"
+        )
+        for step in ("0.01", "1.5"):  # the second looks up too seldom to be asked
+            process = subprocess.Popen(
+                [sys.executable, "-c", program, step], stdout=subprocess.PIPE, text=True
+            )
+            self.assertEqual(process.stdout.readline(), "ready\n")
+            time.sleep(0.3)
+            sent = time.time()
+            process.send_signal(signal.SIGINT)
+            took = float(process.stdout.readline()) - sent
+            self.assertEqual(process.wait(timeout=20), 0)
+            process.stdout.close()
+            print(f"Ctrl-C with looks every {step} s: KeyboardInterrupt after {1000 * took:.0f} ms")
+
+    def test_progress_is_told_in_the_thread_that_waits(self) -> None:
+        calls = []
+        me = threading.get_ident()
+
+        def told(stage: str, done: int, total: int) -> None:
+            self.assertEqual(threading.get_ident(), me)
+            calls.append((stage, done, total))
+
+        ls.interpolate(self.faces[0], self.faces[1], frames=5, progress=told)
+        self.assertEqual(calls[-1], ("embedding", 5, 5))
+        with self.assertRaisesRegex(ZeroDivisionError, "enough"):
+            def fail(*_: object) -> None:
+                raise ZeroDivisionError("enough")
+            _core.wait(5.0, 0.01, fail)
+
+    def test_results_tell_what_they_are(self) -> None:
+        mesh, report = self.model.decode([1])
+        for thing, words in (
+            (mesh, r"Mesh\('scores', \d+ vertices, \d+ faces\)"),
+            (report, r"Report\(\w+: edges .* % RMS, .* % at worst; dihedral angles .* deg RMS"),
+            (self.faces, r"Collection\(12 meshes, \d+ vertices, \d+ faces, labels .*expression"),
+            (self.model, r"Model\(edge space, 5 modes with .* % of the variance of 12 meshes"),
+            (self.model.scores(self.faces), r"Scores\(12 meshes in 5 modes\)"),
+            (ls.distance(self.faces), r"Distances\(12 meshes, largest "),
+            (ls.edges(mesh), r"Edges\(\d+, mean length "),
+            (ls.groups(self.faces, "expression", permutations=9), r"Groups\(.*neutral \(4\).*p = "),
+            (ls.difference(self.faces, "expression=happy", "expression=angry"), r"Difference\("),
+            (ls.interpolate(mesh, mesh, frames=2), r"Frames\(2 meshes"),
+        ):
+            self.assertRegex(repr(thing), words)
+
+    def test_formats_keep_what_they_can(self) -> None:
+        mesh = self.faces[0]
+        heat = np.linspace(0, 1, len(mesh.V))
+        for ending in (".ply", ".vtk", ".vtp"):
+            path = self.folder / f"hot{ending}"
+            mesh.write(path, scalars={"heat": heat}, ascii=True)
+            np.testing.assert_array_equal(ls.read_mesh(path).V, mesh.V)
+            self.assertIn("heat", path.read_text())
+        mesh.write(self.folder / "m.stl")
+        with warnings.catch_warnings(record=True):
+            read = ls.read(self.folder / "m.stl")
+        self.assertIn("single precision", " ".join(read.notes))
+        self.assertIn("first appearance", " ".join(read.notes))
+        with self.assertRaisesRegex(ls.InvalidInput, "values at vertices"):
+            mesh.write(self.folder / "m.obj", scalars={"heat": heat})
+
+    def test_tables(self) -> None:
+        try:
+            import pandas
+        except ImportError:
+            self.skipTest("no pandas")
+        scores = self.model.scores(self.faces).table()
+        self.assertEqual(list(scores["mesh"]), self.faces.names)
+        self.assertEqual(ls.distance(self.faces).table().shape, (12, 12))
+        self.assertEqual(len(ls.groups(self.faces, "expression", permutations=9).table()), 3)
+        self.assertEqual(len(self.faces.table()), 12)
+
+    def test_explorer(self) -> None:
+        try:
+            self.model.explorer(self.folder / "page.html", title="A page")
+        except ValueError as error:
+            self.assertIn("built without the page", str(error))
+            self.skipTest("the program is built without the page")
+        self.assertIn("A page", (self.folder / "page.html").read_text(encoding="utf-8"))
+
+    def test_every_public_name_is_documented(self) -> None:
+        for name in ls.__all__:
+            thing = getattr(ls, name)
+            if name == "Progress":
+                continue
+            self.assertTrue(thing.__doc__ or thing.__module__ == "libshape._core", name)
+            for member, value in vars(thing).items() if isinstance(thing, type) else ():
+                if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+                    self.assertTrue(value.__doc__, f"{name}.{member}")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)

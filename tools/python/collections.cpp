@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+
+#include <pybind11/pybind11.h>
+
+#include <limits>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
+#include "libshape/edge_space/paths.h"
+#include "libshape/edge_space/shape_vectors.h"
+#include "libshape/io/collection_file.h"
+#include "libshape/io/gltf_file.h"
+#include "libshape/io/mesh_write_options.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/model/shape_distances.h"
+#include "libshape/synthetic/synthetic.h"
+#include "tools/input/mesh_input.h"
+#include "tools/python/handles.h"
+#include "tools/python/jobs.h"
+
+namespace shape::python {
+
+using namespace internal;
+
+Faces faces_of(const Integers& array)
+{
+    Faces faces(array.shape(0), 3);
+    for (py::ssize_t i = 0; i < array.size(); ++i) {
+        const std::int64_t vertex = array.data()[i];
+        if (vertex < 0 || vertex > std::numeric_limits<int>::max())
+            throw InvalidInput(join("F: row ", i / 3, " names vertex ", vertex));
+        faces.data()[i] = static_cast<int>(vertex);
+    }
+    return faces;
+}
+
+Integers array_of_faces(const Faces& faces)
+{
+    Integers array({faces.rows(), Eigen::Index{3}});
+    std::copy(faces.data(), faces.data() + faces.size(), array.mutable_data());
+    return array;
+}
+
+py::dict to_python(const Labels& labels)
+{
+    py::dict result;
+    for (const LabelColumn& column : labels)
+        result[py::str(column.name)] = column.values;
+    return result;
+}
+
+namespace {
+
+using CollectionPointer = std::shared_ptr<CollectionHandle>;
+
+CollectionPointer handle_of(Collection collection)
+{
+    return std::make_shared<CollectionHandle>(CollectionHandle{std::move(collection)});
+}
+
+/// (collection, messages, warnings)
+py::tuple read(std::vector<std::string> paths, const std::string& labels, bool triangulate,
+               const py::object& callback)
+{
+    struct Said
+    {
+        Collection collection;
+        std::vector<std::string> messages;
+        std::vector<std::string> warnings;
+    };
+    tools::MeshInput input;
+    input.paths = std::move(paths);
+    input.labels = labels;
+    input.triangulate = triangulate;
+    Said said = run(
+        [input](const Progress& progress) {
+            std::vector<std::string> messages;
+            std::vector<std::string> warnings;
+            const tools::MeshNotices notices{
+                .message = [&](const std::string& text) { messages.push_back(text); },
+                .warn = [&](const std::string& text) { warnings.push_back(text); },
+                .progress = progress};
+            Collection collection = tools::read_meshes(notices, input);
+            return Said{std::move(collection), std::move(messages), std::move(warnings)};
+        },
+        callback);
+    return py::make_tuple(handle_of(std::move(said.collection)), said.messages, said.warnings);
+}
+
+CollectionPointer from_arrays(
+    const std::vector<Doubles>& vertices, const Integers& faces,
+    const std::vector<std::string>& names,
+    const std::vector<std::pair<std::string, std::vector<std::string>>>& labels)
+{
+    std::vector<NamedMesh> meshes;
+    const Faces all = faces_of(faces);
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+        meshes.push_back({names.at(i), names.at(i), points_of(vertices[i]), all});
+    Labels columns;
+    for (const auto& [name, values] : labels)
+        columns.push_back({name, values});
+    return handle_of(run([meshes, columns](const Progress&) {
+        Collection collection = collect(meshes);
+        collection.labels = columns;
+        return collection;
+    }));
+}
+
+CollectionPointer choose(const CollectionPointer& handle, const std::vector<std::size_t>& meshes)
+{
+    return handle_of(subset(handle->collection, meshes));
+}
+
+/// Positions of every frame, and their reports; the first is placed as the first mesh is, each further
+/// one as the one before it, as `shape interpolate` does.
+py::list interpolate(const CollectionPointer& handle, const std::vector<Doubles>& weights,
+                     bool is_path, bool squared, const EmbeddingOptions& options,
+                     const py::object& callback)
+{
+    std::vector<Eigen::VectorXd> blends;
+    for (const Doubles& row : weights)
+        blends.push_back(vector_of(row));
+    std::vector<Embedding> frames = run(
+        [=](const Progress& progress) {
+            const Collection& collection = handle->collection;
+            const ShapeVectors vectors = shape_vectors(collection, Scale::None);
+            const Embedder embedder(collection.topology, collection.points, options);
+            std::vector<Embedding> made;
+            Points previous = collection.points.front();
+            for (std::size_t i = 0; i < blends.size(); ++i) {
+                progress("embedding", i, blends.size());
+                Embedding frame = embedder.embed(
+                    blend(vectors, blends[i], squared ? LengthBlend::Squared : LengthBlend::Plain));
+                frame.points = best_rigid_motion(frame.points, previous)(frame.points);
+                if (is_path)
+                    previous = frame.points;
+                made.push_back(std::move(frame));
+            }
+            progress("embedding", blends.size(), blends.size());
+            return made;
+        },
+        callback);
+    py::list result;
+    for (Embedding& frame : frames)
+        result.append(to_python(std::move(frame)));
+    return result;
+}
+
+Doubles distances(const CollectionPointer& handle, const SpaceOptions& space)
+{
+    RowMatrix matrix = run([=](const Progress&) {
+        return RowMatrix(shape_distances(handle->collection, space).matrix);
+    });
+    return array_of(std::move(matrix));
+}
+
+void write(const std::string& path, const Doubles& points, const Integers& faces, bool ascii,
+           bool single, const std::vector<std::pair<std::string, Doubles>>& scalars,
+           const std::string& quality, const py::object& colours, const std::string& template_file)
+{
+    MeshWriteOptions options{.ascii = ascii, .single_precision = single, .quality = quality};
+    for (const auto& [name, values] : scalars)
+        options.scalars.push_back({name, vector_of(values)});
+    if (!colours.is_none()) {
+        const auto array = colours.cast<py::array_t<std::uint8_t, py::array::c_style>>();
+        options.colours = Eigen::Map<const VertexColours>(array.data(), array.shape(0), 3);
+    }
+    const Points positions = points_of(points);
+    const Faces corners = faces_of(faces);
+    run([=](const Progress&) mutable {
+        const std::filesystem::path file = path;
+        if (!template_file.empty())
+            options.obj_template = std::make_shared<const ObjTemplate>(
+                read_obj_template(template_file, file.parent_path()));
+        write_mesh(file, positions, corners, mesh_format(file), options);
+        return true;
+    });
+}
+
+/// (edges, lengths, dihedral angles)
+py::tuple measure(const Doubles& points, const Integers& faces)
+{
+    struct Measures
+    {
+        Topology topology;
+        Eigen::VectorXd lengths;
+        Eigen::VectorXd angles;
+    };
+    const Points positions = points_of(points);
+    const Faces corners = faces_of(faces);
+    Measures all = run([=](const Progress&) {
+        Topology topology(corners, static_cast<int>(positions.rows()));
+        Eigen::VectorXd lengths = edge_lengths(topology, positions);
+        Eigen::VectorXd angles = dihedral_angles(topology, positions);
+        return Measures{std::move(topology), std::move(lengths), std::move(angles)};
+    });
+    const Edges& edges = all.topology.edges();
+    Integers ends({edges.rows(), Eigen::Index{2}});
+    std::copy(edges.data(), edges.data() + edges.size(), ends.mutable_data());
+    return py::make_tuple(ends, array_of(std::move(all.lengths)), array_of(std::move(all.angles)));
+}
+
+CollectionPointer synthetic(const std::string& name, int count, int vertices, std::uint64_t seed)
+{
+    return handle_of(run([=](const Progress&) {
+        return make_synthetic(name, {.count = count, .vertices = vertices, .seed = seed});
+    }));
+}
+
+/// (frames kept, error as a fraction of the diagonal)
+py::tuple write_animation(const std::string& path, const std::vector<Doubles>& frames,
+                          const Integers& faces, double frames_per_second, double tolerance)
+{
+    std::vector<Points> points;
+    for (const Doubles& frame : frames)
+        points.push_back(points_of(frame));
+    const Faces corners = faces_of(faces);
+    const GlbAnimation written = run([=](const Progress&) {
+        return write_glb_animation(
+            path, points, corners,
+            {.tolerance = tolerance, .frames_per_second = frames_per_second});
+    });
+    return py::make_tuple(written.keyframes, written.error);
+}
+
+} // namespace
+
+void add_collections(py::module_& module)
+{
+    py::class_<CollectionHandle, CollectionPointer>(module, "Collection")
+        .def_property_readonly("names",
+                               [](const CollectionHandle& c) { return c.collection.names; })
+        .def_property_readonly(
+            "labels", [](const CollectionHandle& c) { return to_python(c.collection.labels); })
+        .def(
+            "faces",
+            [](const CollectionHandle& c) { return array_of_faces(c.collection.topology.faces()); })
+        .def_property_readonly(
+            "vertex_count",
+            [](const CollectionHandle& c) { return c.collection.topology.vertex_count(); })
+        .def("__len__", [](const CollectionHandle& c) { return c.collection.size(); })
+        .def("points",
+             [](const CollectionPointer& c, std::size_t i) {
+                 const Points& points = c->collection.points.at(i);
+                 return view(c, points.data(), {points.rows(), 3});
+             })
+        .def("subset", choose)
+        .def("write", [](const CollectionPointer& c, const std::string& path) {
+            run([=](const Progress&) {
+                write_collection(path, c->collection);
+                return true;
+            });
+        });
+    module.def("read", read);
+    module.def("from_arrays", from_arrays);
+    module.def("interpolate", interpolate);
+    module.def("distances", distances);
+    module.def("write", write);
+    module.def("measure", measure);
+    module.def("synthetic", synthetic);
+    module.def("write_animation", write_animation);
+    module.def("line_weights",
+               [](int inputs, double t) { return array_of(line_weights(inputs, t)); });
+}
+
+} // namespace shape::python

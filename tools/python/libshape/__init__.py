@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""Statistics of triangle meshes in the space of their edge lengths.
+
+The whole flow::
+
+    import libshape as ls
+    c = ls.read("faces/", labels="labels.csv")      # a Collection: meshes in correspondence
+    m = c.model(modes=20)                           # a Model: mean, modes, variances
+    mesh, report = m.decode([-2, 1, 0])             # a Mesh at scores in standard deviations
+    scores = m.scores(mesh.V)                       # and back
+    frames = ls.interpolate(c[0], c[1], frames=60)  # a path between two meshes
+    ls.groups(c, by="expression").table()           # do groups differ?
+    m.explorer("page.html")                         # the model in the hand, in a browser
+
+Vertices `V` are (n, 3) float64 [unit of the input], faces `F` are (m, 3) int64, counter-clockwise seen
+from outside. A `Mesh` unpacks to (V, F). float32, int32 and lists are taken; other shapes and kinds
+raise a TypeError that names argument and shape. Results are the same bits as those of the program
+`shape`. Long work lets other Python threads run, and Ctrl-C ends it at once.
+
+`progress` is None, True (a bar of tqdm, if that is installed) or a function of (stage, done, total).
+"""
+from ._arrays import Progress
+from ._core import (
+    Error,
+    FileError,
+    InvalidInput,
+    LimitExceeded,
+    NumericalError,
+    set_thread_count,
+    thread_count,
+)
+from ._objects import (
+    Collection,
+    Difference,
+    Mesh,
+    Model,
+    collection,
+    difference,
+    distance,
+    edges,
+    groups,
+    interpolate,
+    read,
+    read_difference,
+    read_mesh,
+    read_model,
+    synthetic,
+)
+from ._results import Distances, Edges, Frames, Groups, PairTest, Report, Scores, Test
+from ._core import version as _version
+
+__version__ = _version()
+
+__all__ = [
+    "Collection",
+    "Difference",
+    "Distances",
+    "Edges",
+    "Error",
+    "FileError",
+    "Frames",
+    "Groups",
+    "InvalidInput",
+    "LimitExceeded",
+    "Mesh",
+    "Model",
+    "NumericalError",
+    "PairTest",
+    "Progress",
+    "Report",
+    "Scores",
+    "Test",
+    "collection",
+    "difference",
+    "distance",
+    "edges",
+    "groups",
+    "interpolate",
+    "read",
+    "read_difference",
+    "read_mesh",
+    "read_model",
+    "set_thread_count",
+    "synthetic",
+    "thread_count",
+]

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: MIT
+"""What comes back: small records whose text tells what they hold."""
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List
+
+from . import _core
+from ._arrays import Array, Columns, Indices, Path, data_frame
+
+if TYPE_CHECKING:
+    from ._objects import Mesh
+
+
+@dataclass(frozen=True)
+class Report:
+    """How far a mesh is from the lengths and dihedral angles that it was made from."""
+
+    status: str  #: "exact", "approximate" or "infeasible" (no mesh has these lengths).
+    reason: str  #: Why the target is infeasible, else empty.
+    edge_rms: float  #: Root of the mean squared error of the lengths, over their mean.
+    edge_max: float  #: Largest relative error of a length.
+    edge_p999: float  #: 99.9 % quantile of the same.
+    edge_p99: float  #: 99 % quantile.
+    dihedral_rms_deg: float  #: Root mean square of the errors of dihedral angles [deg].
+    dihedral_p99_deg: float
+    dihedral_max_deg: float
+    closure_energy: float
+    inverted_faces: int  #: Faces without area, or folded flat onto a neighbour.
+    iterations: int
+    converged: bool
+    seconds: float  #: Wall time of this mesh alone.
+    setup_seconds: float  #: Wall time spent once for the triangulation.
+
+    def __repr__(self) -> str:
+        text = (
+            f"Report({self.status}: edges {100 * self.edge_rms:.3g} % RMS, "
+            f"{100 * self.edge_max:.3g} % at worst; dihedral angles {self.dihedral_rms_deg:.3g} deg RMS"
+        )
+        return text + (f"; {self.reason})" if self.reason else ")")
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Meshes along a path, and what each is worth."""
+
+    meshes: List["Mesh"]
+    reports: List[Report]
+    weights: Array  #: (frames, inputs); each row sums to 1.
+
+    def __len__(self) -> int:
+        return len(self.meshes)
+
+    def __iter__(self) -> Iterator["Mesh"]:
+        return iter(self.meshes)
+
+    def __getitem__(self, index: int) -> "Mesh":
+        return self.meshes[index]
+
+    def write(
+        self, path: Path, *, frames_per_second: float = 25.0, tolerance: float = 1e-3
+    ) -> None:
+        """Writes an animation (.glb) for any glTF viewer, Blender and game engines.
+
+        tolerance: largest error of a coordinate, as a fraction of the diagonal: frames that linear
+        interpolation gives back that well are left out.
+        """
+        _core.write_animation(
+            os.fspath(path),
+            [mesh.V for mesh in self.meshes],
+            self.meshes[0].F,
+            frames_per_second,
+            tolerance,
+        )
+
+    def __repr__(self) -> str:
+        worst = max((report.edge_rms for report in self.reports), default=0.0)
+        return f"Frames({len(self)} meshes, edges {100 * worst:.3g} % RMS at worst)"
+
+
+@dataclass(frozen=True)
+class Scores:
+    """Meshes in the modes of a model."""
+
+    names: List[str]
+    labels: Dict[str, List[str]]
+    scores: Array  #: (N, K) coordinates along the modes; (K,) of a single V.
+    deviations: Array  #: The same in standard deviations of the modes.
+    sizes: Array  #: (N,) [length], or a number of shape () for a single V.
+    residuals: Array  #: Distances to the span of the modes, likewise.
+
+    def as_dict(self) -> Columns:
+        """Columns as `shape project` writes them: mesh, labels, size, residual, pc1, pc2, ..."""
+        rows = self.scores.reshape(len(self.names), -1)
+        columns: Columns = {"mesh": self.names, **self.labels}
+        columns["size"] = self.sizes.reshape(-1)
+        columns["residual"] = self.residuals.reshape(-1)
+        columns.update({f"pc{k + 1}": rows[:, k] for k in range(rows.shape[1])})
+        return columns
+
+    def table(self) -> Any:
+        """as_dict() as a pandas.DataFrame."""
+        return data_frame(self.as_dict())
+
+    def __repr__(self) -> str:
+        modes = self.scores.shape[-1]
+        return f"Scores({len(self.names)} meshes in {modes} modes)"
+
+
+@dataclass(frozen=True)
+class Test:
+    """A test by permutation; see docs/groups.md."""
+
+    sum_of_squares: float
+    residual_sum_of_squares: float
+    total_sum_of_squares: float
+    degrees_of_freedom: int
+    residual_degrees_of_freedom: int
+    f: float
+    r_squared: float
+    p_value: float
+    permutations: int
+
+    def __repr__(self) -> str:
+        return (
+            f"Test(F({self.degrees_of_freedom}, {self.residual_degrees_of_freedom}) = {self.f:.4g}, "
+            f"R2 = {self.r_squared:.4g}, p = {self.p_value:.4g})"
+        )
+
+
+@dataclass(frozen=True)
+class PairTest:
+    """Two groups against each other."""
+
+    first: str
+    second: str
+    distance: float  #: Between the means of the groups.
+    test: Test
+    adjusted_p: float  #: For all pairs at once (Holm).
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Whether groups differ, all at once and two at a time."""
+
+    names: List[str]
+    counts: List[int]  #: Meshes in each group.
+    overall: Test
+    pairs: List[PairTest]
+
+    def as_dict(self) -> Columns:
+        """A row for each pair: first, second, distance, r_squared, f, p_value, p_adjusted."""
+        return {
+            "first": [pair.first for pair in self.pairs],
+            "second": [pair.second for pair in self.pairs],
+            "distance": [pair.distance for pair in self.pairs],
+            "r_squared": [pair.test.r_squared for pair in self.pairs],
+            "f": [pair.test.f for pair in self.pairs],
+            "p_value": [pair.test.p_value for pair in self.pairs],
+            "p_adjusted": [pair.adjusted_p for pair in self.pairs],
+        }
+
+    def table(self) -> Any:
+        """as_dict() as a pandas.DataFrame."""
+        return data_frame(self.as_dict())
+
+    def __repr__(self) -> str:
+        of = ", ".join(f"{name} ({count})" for name, count in zip(self.names, self.counts))
+        return f"Groups({of}: {self.overall!r})"
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Distances between all meshes of a collection."""
+
+    names: List[str]
+    matrix: Array  #: (N, N), symmetric, 0 on the diagonal.
+
+    def as_dict(self) -> Columns:
+        """Columns as `shape distance` writes them."""
+        columns: Columns = {"mesh": self.names}
+        columns.update({name: self.matrix[:, i] for i, name in enumerate(self.names)})
+        return columns
+
+    def table(self) -> Any:
+        """A pandas.DataFrame with the names of the meshes as index and columns."""
+        return data_frame(self.as_dict()).set_index("mesh")
+
+    def __repr__(self) -> str:
+        return f"Distances({len(self.names)} meshes, largest {self.matrix.max():.4g})"
+
+
+@dataclass(frozen=True)
+class Edges:
+    """The edges of a mesh: row e of each array is edge e, wherever the library has one."""
+
+    ends: Indices  #: (#E, 2), the lower vertex first, sorted.
+    lengths: Array  #: (#E,) [length]
+    dihedral_angles: Array  #: (#E,) [rad], 0 flat, > 0 convex seen from outside, 0 on the boundary.
+
+    def __repr__(self) -> str:
+        return f"Edges({len(self.lengths)}, mean length {self.lengths.mean():.4g})"

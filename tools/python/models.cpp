@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: MIT
+
+#include <pybind11/pybind11.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <limits>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
+#include "libshape/io/model_file.h"
+#include "libshape/io/table_file.h"
+#include "libshape/mesh/alignment.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/model/group_means.h"
+#include "libshape/statistics/group_comparison.h"
+#include "tools/commands.h"
+#include "tools/program/session.h"
+#include "tools/python/handles.h"
+#include "tools/python/jobs.h"
+
+namespace shape::python {
+
+using namespace internal;
+
+std::shared_ptr<const Embedder> Embedders::get(const EmbeddingOptions& options) const
+{
+    const auto or_minus_one = [](const auto& value) {
+        return value ? static_cast<double>(*value) : -1.0;
+    };
+    const std::string key = join(static_cast<int>(options.method), " ",
+                                 options.quality ? static_cast<int>(*options.quality) : -1, " ",
+                                 print_number(options.smoothness.value_or(-1.0)), " ",
+                                 print_number(or_minus_one(options.seed)));
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<const Embedder>& made = made_[key];
+    if (!made)
+        made =
+            std::make_shared<const Embedder>(topology_, std::vector<Points>{reference_}, options);
+    return made;
+}
+
+EmbeddingOptions embedding_options(const std::string& method, const std::string& quality,
+                                   double smoothness, std::uint64_t seed)
+{
+    EmbeddingOptions options;
+    if (method == "closure")
+        options.method = EmbeddingMethod::Closure;
+    else if (method == "multiscale")
+        options.method = EmbeddingMethod::Multiscale;
+    else if (method != "dihedral")
+        throw InvalidInput(
+            join("method: '", method, "' must be 'dihedral', 'closure' or 'multiscale'"));
+    if (quality == "preview")
+        options.quality = EmbeddingQuality::Preview;
+    else if (quality == "fine")
+        options.quality = EmbeddingQuality::Fine;
+    else if (!quality.empty())
+        throw InvalidInput(join("quality: '", quality, "' must be 'preview' or 'fine'"));
+    if (!std::isnan(smoothness))
+        options.smoothness = smoothness;
+    if (options.method == EmbeddingMethod::Multiscale)
+        options.seed = seed;
+    check(options);
+    return options;
+}
+
+SpaceOptions space_options(const std::string& space, const std::string& scale,
+                           const std::string& coordinates, bool area_weighted,
+                           double with_dihedrals)
+{
+    const auto choose = [](const char* argument, const std::string& value, auto choices) {
+        std::string names;
+        for (const auto& [name, choice] : choices) {
+            if (value == name)
+                return choice;
+            names += join(names.empty() ? "'" : ", '", name, "'");
+        }
+        throw InvalidInput(join(argument, ": '", value, "' must be one of ", names));
+    };
+    SpaceOptions options{
+        .kind = choose("space", space,
+                       std::array{std::pair{"edge", SpaceKind::Edge},
+                                  std::pair{"procrustes", SpaceKind::Procrustes}}),
+        .scale = choose("scale", scale,
+                        std::array{std::pair{"unit", Scale::Unit}, std::pair{"none", Scale::None}}),
+        .coordinates = choose("coordinates", coordinates,
+                              std::array{std::pair{"plain", LengthCoordinates::Plain},
+                                         std::pair{"squared", LengthCoordinates::Squared},
+                                         std::pair{"log", LengthCoordinates::Log}}),
+        .weighting = area_weighted ? EdgeWeighting::Area : EdgeWeighting::Uniform,
+        .dihedral_weight = with_dihedrals};
+    check(options);
+    return options;
+}
+
+py::tuple to_python(Embedding embedding)
+{
+    const EmbeddingReport& report = embedding.report;
+    py::dict figures;
+    figures["status"] = name(report.status);
+    figures["reason"] = report.reason;
+    figures["edge_rms"] = report.edge_rms;
+    figures["edge_max"] = report.edge_max;
+    figures["edge_p999"] = report.edge_p999;
+    figures["edge_p99"] = report.edge_p99;
+    figures["dihedral_rms_deg"] = report.dihedral_rms_deg;
+    figures["dihedral_p99_deg"] = report.dihedral_p99_deg;
+    figures["dihedral_max_deg"] = report.dihedral_max_deg;
+    figures["closure_energy"] = report.closure_energy;
+    figures["inverted_faces"] = report.inverted_faces;
+    figures["iterations"] = report.iterations;
+    figures["converged"] = report.converged;
+    figures["seconds"] = report.seconds;
+    figures["setup_seconds"] = report.setup_seconds;
+    return py::make_tuple(array_of(std::move(embedding.points)), figures);
+}
+
+namespace {
+
+using CollectionPointer = std::shared_ptr<CollectionHandle>;
+using ModelPointer = std::shared_ptr<ModelHandle>;
+using DifferencePointer = std::shared_ptr<DifferenceHandle>;
+
+ModelPointer fit(const CollectionPointer& handle, int modes, double variance,
+                 const SpaceOptions& space)
+{
+    return std::make_shared<ModelHandle>(run([=](const Progress&) {
+        return fit_model(handle->collection,
+                         {.modes = modes, .variance = variance, .space = space});
+    }));
+}
+
+/// Scores in standard deviations, as `shape generate --scores` takes them.
+py::list decode(const ModelPointer& handle, const std::vector<Doubles>& deviations,
+                std::optional<double> size, const EmbeddingOptions& options,
+                const py::object& callback)
+{
+    std::vector<Eigen::VectorXd> points;
+    for (const Doubles& row : deviations)
+        points.push_back(vector_of(row));
+    std::vector<Embedding> made = run(
+        [=](const Progress& progress) {
+            const ShapeModel& model = handle->model;
+            const Eigen::VectorXd units = model.variances.cwiseSqrt();
+            const std::shared_ptr<const Embedder> embedder = handle->embedders.get(options);
+            std::vector<Embedding> meshes;
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                progress("embedding", i, points.size());
+                if (points[i].size() > units.size())
+                    throw InvalidInput(join("scores: ", points[i].size(), " given, the model has ",
+                                            units.size(), " modes"));
+                const Eigen::VectorXd scores = points[i].cwiseProduct(units.head(points[i].size()));
+                meshes.push_back(
+                    embedder->embed(model_point(model, scores, size.value_or(model.mean_size()))));
+            }
+            progress("embedding", points.size(), points.size());
+            return meshes;
+        },
+        callback);
+    py::list result;
+    for (Embedding& mesh : made)
+        result.append(to_python(std::move(mesh)));
+    return result;
+}
+
+py::tuple to_python(Projection projection)
+{
+    return py::make_tuple(projection.names, python::to_python(projection.labels),
+                          array_of(std::move(projection.scores)),
+                          array_of(std::move(projection.sizes)),
+                          array_of(std::move(projection.residuals)));
+}
+
+py::tuple project_collection(const ModelPointer& model, const CollectionPointer& meshes)
+{
+    return to_python(
+        run([=](const Progress&) { return project(model->model, meshes->collection); }));
+}
+
+py::tuple project_points(const ModelPointer& handle, const Doubles& points)
+{
+    const Points positions = points_of(points);
+    return to_python(run([=](const Progress&) {
+        const Topology& topology = handle->model.topology;
+        if (positions.rows() != topology.vertex_count())
+            throw InvalidInput(
+                join("V has ", positions.rows(), " vertices, the model ", topology.vertex_count()));
+        if (!positions.allFinite())
+            throw InvalidInput("V has a coordinate that is not finite");
+        return project(handle->model, {topology, {"V"}, {positions}, {}});
+    }));
+}
+
+/// Rows of scores in standard deviations, those of `shape generate --sample`.
+Doubles sample(const ModelPointer& handle, int count, std::uint64_t seed)
+{
+    Random random(seed);
+    RowMatrix rows(count, handle->model.mode_count());
+    for (Eigen::Index i = 0; i < rows.size(); ++i)
+        rows.data()[i] = random.normal();
+    return array_of(std::move(rows));
+}
+
+DifferencePointer find_difference(const CollectionPointer& handle, const std::string& pair_by,
+                                  const std::pair<std::string, std::string>& from,
+                                  const std::pair<std::string, std::string>& to,
+                                  const std::string& scale)
+{
+    const DifferenceOptions options{.pair_by = pair_by,
+                                    .from_label = from.first,
+                                    .from_value = from.second,
+                                    .to_label = to.first,
+                                    .to_value = to.second,
+                                    .scale = scale == "none" ? Scale::None : Scale::Unit};
+    return std::make_shared<DifferenceHandle>(
+        run([=](const Progress&) { return mean_difference(handle->collection, options); }));
+}
+
+/// The difference added to meshes, or to the mean that it starts from if there are none.
+py::list apply(const DifferencePointer& handle, const std::vector<Doubles>& onto, double amount,
+               const EmbeddingOptions& options, const py::object& callback)
+{
+    std::vector<Points> starts;
+    for (const Doubles& points : onto)
+        starts.push_back(points_of(points));
+    std::vector<Embedding> made = run(
+        [=](const Progress& progress) {
+            const DifferenceVector& difference = handle->difference;
+            const Topology& topology = difference.topology;
+            std::vector<Embedding> meshes;
+            if (starts.empty()) {
+                const ShapePoint start = start_of(difference, difference.from_size);
+                meshes.push_back(handle->embedders.get(options)->embed(
+                    apply_differences(start, {difference}, {amount})));
+                return meshes;
+            }
+            const Embedder embedder(topology, {starts.front()}, options);
+            for (std::size_t i = 0; i < starts.size(); ++i) {
+                progress("embedding", i, starts.size());
+                const ShapePoint start{edge_lengths(topology, starts[i]),
+                                       dihedral_angles(topology, starts[i])};
+                Embedding mesh = embedder.embed(apply_differences(start, {difference}, {amount}));
+                mesh.points = best_rigid_motion(mesh.points, starts[i])(mesh.points);
+                meshes.push_back(std::move(mesh));
+            }
+            progress("embedding", starts.size(), starts.size());
+            return meshes;
+        },
+        callback);
+    py::list result;
+    for (Embedding& mesh : made)
+        result.append(python::to_python(std::move(mesh)));
+    return result;
+}
+
+py::dict to_python(const LinearModelTest& test)
+{
+    py::dict figures;
+    figures["sum_of_squares"] = test.sum_of_squares;
+    figures["residual_sum_of_squares"] = test.residual_sum_of_squares;
+    figures["total_sum_of_squares"] = test.total_sum_of_squares;
+    figures["degrees_of_freedom"] = test.degrees_of_freedom;
+    figures["residual_degrees_of_freedom"] = test.residual_degrees_of_freedom;
+    figures["f"] = test.f;
+    figures["r_squared"] = test.r_squared;
+    figures["p_value"] = test.p_value;
+    figures["permutations"] = test.permutations;
+    return figures;
+}
+
+/// (group names, members of each, overall test, list of (first, second, distance, test, adjusted p))
+py::tuple compare(const CollectionPointer& handle, const std::string& by, const std::string& within,
+                  const SpaceOptions& space, int permutations, std::uint64_t seed)
+{
+    struct Found
+    {
+        Grouping groups;
+        GroupComparison comparison;
+    };
+    const Found found = run([=](const Progress&) {
+        const Collection& collection = handle->collection;
+        const Grouping groups = group_by(find_label(collection.labels, by).values);
+        const Grouping blocks = within.empty()
+                                    ? groups_of_one(groups.size())
+                                    : group_by(find_label(collection.labels, within).values);
+        const GroupedShapes shapes = group_shapes(collection, groups, space);
+        return Found{groups, compare_groups(shapes.products, groups, blocks,
+                                            Eigen::MatrixXd(groups.size(), 0),
+                                            {.permutations = permutations, .seed = seed})};
+    });
+    std::vector<std::size_t> counts;
+    for (const std::vector<int>& of_group : members(found.groups))
+        counts.push_back(of_group.size());
+    py::list pairs;
+    for (const PairComparison& pair : found.comparison.pairs)
+        pairs.append(py::make_tuple(found.groups.names[to_size(pair.first)],
+                                    found.groups.names[to_size(pair.second)], pair.distance,
+                                    to_python(pair.test), pair.adjusted_p));
+    return py::make_tuple(found.groups.names, counts, to_python(found.comparison.overall), pairs);
+}
+
+/// Carries out a command of the program that writes files, silently.
+void command(const std::string& name, const std::vector<std::string>& arguments, bool force,
+             const py::object& callback)
+{
+    run(
+        [=](const Progress&) {
+            CLI::App app("", name);
+            const tools::Run made =
+                name == "export" ? tools::set_up_export(app) : tools::set_up_explore(app);
+            std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+            try {
+                app.parse(reversed);
+            } catch (const CLI::ParseError& error) {
+                throw InvalidInput(error.what());
+            }
+            tools::Session session;
+            session.command = name;
+            session.quiet = true;
+            session.force = force;
+            made(session);
+            return true;
+        },
+        callback);
+}
+
+template <class Handle, class Write>
+void write_in_job(const std::shared_ptr<Handle>& handle, const std::string& path, Write write)
+{
+    run([=](const Progress&) {
+        write(path, *handle);
+        return true;
+    });
+}
+
+} // namespace
+
+void add_models(py::module_& module)
+{
+    py::class_<EmbeddingOptions>(module, "EmbeddingOptions").def(py::init(&embedding_options));
+    py::class_<SpaceOptions>(module, "SpaceOptions").def(py::init(&space_options));
+    const auto model_view = [](const Eigen::VectorXd ShapeModel::*member) {
+        return [member](const ModelPointer& m) {
+            const Eigen::VectorXd& vector = m->model.*member;
+            return view(m, vector.data(), {vector.size()});
+        };
+    };
+    const auto matrix_view = [](const RowMatrix ShapeModel::*member) {
+        return [member](const ModelPointer& m) {
+            const RowMatrix& matrix = m->model.*member;
+            return view(m, matrix.data(), {matrix.rows(), matrix.cols()});
+        };
+    };
+    py::class_<ModelHandle, ModelPointer>(module, "Model")
+        .def_property_readonly("names", [](const ModelHandle& m) { return m.model.names; })
+        .def_property_readonly(
+            "labels", [](const ModelHandle& m) { return python::to_python(m.model.labels); })
+        .def_property_readonly("mode_count",
+                               [](const ModelHandle& m) { return m.model.mode_count(); })
+        .def_property_readonly("mean_size",
+                               [](const ModelHandle& m) { return m.model.mean_size(); })
+        .def_property_readonly("total_variance",
+                               [](const ModelHandle& m) { return m.model.total_variance; })
+        .def_property_readonly(
+            "space",
+            [](const ModelHandle& m) {
+                return std::holds_alternative<EdgeSpace>(m.model.space) ? "edge" : "procrustes";
+            })
+        .def_property_readonly("variances", model_view(&ShapeModel::variances))
+        .def_property_readonly("mean", model_view(&ShapeModel::mean))
+        .def_property_readonly("sizes", model_view(&ShapeModel::sizes))
+        .def_property_readonly("modes", matrix_view(&ShapeModel::modes))
+        .def_property_readonly("scores", matrix_view(&ShapeModel::scores))
+        .def("reference_points",
+             [](const ModelPointer& m) {
+                 return view(m, m->model.reference_points.data(),
+                             {m->model.reference_points.rows(), 3});
+             })
+        .def("faces", [](const ModelHandle& m) { return array_of_faces(m.model.topology.faces()); })
+        .def("feasible_range",
+             [](const ModelHandle& m, int mode) {
+                 const FeasibleRange range = feasible_range(m.model, mode);
+                 return std::pair(range.low, range.high);
+             })
+        .def("write", [](const ModelPointer& m, const std::string& path) {
+            write_in_job(m, path, [](const std::string& to, const ModelHandle& model) {
+                write_model(to, model.model);
+            });
+        });
+    module.def("fit", fit);
+    module.def("decode", decode);
+    module.def("project_collection", project_collection);
+    module.def("project_points", project_points);
+    module.def("sample", sample);
+    module.def("read_model", [](const std::string& path) {
+        return std::make_shared<ModelHandle>(
+            run([=](const Progress&) { return read_model(path); }));
+    });
+    module.def("command", command);
+
+    py::class_<DifferenceHandle, DifferencePointer>(module, "Difference")
+        .def_property_readonly("pairs",
+                               [](const DifferenceHandle& d) { return d.difference.pairs; })
+        .def_property_readonly("edge_lengths",
+                               [](const DifferencePointer& d) {
+                                   const Eigen::VectorXd& lengths = d->difference.edge_lengths;
+                                   return view(d, lengths.data(), {lengths.size()});
+                               })
+        .def_property_readonly("dihedral_angles",
+                               [](const DifferencePointer& d) {
+                                   const Eigen::VectorXd& angles = d->difference.dihedral_angles;
+                                   return view(d, angles.data(), {angles.size()});
+                               })
+        .def_property_readonly(
+            "vertex_count",
+            [](const DifferenceHandle& d) { return d.difference.topology.vertex_count(); })
+        .def(
+            "faces",
+            [](const DifferenceHandle& d) { return array_of_faces(d.difference.topology.faces()); })
+        .def("write", [](const DifferencePointer& d, const std::string& path) {
+            write_in_job(d, path, [](const std::string& to, const DifferenceHandle& difference) {
+                write_difference(to, difference.difference);
+            });
+        });
+    module.def("difference", find_difference);
+    module.def("apply", apply);
+    module.def("read_difference", [](const std::string& path) {
+        return std::make_shared<DifferenceHandle>(
+            run([=](const Progress&) { return read_difference(path); }));
+    });
+    module.def("groups", compare);
+}
+
+} // namespace shape::python
