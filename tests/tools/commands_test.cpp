@@ -283,7 +283,7 @@ TEST_F(Commands, PngWithoutAConverterSaysWhatToInstall)
     const Arguments project{"project", "model.h5", "f.h5", "-o", "s.csv", "--plot", "s.png"};
     const Outcome missing = run_shape(folder_.path(), project,
                                       {.environment = {join("PATH=", folder_.path().string())}});
-    EXPECT_EQ(missing.exit_code, 3);
+    EXPECT_EQ(missing.exit_code, 5);
     EXPECT_NE(missing.err.find("rsvg-convert, which draws PNG, cannot be started"),
               std::string::npos);
     EXPECT_NE(missing.err.find("librsvg2-bin"), std::string::npos);
@@ -294,7 +294,7 @@ TEST_F(Commands, PngWithoutAConverterSaysWhatToInstall)
     const Outcome failed =
         run_shape(folder_.path(), project + Arguments{"--force"},
                   {.environment = {join("PATH=", folder_.path().string(), ":/bin")}});
-    EXPECT_EQ(failed.exit_code, 3);
+    EXPECT_EQ(failed.exit_code, 5);
     EXPECT_NE(failed.err.find("rsvg-convert failed: no fonts"), std::string::npos);
 }
 

@@ -54,7 +54,7 @@ void note_passed_over(const MeshNotices& notices, const MeshInput& input);
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const MeshInput& input);
 
 /// The labels of these meshes in a file; says which of its rows are of others.
-[[nodiscard]] Labels labels_of(const Session& session, const std::string& path,
+[[nodiscard]] Labels labels_of(const MeshNotices& notices, const std::string& path,
                                const std::vector<std::string>& names);
 
 /// The meshes of one file: a mesh, or the members of a collection with their labels.

@@ -94,7 +94,7 @@ std::optional<MeshStream> open_labelled(const Session& session, const LabelledIn
     if (!always && positions <= small)
         return std::nullopt;
     if (!input.meshes.labels.empty())
-        stream.labels = labels_of(session, input.meshes.labels, stream.names);
+        stream.labels = labels_of(notices_of(session), input.meshes.labels, stream.names);
     stream = without_degenerate_meshes(std::move(stream), files.front().string());
     if (input.only.empty())
         return stream;
