@@ -67,31 +67,6 @@ Eigen::VectorXd area_shares(const Topology& topology, const Eigen::VectorXd& len
     return shares / whole;
 }
 
-/// @param sum_up  Gives the sums over the collection.
-EdgeSpace make_edge_space(const Topology& topology, std::size_t meshes, const SpaceOptions& options,
-                          const std::function<EdgeSums()>& sum_up)
-{
-    EdgeSpace space{options.scale, options.coordinates, {}, {}, {}};
-    const bool by_area = options.weighting == EdgeWeighting::Area;
-    const bool with_angles = options.dihedral_weight > 0.0;
-    if (!by_area && !with_angles)
-        return space;
-    const auto count = static_cast<double>(meshes);
-    const EdgeSums sums = sum_up();
-    const Eigen::VectorXd mean = sums.lengths / count;
-    const Eigen::VectorXd slopes = relative_slopes(options.coordinates, mean);
-    const Eigen::VectorXd gains = // g_e
-        by_area ? Eigen::VectorXd(area_shares(topology, mean).cwiseSqrt()) : slopes;
-    if (by_area)
-        space.length_factors = gains.cwiseQuotient(slopes);
-    if (with_angles) {
-        space.dihedral_factors = options.dihedral_weight * gains;
-        space.branch_angles = sums.cosines.binaryExpr(
-            sums.sines, [&](double x, double y) { return circular_mean(x, y, count); });
-    }
-    return space;
-}
-
 ProcrustesSpace make_procrustes_space(const Collection& collection, Scale scale)
 {
     ProcrustesMean mean = procrustes_mean(collection.points, {.scale = scale});
@@ -220,29 +195,35 @@ ShapeSpace make_space(const Collection& collection, const SpaceOptions& options)
         throw InvalidInput("a space of shapes needs at least one mesh");
     if (options.kind == SpaceKind::Procrustes)
         return make_procrustes_space(collection, options.scale);
-    return make_edge_space(collection.topology, collection.size(), options, [&] {
-        EdgeSums sums = no_sums(collection.topology);
-        add_to_sums(collection, options.scale, sums);
-        return sums;
-    });
+    return make_edge_space(collection.topology, collection.size(), options,
+                           [&](const auto& visit) { visit(collection); });
 }
 
 namespace internal {
 
-ShapeSpace make_space(const MeshStream& meshes, const SpaceOptions& options, Index block)
+EdgeSpace make_edge_space(const Topology& topology, std::size_t meshes, const SpaceOptions& options,
+                          const EachPart& each_part)
 {
-    check(options);
-    if (meshes.size() == 0)
-        throw InvalidInput("a space of shapes needs at least one mesh");
-    if (options.kind == SpaceKind::Procrustes)
-        throw InvalidInput("Procrustes space needs all meshes in memory");
-    return make_edge_space(meshes.topology, static_cast<std::size_t>(meshes.size()), options, [&] {
-        EdgeSums sums = no_sums(meshes.topology);
-        for_each_block(meshes, 0, meshes.size(), block, [&](Index, const Collection& part) {
-            add_to_sums(part, options.scale, sums);
-        });
-        return sums;
-    });
+    EdgeSpace space{options.scale, options.coordinates, {}, {}, {}};
+    const bool by_area = options.weighting == EdgeWeighting::Area;
+    const bool with_angles = options.dihedral_weight > 0.0;
+    if (!by_area && !with_angles)
+        return space;
+    const auto count = static_cast<double>(meshes);
+    EdgeSums sums = no_sums(topology);
+    each_part([&](const Collection& part) { add_to_sums(part, options.scale, sums); });
+    const Eigen::VectorXd mean = sums.lengths / count;
+    const Eigen::VectorXd slopes = relative_slopes(options.coordinates, mean);
+    const Eigen::VectorXd gains = // g_e
+        by_area ? Eigen::VectorXd(area_shares(topology, mean).cwiseSqrt()) : slopes;
+    if (by_area)
+        space.length_factors = gains.cwiseQuotient(slopes);
+    if (with_angles) {
+        space.dihedral_factors = options.dihedral_weight * gains;
+        space.branch_angles = sums.cosines.binaryExpr(
+            sums.sines, [&](double x, double y) { return circular_mean(x, y, count); });
+    }
+    return space;
 }
 
 void encode(const ShapeSpace& space, const Collection& block, RowMatrix& coordinates,

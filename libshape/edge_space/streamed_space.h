@@ -2,6 +2,9 @@
 
 #pragma once
 
+#include <cstddef>
+#include <functional>
+
 #include "libshape/edge_space/shape_space.h"
 #include "libshape/mesh/mesh_stream.h"
 
@@ -15,6 +18,14 @@ namespace shape::internal {
 /// Cost: no pass for plain coordinates, one for what is taken from the collection.
 [[nodiscard]] ShapeSpace make_space(const MeshStream& meshes, const SpaceOptions& options,
                                     Eigen::Index block);
+
+/// Shows all meshes once, in their order, in one part or several.
+using EachPart = std::function<void(const std::function<void(const Collection&)>& visit)>;
+
+/// The edge space of meshes that come in parts: what both make_space() call.
+/// @param options  Checked, of edge space.
+[[nodiscard]] EdgeSpace make_edge_space(const Topology& topology, std::size_t meshes,
+                                        const SpaceOptions& options, const EachPart& each_part);
 
 /// encode() and sizes() at once, the lengths measured once.
 void encode(const ShapeSpace& space, const Collection& block, RowMatrix& coordinates,
