@@ -34,6 +34,7 @@ set(public_headers
     libshape/io/gltf_file.h
     libshape/io/hdf5/untrusted_files.h
     libshape/io/label_file.h
+    libshape/io/landmark_file.h
     libshape/io/mesh_file.h
     libshape/io/model_file.h
     libshape/io/table_file.h
@@ -61,6 +62,8 @@ set(public_headers
     libshape/model/outlying_meshes.h
     libshape/model/shape_distances.h
     libshape/model/shape_model.h
+    libshape/registration/scan.h
+    libshape/registration/scan_fit.h
     libshape/statistics/bootstrap.h
     libshape/statistics/classical_scaling.h
     libshape/statistics/column_effects.h
