@@ -169,7 +169,7 @@ Similarity landmark_start(const Points& from, const Points& to)
     return start;
 }
 
-Similarity rigid_start(const Surface& moving, const Surface& fixed)
+std::vector<Similarity> rigid_starts(const Surface& moving, const Surface& fixed, int count)
 {
     const Moments of_moving(moving), of_fixed(fixed);
     const double scale = scale_between(of_moving.size(), of_fixed.size());
@@ -187,24 +187,27 @@ Similarity rigid_start(const Surface& moving, const Surface& fixed)
     const Matrix3d from = of_moving.axes(), to = of_fixed.axes();
     for (const Matrix3d& turn : turns_of_a_cube())
         add(to * turn * from.transpose());
-    for (const Matrix3d& rotation : spread_rotations(60))
+    for (const Matrix3d& rotation : spread_rotations(40))
         add(rotation);
 
-    const Points few = scale * every(moving.points, 150);
+    const Points few = scale * every(moving.points, 60);
     parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            candidates[i].score = improve(few, fixed, 8, candidates[i].motion);
+            if (i > 0)
+                candidates[i].score = improve(few, fixed, 6, candidates[i].motion);
     });
-    std::stable_sort(candidates.begin() + 1, candidates.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
-    candidates.resize(6);
+    const auto better = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
+    std::stable_sort(candidates.begin() + 1, candidates.end(), better);
+    candidates.resize(8);
 
-    const Points more = scale * every(moving.points, 500);
-    const Points of_scan = every(fixed.points, 500);
+    const Points more = scale * every(moving.points, 200);
+    const Points of_scan = every(fixed.points, 200);
     parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             Candidate& c = candidates[i];
-            c.score = improve(more, fixed, 20, c.motion);
+            if (i == 0)
+                continue; // stays where it is: a bent pose may lie better than closest points know
+            c.score = improve(more, fixed, 10, c.motion);
             const Points back = Similarity{scale, c.motion}.inverse(of_scan);
             std::vector<double> distances;
             for (Index k = 0; k < back.rows(); ++k)
@@ -212,12 +215,18 @@ Similarity rigid_start(const Surface& moving, const Surface& fixed)
             c.score += trimmed_mean(std::move(distances));
         }
     });
-    constexpr double clearly_better = 0.8;
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < candidates.size(); ++i)
-        if (candidates[i].score < (best == 0 ? clearly_better : 1.0) * candidates[best].score)
-            best = i;
-    return {scale, candidates[best].motion};
+    std::stable_sort(candidates.begin() + 1, candidates.end(), better);
+    constexpr double least_turn = 20.0 * std::numbers::pi / 180.0;
+    std::vector<Similarity> starts;
+    for (const Candidate& c : candidates) {
+        const auto is_like = [&](const Similarity& start) {
+            const Matrix3d turn = start.motion.rotation.transpose() * c.motion.rotation;
+            return Eigen::AngleAxisd(turn).angle() < least_turn;
+        };
+        if (std::ssize(starts) < count && std::none_of(starts.begin(), starts.end(), is_like))
+            starts.push_back({scale, c.motion});
+    }
+    return starts;
 }
 
 } // namespace shape::internal

@@ -48,6 +48,7 @@ struct LevelRounds
 };
 constexpr LevelRounds coarsest_rounds{30, 60}, finer_rounds{8, 15};
 constexpr int rounds_between_factors = 5;
+constexpr int tried_starts = 4, trial_rounds = 12;
 constexpr int landmark_rounds = 12; // by landmarks alone, before the surface pulls
 
 /// Landmarks of the template as points of a level's faces.
@@ -129,31 +130,35 @@ struct ScanFitter::State
     std::vector<TemplateLevel> levels;
     Surface surface; // of the template
     VectorXd dihedral_angles_at_rest;
-    double diagonal;
+    double own_diagonal;
 
     State(const Topology& topology, const Points& points, const FitOptions& with)
         : options(with),
           levels(template_levels(topology, points, least_vertices)),
           surface(points, topology.faces()),
           dihedral_angles_at_rest(dihedral_angles(topology, points)),
-          diagonal(bounding_box_diagonal(points))
+          own_diagonal(bounding_box_diagonal(points))
     {
     }
 
-    /// What is known of one scan, in the template's frame.
+    /// What is known of one scan. The template counts in its unit, `scale` times its own.
     struct Target
     {
+        std::vector<TemplateLevel> levels;
+        double diagonal;
         Surface scan;
         Points landmarks_here;  // on the template
         Points landmarks_there; // on the scan
         std::vector<std::string> names;
-        double landmark_tolerance; // [length of the template]
+        double landmark_tolerance;
     };
 
     void add_landmark_pulls(const TemplateLevel& level, const std::vector<SurfacePoint>& marks,
                             const Target& target, const Points& points, double weight,
                             GrowthEnergy& energy) const;
-    void run_level(std::size_t number, const Target& target, LevelMesh& mesh) const;
+    void run_level(std::size_t number, const Target& target, int rounds, LevelMesh& mesh) const;
+    [[nodiscard]] Similarity choose_start(const std::vector<Similarity>& starts,
+                                          const Target& target) const;
     void finish_landmarks(const Target& target, LevelMesh& mesh) const;
     void judge(const Target& target, const LevelMesh& mesh, ScanFit& fit) const;
 };
@@ -174,14 +179,15 @@ void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
     }
 }
 
-void ScanFitter::State::run_level(std::size_t number, const Target& target, LevelMesh& mesh) const
+void ScanFitter::State::run_level(std::size_t number, const Target& target, int rounds,
+                                  LevelMesh& mesh) const
 {
-    const TemplateLevel& level = levels[number];
+    const TemplateLevel& level = target.levels[number];
     const bool is_coarsest = number + 1 == levels.size();
     GrowthEnergy energy(
         level.topology, level.rest,
         {.smoothness = options.smoothness, .growth_smoothness = options.growth_smoothness});
-    const double in_edges = energy.unit() / diagonal * energy.unit() / diagonal;
+    const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
     const Rims rims = find_rims(level.topology.faces());
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
     std::vector<std::pair<int, int>> named;
@@ -195,7 +201,7 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, Leve
             named.emplace_back(mine, other);
     }
     // A landmark is one vertex against all those that the surface pulls; a tolerance weakens it.
-    const double blur = target.landmark_tolerance / (0.003 * diagonal);
+    const double blur = target.landmark_tolerance / (0.003 * target.diagonal);
     const double landmark_weight = 30.0 / (1.0 + blur * blur);
 
     if (is_coarsest && !marks.empty())
@@ -209,9 +215,6 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, Leve
     const bool is_finest = number == 0;
     const double from = is_coarsest ? 0.0 : coarse_share;
     const double to = is_finest ? 1.0 : coarse_share;
-    const int rounds = is_coarsest && !is_finest ? coarsest_rounds.rounds
-                       : is_coarsest             ? coarsest_rounds.rounds + finer_rounds.rounds
-                                                 : finer_rounds.rounds;
     const int linear_steps = is_coarsest ? coarsest_rounds.linear_steps : finer_rounds.linear_steps;
     const int last_changing = std::max(1, is_finest ? rounds - 3 : rounds - 1);
     for (int round = 0; round < rounds; ++round) {
@@ -219,7 +222,7 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, Leve
             from + (to - from) * std::min(1.0, static_cast<double>(round) / last_changing);
         const PullRule rule{
             .weight = first_weight * std::pow(last_weight / first_weight, done) * in_edges,
-            .scale = diagonal * first_scale * std::pow(last_scale / first_scale, done)};
+            .scale = target.diagonal * first_scale * std::pow(last_scale / first_scale, done)};
         energy.clear_pulls(mesh.points);
         add_surface_pulls(target.scan, level.topology, mesh.points, rule, energy);
         add_rim_pulls(target.scan, rims, mesh.points, named,
@@ -232,12 +235,53 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, Leve
     }
 }
 
-/// The growth of a scale that all of the mesh has in common is no growth of its parts: u less its mean.
+/// The best start after a few rounds on the coarsest level from each: where the template bends least and comes nearest.
+/// A start that a pose has moved far from the best rigid one wins by that.
+Similarity ScanFitter::State::choose_start(const std::vector<Similarity>& starts,
+                                           const Target& target) const
+{
+    if (starts.size() == 1)
+        return starts.front();
+    const TemplateLevel& level = target.levels.back();
+    const GrowthEnergy energy(level.topology, level.rest, {});
+    std::size_t best = 0;
+    double least = 0.0;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+        LevelMesh mesh{starts[i].motion(level.rest), VectorXd::Zero(level.rest.rows())};
+        run_level(levels.size() - 1, target, trial_rounds, mesh);
+        const VectorXd strains = energy.strains(mesh.points, mesh.growth);
+        const VectorXd bends = dihedral_angles(level.topology, mesh.points) -
+                               dihedral_angles(level.topology, level.rest);
+        double bent = 0.0;
+        for (const double bend : bends)
+            bent += wrapped_angle(bend) * wrapped_angle(bend);
+        const ClosestPoints tree(mesh.points, level.topology.faces());
+        const Index stride = std::max<Index>(1, target.scan.points.rows() / 500);
+        double apart = 0.0;
+        Index samples = 0;
+        for (Index p = 0; p < target.scan.points.rows(); p += stride, ++samples)
+            apart +=
+                std::min(tree.nearest(target.scan.points.row(p)).distance, 0.1 * target.diagonal);
+        apart /= 0.02 * target.diagonal * static_cast<double>(samples);
+        const double score =
+            (strains.squaredNorm() + bent) / static_cast<double>(strains.size()) + apart * apart;
+        constexpr double clearly_better = 0.5; // than where it lies already
+        if (i == 0 || score < (best == 0 ? clearly_better : 1.0) * least) {
+            best = i;
+            least = score;
+        }
+        constexpr double surely = 0.05; // wrong starts of faces and bodies are above 0.08
+        if (i == 0 && score < surely)
+            break;
+    }
+    return starts[best];
+}
+
 void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanFit& fit) const
 {
     const Topology& topology = levels.front().topology;
     const Points normals = vertex_normals(mesh.points, topology.faces());
-    const double near = 0.01 * diagonal; // what counts as a counterpart
+    const double near = 0.01 * target.diagonal; // what counts as a counterpart
     const auto count = to_size(mesh.points.rows());
     fit.distance.resize(mesh.points.rows());
     fit.seen.assign(count, 0);
@@ -252,15 +296,15 @@ void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanF
             rule.within = near;
             const SurfacePoint pair = target.scan.tree.nearest(mesh.points.row(row), rule);
             // At a rim, what lies a little beyond it is not seen; a template's own rim may lie on it.
-            const bool is_end =
-                pair.face >= 0 && target.scan.ends_at(pair) && pair.distance > 0.003 * diagonal;
+            const bool is_end = pair.face >= 0 && target.scan.ends_at(pair) &&
+                                pair.distance > 0.003 * target.diagonal;
             fit.seen[v] = pair.face >= 0 && !is_end ? 1 : 0;
         }
     });
     std::vector<double> of_seen;
     for (std::size_t v = 0; v < count; ++v)
         if (fit.seen[v] != 0)
-            of_seen.push_back(fit.distance[static_cast<Index>(v)] * fit.scale);
+            of_seen.push_back(fit.distance[static_cast<Index>(v)]);
     fit.unseen_vertices = static_cast<int>(count - of_seen.size());
     fit.fit_to_scan = summary_of(of_seen);
 
@@ -273,11 +317,11 @@ void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanF
     std::vector<double> distances(to_size(samples.rows()));
     parallel_for(distances.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            distances[i] = fit.scale * tree.nearest(samples.row(static_cast<Index>(i))).distance;
+            distances[i] = tree.nearest(samples.row(static_cast<Index>(i))).distance;
     });
     fit.scan_to_fit = summary_of(distances);
 
-    const GrowthEnergy energy(topology, levels.front().rest, {});
+    const GrowthEnergy energy(topology, target.levels.front().rest, {});
     const VectorXd strains = energy.strains(mesh.points, mesh.growth);
     fit.strain_rms = std::sqrt(strains.squaredNorm() / static_cast<double>(strains.size()));
     fit.growth = mesh.growth.array().exp();
@@ -293,15 +337,15 @@ void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanF
                 if (h >= 0)
                     folded[to_size(Topology::face(h))] = 1;
     fit.folded_faces = static_cast<int>(std::count(folded.begin(), folded.end(), 1));
-    fit.diagonal = fit.scale * bounding_box_diagonal(mesh.points);
+    fit.diagonal = bounding_box_diagonal(mesh.points);
 
-    const auto& marks = on_level(levels.front(), target.landmarks_here);
+    const auto marks = on_level(target.levels.front(), target.landmarks_here);
     fit.landmark_errors.resize(std::ssize(marks));
     for (std::size_t i = 0; i < marks.size(); ++i)
         fit.landmark_errors[static_cast<Index>(i)] =
-            fit.scale * (position(marks[i], topology.faces(), mesh.points) -
-                         target.landmarks_there.row(static_cast<Index>(i)).transpose())
-                            .norm();
+            (position(marks[i], topology.faces(), mesh.points) -
+             target.landmarks_there.row(static_cast<Index>(i)).transpose())
+                .norm();
 
     // The status. Bounds are shares of the diagonal; docs/correspondence.md says how they were found.
     const auto say = [&](FitStatus status, std::string reason) {
@@ -329,8 +373,7 @@ void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanF
         say(FitStatus::Check, join(counted(fit.folded_faces, "face"), " folded"));
     for (std::size_t i = 0; i < marks.size(); ++i) {
         const double error = fit.landmark_errors[static_cast<Index>(i)];
-        const double allowed =
-            std::max(3.0 * fit.scale * target.landmark_tolerance, 0.002 * fit.diagonal);
+        const double allowed = std::max(3.0 * target.landmark_tolerance, 0.002 * fit.diagonal);
         if (error > allowed)
             say(error > 0.03 * fit.diagonal ? FitStatus::Failed : FitStatus::Check,
                 join("landmark '", target.names[i], "' is missed by ",
@@ -344,16 +387,16 @@ void ScanFitter::State::finish_landmarks(const Target& target, LevelMesh& mesh) 
 {
     if (target.landmarks_here.rows() == 0 || target.landmark_tolerance > 0.0)
         return;
-    const TemplateLevel& level = levels.front();
+    const TemplateLevel& level = target.levels.front();
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
     GrowthEnergy energy(
         level.topology, level.rest,
         {.smoothness = options.smoothness, .growth_smoothness = options.growth_smoothness});
-    const double in_edges = energy.unit() / diagonal * energy.unit() / diagonal;
+    const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
     for (int round = 0; round < 4; ++round) {
         energy.clear_pulls(mesh.points);
         add_surface_pulls(target.scan, level.topology, mesh.points,
-                          {.weight = last_weight * in_edges, .scale = last_scale * diagonal},
+                          {.weight = last_weight * in_edges, .scale = last_scale * target.diagonal},
                           energy);
         add_landmark_pulls(level, marks, target, mesh.points, 3e3, energy);
         energy.prepare();
@@ -386,40 +429,60 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
             landmarks.names.end())
             throw InvalidInput(join("boundary '", name, "' is not the name of a landmark"));
 
-    Similarity start;
+    Faces faces = scan.faces;
+    int turned = 0;
+    constexpr double surely = 0.01;
+    if (outwardness(s.surface.points, s.surface.faces) * outwardness(scan.points, faces) <
+        -surely) { // all of it is inside out
+        faces.col(1).swap(faces.col(2));
+        turned = static_cast<int>(faces.rows());
+    }
+    Surface surface(scan.points, faces);
+    std::vector<Similarity> starts{Similarity{}};
     if (mark_count >= 3) {
         for (const Points* points : {&landmarks.on_template, &landmarks.on_scan}) {
             const Points centred = points->rowwise() - points->colwise().mean();
-            const Eigen::Vector3d spread =
+            const Eigen::VectorXd spread =
                 Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
             if (!(spread[1] > 1e-3 * spread[0]))
                 throw InvalidInput(
-                    "landmarks: they lie on a line, which leaves a turn about it "
-                    "open");
+                    "landmarks: they lie on a line, which leaves a turn about it open");
         }
-        start = landmark_start(landmarks.on_template, landmarks.on_scan);
+        starts = {landmark_start(landmarks.on_template, landmarks.on_scan)};
     } else if (s.options.search_start) {
-        start = rigid_start(s.surface, Surface(scan.points, scan.faces));
+        starts = rigid_starts(s.surface, surface, tried_starts);
     }
+    const double scale = starts.front().scale;
+    std::vector<TemplateLevel> levels = s.levels;
+    for (TemplateLevel& level : levels)
+        level.rest *= scale;
+    State::Target target{std::move(levels),           scale * s.own_diagonal,
+                         std::move(surface),          scale * landmarks.on_template,
+                         landmarks.on_scan,           landmarks.names,
+                         s.options.landmark_tolerance};
+    const Similarity start = s.choose_start(starts, target);
+    auto [oriented, more_turned] =
+        oriented_like(scan.points, faces, Surface(start(s.surface.points), s.surface.faces));
+    if (more_turned > 0)
+        target.scan = Surface(scan.points, std::move(oriented));
 
     ScanFit fit;
-    fit.scale = start.scale;
-    const Points here = start.inverse(scan.points);
-    auto [faces, turned] = oriented_like(here, scan.faces, s.surface);
-    fit.turned_faces = turned;
-    const State::Target target{Surface(here, std::move(faces)), landmarks.on_template,
-                               start.inverse(landmarks.on_scan), landmarks.names,
-                               s.options.landmark_tolerance / start.scale};
-    LevelMesh mesh{s.levels.back().rest, VectorXd::Zero(s.levels.back().rest.rows())};
-    for (std::size_t number = s.levels.size(); number-- > 0;) {
-        if (number + 1 < s.levels.size())
-            mesh = carried_to_finer(s.levels[number + 1], mesh, s.levels[number]);
-        s.run_level(number, target, mesh);
+    fit.scale = scale;
+    fit.turned_faces = std::abs(turned - more_turned);
+    const std::size_t count = s.levels.size();
+    LevelMesh mesh{start.motion(target.levels.back().rest),
+                   VectorXd::Zero(target.levels.back().rest.rows())};
+    for (std::size_t number = count; number-- > 0;) {
+        const bool is_coarsest = number + 1 == count;
+        if (!is_coarsest)
+            mesh = carried_to_finer(target.levels[number + 1], mesh, target.levels[number]);
+        const int rounds = (is_coarsest ? coarsest_rounds.rounds : 0) +
+                           (number == 0 || !is_coarsest ? finer_rounds.rounds : 0);
+        s.run_level(number, target, rounds, mesh);
     }
     s.finish_landmarks(target, mesh);
     s.judge(target, mesh, fit);
-    fit.distance *= start.scale;
-    fit.points = start(mesh.points);
+    fit.points = mesh.points;
     return fit;
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -26,6 +27,20 @@ Points vertex_normals(const Points& points, const Faces& faces)
     for (auto normal : normals.rowwise())
         normal.stableNormalize();
     return normals;
+}
+
+double outwardness(const Points& points, const Faces& faces)
+{
+    const Vector3d centroid = points.colwise().mean();
+    double flux = 0.0, all = 0.0;
+    for (const auto& face : faces.rowwise()) {
+        const Vector3d a = points.row(face[0]), b = points.row(face[1]), c = points.row(face[2]);
+        const Vector3d normal = (b - a).cross(c - a);
+        const Vector3d arm = (a + b + c) / 3.0 - centroid;
+        flux += arm.dot(normal);
+        all += arm.norm() * normal.norm();
+    }
+    return all > 0.0 ? flux / all : 0.0;
 }
 
 Surface::Surface(Points points_, Faces faces_)
@@ -105,16 +120,18 @@ std::pair<Faces, int> oriented_like(const Points& points, const Faces& faces,
         }
     });
     std::vector<double> sums(parent.size(), 0.0);
-    double all = 0.0;
+    std::vector<double> sizes(parent.size(), 0.0);
     for (std::size_t i = 0; i < votes.size(); ++i) {
-        sums[to_size(root(static_cast<int>(i) * static_cast<int>(stride)))] += votes[i];
-        all += votes[i];
+        const auto patch = to_size(root(static_cast<int>(i) * static_cast<int>(stride)));
+        sums[patch] += votes[i];
+        sizes[patch] += std::abs(votes[i]);
     }
+    // A limb in another pose lies next to anything: only a clear majority counts.
+    constexpr double clear_majority = 0.6;
     std::pair<Faces, int> result{faces, 0};
     for (int f = 0; f < faces.rows(); ++f) {
-        const double sum = sums[to_size(root(f))];
-        if (sum < 0.0 ||
-            (sum == 0.0 && all < 0.0)) { // a patch that no sample fell on does as most do
+        const auto patch = to_size(root(f));
+        if (sums[patch] < -clear_majority * sizes[patch]) {
             std::swap(result.first(f, 1), result.first(f, 2));
             ++result.second;
         }

@@ -32,7 +32,11 @@ struct Surface
 /// Normals of vertices, as the faces' areas weigh them, unit length or 0.
 [[nodiscard]] Points vertex_normals(const Points& points, const Faces& faces);
 
-/// The faces of a scan, each turned over where most of its patch (faces joined by edges that both run
+/// sum (x - c) . n dA / sum |x - c| dA, c the centroid: about 1 of a surface seen from outside, -1 of
+/// one that is inside out, 0 where neither can be told.
+[[nodiscard]] double outwardness(const Points& points, const Faces& faces);
+
+/// The faces of a scan, each turned over where a clear majority of its patch (faces joined by edges that both run
 /// through in opposite directions) faces away from the nearest faces of `reference`.
 /// @return Faces, and how many were turned over.
 [[nodiscard]] std::pair<Faces, int> oriented_like(const Points& points, const Faces& faces,
