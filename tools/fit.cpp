@@ -429,8 +429,8 @@ void run(const Session& session, const Arguments& given)
     };
     session.message(join(counted(scans.size(), "scan"), ": ", count("good"), " good, ",
                          count("check"), " to check, ", count("failed"), " failed; ",
-                         places.table().string(), " says why, ", places.sheet().string(),
-                         " shows them"));
+                         places.table().string(), " says why",
+                         fitted > 0 ? join(", ", places.sheet().string(), " shows them") : ""));
     session.print_figures({{"outputs", outputs},
                            {"good", count("good")},
                            {"check", count("check")},
