@@ -33,8 +33,11 @@ thread_local bool inside_loop = false; ///< This thread runs a chunk.
 class Loop
 {
 public:
-    Loop(std::size_t chunks, int helpers, const std::function<void(std::size_t)>& run)
-        : chunks_(chunks), most_helpers_(helpers), run_(run), errors_(chunks)
+    Loop(std::size_t chunks, int most_helpers, const std::function<void(std::size_t)>& run)
+        : chunks_(chunks),
+          most_helpers_(most_helpers),
+          run_(run),
+          errors_(chunks) // NOLINT(bugprone-throw-keyword-missing): none is meant to be thrown
     {
     }
 
@@ -52,7 +55,7 @@ public:
         inside_loop = false;
     }
 
-    [[nodiscard]] bool wants_help() const { return helpers_ < most_helpers_ && next_ < chunks_; }
+    [[nodiscard]] bool wants_help() const { return helpers < most_helpers_ && next_ < chunks_; }
 
     void rethrow_first_error() const
     {
@@ -61,8 +64,8 @@ public:
                 std::rethrow_exception(error);
     }
 
-    std::atomic<int> helpers_{0}; ///< Workers inside work(); changed under the lock of the workers.
-    Loop* next_loop_ = nullptr;   ///< Posted before this one.
+    std::atomic<int> helpers{0}; ///< Workers inside work(); changed under the lock of the workers.
+    Loop* next_loop = nullptr;   ///< Posted before this one.
 
 private:
     std::atomic<std::size_t> next_{0};
@@ -111,7 +114,7 @@ public:
         {
             const std::lock_guard lock(mutex_);
             start_missing();
-            loop.next_loop_ = loops_;
+            loop.next_loop = loops_;
             loops_ = &loop;
             ++posts_;
         }
@@ -120,14 +123,14 @@ public:
         std::unique_lock lock(mutex_);
         Loop** link = &loops_;
         while (*link != &loop)
-            link = &(*link)->next_loop_;
-        *link = loop.next_loop_;
-        if (loop.helpers_ == 0)
+            link = &(*link)->next_loop;
+        *link = loop.next_loop;
+        if (loop.helpers == 0)
             return;
         lock.unlock();
-        soon([&] { return loop.helpers_ == 0; });
+        soon([&] { return loop.helpers == 0; });
         lock.lock();
-        left_.wait(lock, [&] { return loop.helpers_ == 0; });
+        left_.wait(lock, [&] { return loop.helpers == 0; });
     }
 
 private:
@@ -151,7 +154,7 @@ private:
     {
         Loop* loop = loops_;
         while (loop != nullptr && !loop->wants_help())
-            loop = loop->next_loop_;
+            loop = loop->next_loop;
         return loop;
     }
 
@@ -160,11 +163,11 @@ private:
         std::unique_lock lock(mutex_);
         while (!is_ending_) {
             if (Loop* loop = loop_that_wants_help()) {
-                ++loop->helpers_;
+                ++loop->helpers;
                 lock.unlock();
                 loop->work();
                 lock.lock();
-                if (--loop->helpers_ ==
+                if (--loop->helpers ==
                     0) // the caller may leave, and the loop be gone, from here on
                     left_.notify_all();
                 continue;

@@ -65,13 +65,13 @@ double lobachevsky(double x)
 TriangleAngles triangle_angles(const std::array<double, 3>& log_lengths)
 {
     const double longest = std::max({log_lengths[0], log_lengths[1], log_lengths[2]});
-    std::array<double, 3> l;
+    std::array<double, 3> l{};
     for (std::size_t k = 0; k < 3; ++k)
         l[k] = std::exp(log_lengths[k] - longest);
     // t[k] = sum of the other sides minus side k; half-angle formula tan^2(a_k / 2) =
     // t_i t_j / (t_k (l_0 + l_1 + l_2)). The longest side is 1: subtracting it first is exact for
     // a second side of at least 1/2, so flat triangles lose nothing.
-    std::array<double, 3> t;
+    std::array<double, 3> t{};
     for (std::size_t k = 0; k < 3; ++k) {
         const double high = std::max(l[(k + 1) % 3], l[(k + 2) % 3]);
         const double low = std::min(l[(k + 1) % 3], l[(k + 2) % 3]);
@@ -100,7 +100,7 @@ TriangleAngles triangle_angles(const std::array<double, 3>& log_lengths)
 std::array<double, 3> scaled_sides(const IntrinsicTriangulation& t, const Eigen::VectorXd& u,
                                    int face)
 {
-    std::array<double, 3> sides;
+    std::array<double, 3> sides{};
     for (int c = 0; c < 3; ++c) {
         const int h = 3 * face + c;
         sides[to_size(c)] = t.log_lengths()[t.edge(h)] + 0.5 * (u[t.source(h)] + u[t.target(h)]);

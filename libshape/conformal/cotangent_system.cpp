@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/to_size.h"
@@ -90,10 +91,10 @@ void CotangentSystem::factor(const Eigen::VectorXd& edge_weights)
     if (s.vertices.empty())
         return;
     double shift = 0.0;
-    for (double wanted = 1e-12; wanted < 1e3; wanted *= 100.0) {
+    for (const double wanted : {1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1.0, 1e2}) {
+        const double raise = wanted - std::exchange(shift, wanted);
         for (const int entry : s.diagonal_entries)
-            values[entry] += wanted - shift;
-        shift = wanted;
+            values[entry] += raise;
         try {
             if (s.factor)
                 s.factor->refactor(s.matrix);

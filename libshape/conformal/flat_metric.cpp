@@ -43,11 +43,11 @@ constexpr double stuck_residual = 1e-10;
 class Flattening
 {
 public:
-    Flattening(IntrinsicTriangulation t, int removed_vertex, const Eigen::VectorXd& factors,
+    Flattening(IntrinsicTriangulation t, int removed_vertex, Eigen::VectorXd factors,
                const TriangulationRepairOptions& options)
         : options_(options),
           t_(std::move(t)),
-          u_(factors),
+          u_(std::move(factors)),
           removed_(removed_vertex),
           released_(to_size(t_.edge_count()), 0)
     {

@@ -13,7 +13,8 @@ namespace shape::internal {
 namespace {
 
 using Complex = std::complex<double>;
-__extension__ typedef __float128 Quad; // differences of 1e-13 need 16 digits of their own
+// Differences of 1e-13 need 16 digits of their own.
+__extension__ typedef __float128 Quad; // NOLINT(modernize-use-using): cannot be __extension__
 
 Eigen::Vector3d on_sphere(Complex z)
 {

@@ -86,6 +86,7 @@ ProcrustesMean procrustes_mean(const std::vector<Points>& meshes, const Procrust
     check_meshes(meshes);
     const std::size_t count = meshes.size();
     std::vector<Placement> placements;
+    placements.reserve(count);
     for (const Points& mesh : meshes)
         placements.push_back(place(mesh, options.scale));
     std::vector<Eigen::Matrix3d> rotations(count, Eigen::Matrix3d::Identity());

@@ -33,13 +33,13 @@ struct DifferenceOptions
 {
     /// Two meshes with the same value of this label are a pair, those without a value are not. Empty:
     /// the groups are not paired, all meshes of both count.
-    std::string pair_by;
+    std::string pair_by = {};
     /// Meshes with this label, not empty ...
-    std::string from_label;
+    std::string from_label = {};
     /// ... of this value are the start ...
     std::string from_value = {};
     /// ... and those with this label, not empty ...
-    std::string to_label;
+    std::string to_label = {};
     /// ... of this value the end of the difference.
     std::string to_value = {};
     /// Unit: every mesh is brought to one size first. None: size is a part of shape.

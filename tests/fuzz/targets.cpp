@@ -125,7 +125,8 @@ void embed(std::string_view bytes)
         points << 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1;
         return std::pair(Topology(faces, 6), points);
     }();
-    const auto& [topology, reference] = octahedron;
+    const Topology& topology = octahedron.first;
+    const Points& reference = octahedron.second;
     if (bytes.empty())
         return;
     set_thread_count(1);
@@ -153,9 +154,9 @@ void embed(std::string_view bytes)
 const std::vector<Target>& targets()
 {
     static const std::vector<Target> all{
-        reading("obj", "x.obj", read_any_mesh),
-        reading("off", "x.off", read_any_mesh),
-        reading("ply", "x.ply", read_any_mesh),
+        reading("obj", "x.obj", &read_any_mesh),
+        reading("off", "x.off", &read_any_mesh),
+        reading("ply", "x.ply", &read_any_mesh),
         reading("csv", "x.csv", [](const fs::path& path) { return read_table(path); }),
         reading("path", "path.json",
                 [](const fs::path& path) {

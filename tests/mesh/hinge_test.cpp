@@ -100,7 +100,7 @@ TEST(Hinge, HasTheDerivativesOfItsEdgesEndsFromBothTriangles)
             ends[0] += shares.a * n;
             ends[1] += shares.b * n;
         }
-        for (std::size_t end : {0, 1})
+        for (std::size_t end : {0U, 1U})
             for (int axis = 0; axis < 3; ++axis)
                 EXPECT_NEAR(slope(p, end, axis), ends[end][axis], 1e-7);
     }

@@ -3,7 +3,8 @@
 # Reads the table of modules in ROOT/docs/architecture.md and fails on every include outside it:
 # a module its row does not name, a third party library that it does not own, and anything but
 # Eigen and the standard library in a public header. A module is a folder, so the rooms of a
-# module have rows of their own. Checks the licence line as well.
+# module have rows of their own. Checks the licence line as well, and that X.cpp includes X.h first,
+# so that a header with a source is compiled alone.
 cmake_minimum_required(VERSION 3.25)
 set(failures "")
 include(${ROOT}/cmake/public_headers.cmake OPTIONAL) # without it all headers are public
@@ -50,6 +51,11 @@ foreach(path IN LISTS files)
         list(APPEND failures "${path}: the first line does not state the licence")
     endif()
     file(STRINGS ${ROOT}/${path} includes REGEX "^ *# *include")
+    string(REGEX REPLACE "\\.cpp$" ".h" own_header ${path})
+    list(SUBLIST includes 0 1 first)
+    if(path MATCHES "\\.cpp$" AND EXISTS ${ROOT}/${own_header} AND NOT first MATCHES "\"${own_header}\"")
+        list(APPEND failures "${path}: does not include ${own_header} first")
+    endif()
     foreach(line IN LISTS includes)
         if(line MATCHES "\"(libshape/)?([a-z0-9_/]+)/[^\"/]*\"")
             set(other ${CMAKE_MATCH_2})

@@ -74,7 +74,7 @@ TEST(Synthetic, NoTriangleIsASliver)
 {
     // thin_cylinder has long triangles on purpose: 12 times as long as wide is 4 degrees.
     for (const SyntheticDataset& dataset : synthetic_datasets())
-        for (const std::uint64_t seed : {1, 2, 3}) {
+        for (const std::uint64_t seed : {1U, 2U, 3U}) {
             const Collection set =
                 make_synthetic(dataset.name, {.count = few(dataset), .seed = seed});
             for (std::size_t i = 0; i < set.size(); ++i)

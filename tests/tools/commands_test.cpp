@@ -277,6 +277,27 @@ TEST_F(Commands, PlotsMayBePng)
     EXPECT_EQ(png.substr(16, 8), std::string("\0\0\5\0\0\0\3\xc0", 8)); // 1280 by 960
 }
 
+TEST_F(Commands, PngWithoutAConverterSaysWhatToInstall)
+{
+    fit();
+    const Arguments project{"project", "model.h5", "f.h5", "-o", "s.csv", "--plot", "s.png"};
+    const Outcome missing = run_shape(folder_.path(), project,
+                                      {.environment = {join("PATH=", folder_.path().string())}});
+    EXPECT_EQ(missing.exit_code, 3);
+    EXPECT_NE(missing.err.find("rsvg-convert, which draws PNG, cannot be started"),
+              std::string::npos);
+    EXPECT_NE(missing.err.find("librsvg2-bin"), std::string::npos);
+    EXPECT_FALSE(folder_.has("s.png"));
+
+    folder_.write("rsvg-convert", "#!/bin/sh\necho no fonts >&2\nexit 1\n");
+    std::filesystem::permissions(folder_ / "rsvg-convert", std::filesystem::perms::owner_all);
+    const Outcome failed =
+        run_shape(folder_.path(), project + Arguments{"--force"},
+                  {.environment = {join("PATH=", folder_.path().string(), ":/bin")}});
+    EXPECT_EQ(failed.exit_code, 3);
+    EXPECT_NE(failed.err.find("rsvg-convert failed: no fonts"), std::string::npos);
+}
+
 TEST_F(Commands, GenerateFromProjectedScoresGivesTheMeshesBack)
 {
     fit();

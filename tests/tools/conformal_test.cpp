@@ -99,10 +99,22 @@ TEST_F(Conformal, FollowsAPathThatEndsAtTheSphere)
     write("egg.ply", egg);
     const auto gap = [&](const std::string& mesh) -> double {
         return Json::parse(
-            run({"conformal", mesh + ".ply", "-o", mesh, "--steps", "2", "--json"}).out)["end_gap"];
+            run({"conformal", mesh + ".ply", "-o", mesh, "--steps", "2", "--end-gap", "--json"})
+                .out)["end_gap"];
     };
     EXPECT_LE(gap("egg"), 1e-3);
     EXPECT_LE(gap("head"), 1e-3); // its dents turn over on the way
+}
+
+TEST_F(Conformal, WalksToTheEndOnRequestAlone)
+{
+    const Outcome frames = run({"conformal", "head.ply", "-o", "frames", "--steps", "3", "--json"});
+    EXPECT_FALSE(Json::parse(frames.out).contains("end_gap"));
+    EXPECT_EQ(run({"conformal", "head.ply", "-o", "sphere.ply", "--end-gap"}).exit_code, 1);
+    EXPECT_EQ(run({"conformal", "head.ply", "-o", "preview", "--steps", "3", "--end-gap",
+                   "--quality", "preview"})
+                  .exit_code,
+              1);
 }
 
 TEST_F(Conformal, AFrameIsTheSameWhateverTheOthersAre)

@@ -164,7 +164,7 @@ TEST_F(HostileRun, RefusesLengthsWhosePowersOverflow)
 #if !defined(__SANITIZE_ADDRESS__) // which maps terabytes
 TEST_F(HostileRun, EndsWithAResultOrALineWhereMemoryIsShort)
 {
-    for (const std::size_t mebibytes : {100, 150, 220, 300, 400, 600})
+    for (const std::size_t mebibytes : {100U, 150U, 220U, 300U, 400U, 600U})
         for (const std::string method : {"dihedral", "closure", "multiscale"}) {
             const Outcome outcome =
                 blend({"--frames", "3", "--method", method, "--force", "--quiet"},

@@ -42,7 +42,7 @@ protected:
                             mesh.points);
     }
 
-    const Folder folder_;
+    const Folder folder_{};
 };
 
 /// A folder with three meshes, in which nothing is said on stderr.

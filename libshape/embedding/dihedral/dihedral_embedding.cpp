@@ -69,6 +69,7 @@ struct DihedralEmbedder::State
                                         const std::vector<Points>& meshes)
     {
         std::vector<Points> ordered;
+        ordered.reserve(meshes.size());
         for (const Points& mesh : meshes)
             ordered.push_back(renumbered(renumbering, mesh));
         return ordered;

@@ -25,8 +25,8 @@ struct Problem
     /// Column l of entry k: what a rotation of patch k adds to the translations' equation l.
     std::array<Eigen::Matrix<double, 3, max_patches>, max_patches> shifts;
 
-    Block& block(int k, int l) { return blocks[to_size(k * max_patches + l)]; }
-    const Block& block(int k, int l) const { return blocks[to_size(k * max_patches + l)]; }
+    [[nodiscard]] Block& block(int k, int l) { return blocks[to_size(k * max_patches + l)]; }
+    [[nodiscard]] const Block& block(int k, int l) const { return blocks[to_size(k * max_patches + l)]; }
 };
 
 Moments gather_moments(const PaddedPoint* first, const PaddedPoint* second,

@@ -64,9 +64,19 @@ function settle() {
     tellPlace();
 }
 
+/// The address follows when nothing has moved for a while: each change of it keeps the browser busy for 10 ms, and
+/// browsers ignore more than some hundred a minute.
+let addressTimer: ReturnType<typeof setTimeout> | undefined;
+
 function tellPlace() {
     find<HTMLButtonElement>("#undo").disabled = !history.canUndo;
     find<HTMLButtonElement>("#redo").disabled = !history.canRedo;
+    clearTimeout(addressTimer);
+    addressTimer = setTimeout(writeAddress, 200);
+}
+
+function writeAddress() {
+    clearTimeout(addressTimer);
     const link = linkOf(place, facts);
     window.history.replaceState(null, "", link ? `#${link}` : location.pathname + location.search);
 }
@@ -388,6 +398,7 @@ function setUpButtons() {
         navigator.clipboard.writeText(text).then(() => say(`${what} copied.`), () => say(`Copy it by hand: ${text}`));
     on("#copy-link", () => {
         settle();
+        writeAddress();
         copy(location.href, "Link");
     });
     on("#copy-command", () => copy(find("#command").textContent!, "Command"));
