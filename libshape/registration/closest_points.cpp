@@ -93,7 +93,9 @@ Vector3d nearest_in_triangle(const Vector3d& p, const Vector3d& a, const Vector3
     const auto on_side = [](double along, double rest) {
         return along + rest > 0.0 ? along / (along + rest) : 0.0;
     };
-    if (area > 0.0 && of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0)
+    // area is (|ab| |ac| sin)^2; of a sliver of 1e-7 rad only rounding is left of it.
+    if (area > 1e-14 * ab.squaredNorm() * ac.squaredNorm() && of_a >= 0.0 && of_b >= 0.0 &&
+        of_c >= 0.0)
         return {of_a / area, of_b / area, of_c / area};
     // Beyond a side, or no area: the best of the three sides.
     const double t_ab = std::clamp(on_side(d1, -d3), 0.0, 1.0);

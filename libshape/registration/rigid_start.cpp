@@ -20,7 +20,8 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Middles of faces, weighed by their areas, and what they say of the whole.
+/// Centroid and covariance of a surface: those of its faces are a quarter those of their corners' mean and
+/// three quarters those of their middle.
 struct Moments
 {
     Vector3d centroid = Vector3d::Zero();
@@ -33,16 +34,20 @@ struct Moments
             for (const auto& face : surface.faces.rowwise()) {
                 const Vector3d a = surface.points.row(face[0]), b = surface.points.row(face[1]),
                                c = surface.points.row(face[2]);
-                body((b - a).cross(c - a).norm(), Vector3d((a + b + c) / 3.0));
+                body((b - a).cross(c - a).norm(), a, b, c);
             }
         };
-        for_faces([&](double weight, const Vector3d& middle) {
+        for_faces([&](double weight, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
             area += weight;
-            centroid += weight * middle;
+            centroid += weight * (a + b + c) / 3.0;
         });
         centroid /= area;
-        for_faces([&](double weight, const Vector3d& middle) {
-            covariance += weight / area * (middle - centroid) * (middle - centroid).transpose();
+        for_faces([&](double weight, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+            for (const Vector3d& corner : {a, b, c})
+                covariance +=
+                    weight / (12.0 * area) * (corner - centroid) * (corner - centroid).transpose();
+            const Vector3d middle = (a + b + c) / 3.0 - centroid;
+            covariance += 0.75 * weight / area * middle * middle.transpose();
         });
     }
     [[nodiscard]] double size() const { return std::sqrt(covariance.trace()); }
@@ -198,7 +203,7 @@ std::vector<Similarity> rigid_starts(const Surface& moving, const Surface& fixed
     });
     const auto better = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
     std::stable_sort(candidates.begin() + 1, candidates.end(), better);
-    candidates.resize(8);
+    candidates.resize(16);
 
     const Points more = scale * every(moving.points, 200);
     const Points of_scan = every(fixed.points, 200);
