@@ -265,13 +265,15 @@ Similarity ScanFitter::State::choose_start(const std::vector<Similarity>& starts
         apart /= 0.02 * target.diagonal * static_cast<double>(samples);
         const double score =
             (strains.squaredNorm() + bent) / static_cast<double>(strains.size()) + apart * apart;
-        constexpr double clearly_better = 0.5; // than where it lies already
-        if (i == 0 || score < (best == 0 ? clearly_better : 1.0) * least) {
+        // Where it lies already is meant, unless the unit is another one or a start is clearly better.
+        const bool is_meant = starts.front().scale == 1.0;
+        constexpr double clearly_better = 0.8;
+        if (i == 0 || score < (best == 0 && is_meant ? clearly_better : 1.0) * least) {
             best = i;
             least = score;
         }
-        constexpr double surely = 0.05; // wrong starts of faces and bodies are above 0.08
-        if (i == 0 && score < surely)
+        constexpr double surely = 0.015; // wrong starts of faces and bodies are above 0.08
+        if (i == 0 && is_meant && score < surely)
             break;
     }
     return starts[best];
