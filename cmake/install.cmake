@@ -24,7 +24,7 @@ install(FILES
     DESTINATION ${package_dir})
 
 # pkg-config: a static library needs to be linked with all that it is made from.
-set(third_party "-lOpenMeshCore -lpthread -lcholmod -lopenblas -lhdf5_serial -llbfgs -lutf8proc -lz -lgomp")
+set(third_party "-lOpenMeshTools -lOpenMeshCore -lpthread -lcholmod -lopenblas -lhdf5_serial -llbfgs -lutf8proc -lz -lgomp")
 if(SHAPE_READS_VTP)
     string(APPEND third_party " -lpugixml")
 endif()

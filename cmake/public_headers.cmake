@@ -35,6 +35,7 @@ set(public_headers
     libshape/io/gltf_file.h
     libshape/io/hdf5/untrusted_files.h
     libshape/io/label_file.h
+    libshape/io/landmark_file.h
     libshape/io/mesh_file.h
     libshape/io/mesh_write_options.h
     libshape/io/model_file.h
@@ -69,6 +70,8 @@ set(public_headers
     libshape/model/shape_model.h
     libshape/model/streamed_fit.h
     libshape/model/updated_model.h
+    libshape/registration/scan.h
+    libshape/registration/scan_fit.h
     libshape/statistics/bootstrap.h
     libshape/statistics/classical_scaling.h
     libshape/statistics/column_effects.h

@@ -26,6 +26,7 @@ using Run = std::function<void(const Session&)>;
 [[nodiscard]] Run set_up_draw(CLI::App& command);
 [[nodiscard]] Run set_up_explore(CLI::App& command); // `report` too
 [[nodiscard]] Run set_up_export(CLI::App& command);
+[[nodiscard]] Run set_up_fit(CLI::App& command);
 [[nodiscard]] Run set_up_generate(CLI::App& command);
 [[nodiscard]] Run set_up_groups(CLI::App& command);
 [[nodiscard]] Run set_up_info(CLI::App& command);

@@ -38,6 +38,7 @@ struct Command
 
 /// In the order of the work: put together, look, model, compare, make, draw.
 constexpr Command commands[] = {
+    {"fit", set_up_fit, ".h5"},
     {"collect", set_up_collect, ".h5"},
     {"check", set_up_check, ""},
     {"info", set_up_info, ""},

@@ -68,11 +68,11 @@ inline Lanes lanes_of(double scale, double x, double y, double z)
 }
 
 /// What makes the vectors along edges directions_.
-SHAPE_VECTORISED void edge_scales(int count, double unit, const double* lengths,
+SHAPE_VECTORISED void edge_scales(int count, double unit, double stiffness, const double* lengths,
                                   const double* wanted, double* __restrict scales)
 {
     for (int i = 0; i < count; ++i) {
-        const double weight = stretch_term(lengths[i] / wanted[i] - 1.0).weight;
+        const double weight = stretch_term(stiffness * (lengths[i] / wanted[i] - 1.0)).weight;
         scales[i] = lengths[i] > 0.0 ? std::sqrt(weight) * unit / (lengths[i] * wanted[i]) : 0.0;
     }
 }
@@ -215,7 +215,7 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
     Lanes* const directions = internal::lanes(directions_);
     for_blocks(t.edge_count(), [&](int first, int count) {
         Row scales{};
-        edge_scales(count, unit_, lengths.data() + first,
+        edge_scales(count, unit_, energy_.stiffness(), lengths.data() + first,
                     energy_.target().edge_lengths.data() + first, scales);
         for (int i = 0; i < count; ++i) {
             const double* const from = points.data() + 3 * t.edges()(first + i, 0);

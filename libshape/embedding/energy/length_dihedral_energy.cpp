@@ -75,14 +75,15 @@ SHAPE_VECTORISED void bends(int count, const VectorRows& p, const VectorRows& q,
 }
 
 /// What every edge adds to the energy, dE/dl / l, and dE/dtheta in the place of theta - theta*.
-SHAPE_VECTORISED void edge_terms(int count, const double* bend_weights, const double* lengths,
+SHAPE_VECTORISED void edge_terms(int count, double stiffness, const double* bend_weights, const double* lengths,
                                  const double* inverse_lengths, double* __restrict energies,
                                  double* __restrict pulls, double* __restrict angles)
 {
+    const double inverse_square = 1.0 / (stiffness * stiffness);
     for (int i = 0; i < count; ++i) {
         const double strain = lengths[i] * inverse_lengths[i] - 1.0;
-        const auto [value, weight] = stretch_term(strain);
-        energies[i] = value + bend_weights[i] * angles[i] * angles[i];
+        const auto [value, weight] = stretch_term(stiffness * strain);
+        energies[i] = inverse_square * value + bend_weights[i] * angles[i] * angles[i];
         pulls[i] = lengths[i] > 0.0 ? 2.0 * weight * strain * inverse_lengths[i] / lengths[i] : 0.0;
         angles[i] *= 2.0 * bend_weights[i];
     }
@@ -192,6 +193,17 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
         }
 }
 
+void LengthDihedralEnergy::want_lengths(const VectorXd& lengths)
+{
+    target_.edge_lengths = lengths;
+    inverse_lengths_ = lengths.cwiseInverse();
+}
+
+void LengthDihedralEnergy::stiffen(double stiffness)
+{
+    stiffness_ = stiffness;
+}
+
 void LengthDihedralEnergy::keep_areas()
 {
     const Topology& t = topology_;
@@ -274,7 +286,7 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
               lengths_.data() + first, sines, cosines);
         double* const angles = moments_.data() + first;
         vector_angles(sines, cosines, to_size(count), angles);
-        edge_terms(count, bend_weights_.data() + first, lengths_.data() + first,
+        edge_terms(count, stiffness_, bend_weights_.data() + first, lengths_.data() + first,
                    inverse_lengths_.data() + first, energies_.data() + first, pulls_.data() + first,
                    angles);
     });

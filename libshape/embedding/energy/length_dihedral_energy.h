@@ -31,6 +31,15 @@ public:
     /// @throws InvalidInput if target has other sizes or a length <= 0, or mu <= 0.
     LengthDihedralEnergy(const Topology& topology, const ShapePoint& target, double smoothness);
 
+    /// Other wanted lengths; bend_weights() stay.
+    /// @param lengths  #E [length], > 0.
+    void want_lengths(const Eigen::VectorXd& lengths);
+
+    /// From now on phi(c s) / c^2 takes the place of phi(s): edges grow stiffer from stretch_onset / c on.
+    /// @param stiffness  c > 0.
+    void stiffen(double stiffness);
+    [[nodiscard]] double stiffness() const { return stiffness_; }
+
     /// From now on E has another term for every face,
     ///
     ///     beta log(A*_f / (2 A_f))^2,  beta = 0.01,  where its area A_f is below half of the wanted,
@@ -81,6 +90,7 @@ private:
     Eigen::VectorXd sines_;           // of its dihedral angles; 0 on the boundary
     Eigen::VectorXd cosines_;         // 1 on the boundary
 
+    double stiffness_ = 1.0;
     bool areas_kept_ = false;
     Eigen::VectorXd least_squares_; // of normals of faces with half of the wanted area
 

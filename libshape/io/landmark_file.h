@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shape {
+
+/// A named point on a mesh.
+struct Landmark
+{
+    std::string scan; ///< Name of the mesh; empty: the file is of one mesh.
+    std::string name;
+    int vertex = -1; ///< Of the template, where the file says it; else -1.
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(); ///< [length]
+};
+
+/// Reads landmarks by the ending of the path:
+///
+///     .csv        columns name, x, y, z and, if there, scan and vertex (docs/correspondence.md)
+///     .fcsv       3D Slicer, up to 4.11
+///     .mrk.json   3D Slicer
+///
+/// Slicer's files say whether they count in LPS or RAS; positions come out in LPS, as Slicer writes
+/// meshes. Points of Slicer that are not defined are left out.
+/// @throws FileError if it cannot be read; InvalidInput naming file, row and rule for another ending,
+///     a missing column, a number that is none, an unknown coordinate system, or no landmark.
+[[nodiscard]] std::vector<Landmark> read_landmarks(const std::filesystem::path& path);
+
+/// Whether a path ends like one of these files.
+[[nodiscard]] bool is_landmark_file(const std::filesystem::path& path);
+
+} // namespace shape

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/registration/coarse_mesh.h"
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModAspectRatioT.hh>
+#include <OpenMesh/Tools/Decimater/ModEdgeLengthT.hh>
+#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
+#include <cstdint>
+
+#include "libshape/base/to_size.h"
+
+namespace shape::internal {
+namespace {
+
+struct Traits : OpenMesh::DefaultTraits
+{
+    using Point = OpenMesh::Vec3d;
+    using Normal = OpenMesh::Vec3d;
+};
+using Mesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+using Decimater = OpenMesh::Decimater::DecimaterT<Mesh>;
+
+} // namespace
+
+CoarseMesh coarsened(const Topology& topology, const Points& points, int vertex_count)
+{
+    Mesh mesh;
+    mesh.request_vertex_status();
+    mesh.request_edge_status();
+    mesh.request_halfedge_status();
+    mesh.request_face_status();
+    mesh.request_face_normals();
+    for (int v = 0; v < topology.vertex_count(); ++v)
+        mesh.add_vertex({points(v, 0), points(v, 1), points(v, 2)});
+    for (const auto& face : topology.faces().rowwise())
+        mesh.add_face(mesh.vertex_handle(static_cast<unsigned>(face[0])),
+                      mesh.vertex_handle(static_cast<unsigned>(face[1])),
+                      mesh.vertex_handle(static_cast<unsigned>(face[2])));
+    mesh.update_face_normals();
+
+    Decimater decimater(mesh);
+    OpenMesh::Decimater::ModEdgeLengthT<Mesh>::Handle by_length;
+    OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle no_flips;
+    OpenMesh::Decimater::ModAspectRatioT<Mesh>::Handle no_slivers;
+    decimater.add(by_length);
+    decimater.add(no_flips);
+    decimater.add(no_slivers);
+    decimater.module(by_length).set_edge_length(std::numeric_limits<float>::max());
+    decimater.module(by_length).set_binary(false);
+    decimater.module(no_flips).set_max_normal_deviation(45.0F);
+    decimater.module(no_slivers).set_aspect_ratio(5.0F);
+    decimater.module(no_slivers).set_binary(true);
+    decimater.initialize();
+    decimater.decimate_to(to_size(vertex_count));
+
+    std::vector<int> vertices;
+    std::vector<int> numbers(to_size(topology.vertex_count()), -1);
+    for (const auto v : mesh.vertices())
+        if (!mesh.status(v).deleted() && !mesh.is_isolated(v)) {
+            numbers[to_size(v.idx())] = static_cast<int>(vertices.size());
+            vertices.push_back(v.idx());
+        }
+    std::vector<std::array<int, 3>> corners;
+    for (const auto f : mesh.faces()) {
+        if (mesh.status(f).deleted())
+            continue;
+        std::array<int, 3> face{};
+        int k = 0;
+        for (const auto v : mesh.fv_range(f))
+            face[to_size(k++)] = numbers[to_size(v.idx())];
+        corners.push_back(face);
+    }
+    Faces faces(static_cast<Eigen::Index>(corners.size()), 3);
+    for (std::size_t f = 0; f < corners.size(); ++f)
+        for (int k = 0; k < 3; ++k)
+            faces(static_cast<Eigen::Index>(f), k) = corners[f][to_size(k)];
+    Points kept(static_cast<Eigen::Index>(vertices.size()), 3);
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+        kept.row(static_cast<Eigen::Index>(v)) = points.row(vertices[v]);
+    return {Topology(faces, static_cast<int>(vertices.size())), std::move(vertices),
+            std::move(kept)};
+}
+
+} // namespace shape::internal

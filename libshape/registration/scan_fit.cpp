@@ -1,0 +1,491 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/registration/scan_fit.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "libshape/base/counted.h"
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/require.h"
+#include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
+#include "libshape/mesh/defects.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/registration/growth_energy.h"
+#include "libshape/registration/rigid_start.h"
+#include "libshape/registration/scan_surface.h"
+#include "libshape/registration/surface_pulls.h"
+#include "libshape/registration/template_levels.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// The schedule. Weights count in the mesh's edges, so they are stated for a mesh whose mean edge is its
+// diagonal, and reach from the coarsest level's first round to the finest one's last. All found on
+// tests/benchmarks/fit_table.py.
+constexpr double first_weight = 140.0, last_weight = 5e4;
+constexpr double first_scale = 0.1, last_scale = 0.005; // of Welsch's weights, of the diagonal
+constexpr double coarse_share = 0.4;                    // of the way, which the coarsest level goes
+constexpr double rim_weight = 10.0;                     // beside that of the surface
+constexpr int least_vertices = 450;                     // of the coarsest level
+
+struct LevelRounds
+{
+    int rounds;
+    int linear_steps;
+};
+constexpr LevelRounds coarsest_rounds{30, 60}, finer_rounds{8, 15};
+constexpr int rounds_between_factors = 5;
+constexpr int tried_starts = 4, trial_rounds = 12;
+constexpr int landmark_rounds = 12; // by landmarks alone, before the surface pulls
+
+/// Landmarks of the template as points of a level's faces.
+std::vector<SurfacePoint> on_level(const TemplateLevel& level, const Points& landmarks)
+{
+    std::vector<SurfacePoint> points;
+    if (landmarks.rows() == 0)
+        return points;
+    const ClosestPoints tree(level.rest, level.topology.faces());
+    for (const auto& landmark : landmarks.rowwise())
+        points.push_back(tree.nearest(landmark));
+    return points;
+}
+
+Vector3d position(const SurfacePoint& point, const Faces& faces, const Points& points)
+{
+    Vector3d sum = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+        sum += point.barycentric[k] * points.row(faces(point.face, k)).transpose();
+    return sum;
+}
+
+/// The loop whose nearest point is nearest.
+int loop_at(const Rims& rims, const Points& points, const Vector3d& landmark)
+{
+    int loop = -1;
+    double least = 0.0;
+    for (const Rims::Edge& edge : rims.edges) {
+        const Vector3d a = points.row(edge.from), b = points.row(edge.to);
+        const Vector3d w = nearest_in_triangle(landmark, a, b, b);
+        const double distance = (w[0] * a + (w[1] + w[2]) * b - landmark).squaredNorm();
+        if (loop < 0 || distance < least) {
+            loop = edge.loop;
+            least = distance;
+        }
+    }
+    return loop;
+}
+
+double quantile(std::vector<double> values, double share)
+{
+    if (values.empty())
+        return 0.0;
+    const auto at = values.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+DistanceSummary summary_of(const std::vector<double>& distances)
+{
+    DistanceSummary summary;
+    if (distances.empty())
+        return summary;
+    for (const double d : distances)
+        summary.mean += d / static_cast<double>(distances.size());
+    summary.p95 = quantile(distances, 0.95);
+    summary.max = *std::max_element(distances.begin(), distances.end());
+    return summary;
+}
+
+std::string percent(double share)
+{
+    return join(std::round(share * 1000.0) / 10.0, " %");
+}
+
+} // namespace
+
+void check(const FitOptions& options)
+{
+    require_positive(options.smoothness, "FitOptions.smoothness");
+    require_positive(options.growth_smoothness, "FitOptions.growth_smoothness");
+    require_not_negative(options.landmark_tolerance, "FitOptions.landmark_tolerance");
+}
+
+struct ScanFitter::State
+{
+    FitOptions options;
+    std::vector<TemplateLevel> levels;
+    Surface surface; // of the template
+    VectorXd dihedral_angles_at_rest;
+    double own_diagonal;
+
+    State(const Topology& topology, const Points& points, const FitOptions& with)
+        : options(with),
+          levels(template_levels(topology, points, least_vertices)),
+          surface(points, topology.faces()),
+          dihedral_angles_at_rest(dihedral_angles(topology, points)),
+          own_diagonal(bounding_box_diagonal(points))
+    {
+    }
+
+    /// What is known of one scan. The template counts in its unit, `scale` times its own.
+    struct Target
+    {
+        std::vector<TemplateLevel> levels;
+        double diagonal;
+        Surface scan;
+        Points landmarks_here;  // on the template
+        Points landmarks_there; // on the scan
+        std::vector<std::string> names;
+        double landmark_tolerance;
+    };
+
+    void add_landmark_pulls(const TemplateLevel& level, const std::vector<SurfacePoint>& marks,
+                            const Target& target, const Points& points, double weight,
+                            GrowthEnergy& energy) const;
+    void run_level(std::size_t number, const Target& target, int rounds, LevelMesh& mesh) const;
+    [[nodiscard]] Similarity choose_start(const std::vector<Similarity>& starts,
+                                          const Target& target) const;
+    void finish_landmarks(const Target& target, LevelMesh& mesh) const;
+    void judge(const Target& target, const LevelMesh& mesh, ScanFit& fit) const;
+};
+
+void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
+                                           const std::vector<SurfacePoint>& marks,
+                                           const Target& target, const Points& points,
+                                           double weight, GrowthEnergy& energy) const
+{
+    const Faces& faces = level.topology.faces();
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+        const Vector3d move = target.landmarks_there.row(static_cast<Index>(i)).transpose() -
+                              position(marks[i], faces, points);
+        for (int k = 0; k < 3; ++k)
+            for (int axis = 0; axis < 3; ++axis)
+                energy.add_pull(faces(marks[i].face, k), Vector3d::Unit(axis), move[axis],
+                                weight * marks[i].barycentric[k]);
+    }
+}
+
+void ScanFitter::State::run_level(std::size_t number, const Target& target, int rounds,
+                                  LevelMesh& mesh) const
+{
+    const TemplateLevel& level = target.levels[number];
+    const bool is_coarsest = number + 1 == levels.size();
+    GrowthEnergy energy(
+        level.topology, level.rest,
+        {.smoothness = options.smoothness, .growth_smoothness = options.growth_smoothness});
+    const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
+    const Rims rims = find_rims(level.topology.faces());
+    const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
+    std::vector<std::pair<int, int>> named;
+    for (const std::string& name : options.boundaries) {
+        const auto i =
+            std::find(target.names.begin(), target.names.end(), name) - target.names.begin();
+        const int mine = loop_at(rims, level.rest, target.landmarks_here.row(i));
+        const int other =
+            loop_at(target.scan.rims, target.scan.points, target.landmarks_there.row(i));
+        if (mine >= 0 && other >= 0)
+            named.emplace_back(mine, other);
+    }
+    // A landmark is one vertex against all those that the surface pulls; a tolerance weakens it.
+    const double blur = target.landmark_tolerance / (0.003 * target.diagonal);
+    const double landmark_weight = 30.0 / (1.0 + blur * blur);
+
+    if (is_coarsest && !marks.empty())
+        for (int round = 0; round < landmark_rounds; ++round) {
+            energy.clear_pulls(mesh.points);
+            add_landmark_pulls(level, marks, target, mesh.points, 0.1 * landmark_weight, energy);
+            energy.prepare();
+            (void)energy.step(mesh.points, mesh.growth, coarsest_rounds.linear_steps);
+        }
+
+    const bool is_finest = number == 0;
+    const double from = is_coarsest ? 0.0 : coarse_share;
+    const double to = is_finest ? 1.0 : coarse_share;
+    const int linear_steps = is_coarsest ? coarsest_rounds.linear_steps : finer_rounds.linear_steps;
+    const int last_changing = std::max(1, is_finest ? rounds - 3 : rounds - 1);
+    for (int round = 0; round < rounds; ++round) {
+        const double done =
+            from + (to - from) * std::min(1.0, static_cast<double>(round) / last_changing);
+        const PullRule rule{
+            .weight = first_weight * std::pow(last_weight / first_weight, done) * in_edges,
+            .scale = target.diagonal * first_scale * std::pow(last_scale / first_scale, done)};
+        energy.clear_pulls(mesh.points);
+        add_surface_pulls(target.scan, level.topology, mesh.points, rule, energy);
+        add_rim_pulls(target.scan, rims, mesh.points, named,
+                      {.weight = rim_weight * rule.weight, .scale = rule.scale}, energy);
+        add_landmark_pulls(level, marks, target, mesh.points,
+                           landmark_weight * std::max(rule.weight, 0.1), energy);
+        if (round % rounds_between_factors == 0)
+            energy.prepare();
+        (void)energy.step(mesh.points, mesh.growth, linear_steps);
+    }
+}
+
+/// The best start after a few rounds on the coarsest level from each: where the template bends least and comes nearest.
+/// A start that a pose has moved far from the best rigid one wins by that.
+Similarity ScanFitter::State::choose_start(const std::vector<Similarity>& starts,
+                                           const Target& target) const
+{
+    if (starts.size() == 1)
+        return starts.front();
+    const TemplateLevel& level = target.levels.back();
+    const GrowthEnergy energy(level.topology, level.rest, {});
+    std::size_t best = 0;
+    double least = 0.0;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+        LevelMesh mesh{starts[i].motion(level.rest), VectorXd::Zero(level.rest.rows())};
+        run_level(levels.size() - 1, target, trial_rounds, mesh);
+        const VectorXd strains = energy.strains(mesh.points, mesh.growth);
+        const VectorXd bends = dihedral_angles(level.topology, mesh.points) -
+                               dihedral_angles(level.topology, level.rest);
+        double bent = 0.0;
+        for (const double bend : bends)
+            bent += wrapped_angle(bend) * wrapped_angle(bend);
+        const ClosestPoints tree(mesh.points, level.topology.faces());
+        const Index stride = std::max<Index>(1, target.scan.points.rows() / 500);
+        double apart = 0.0;
+        Index samples = 0;
+        for (Index p = 0; p < target.scan.points.rows(); p += stride, ++samples)
+            apart +=
+                std::min(tree.nearest(target.scan.points.row(p)).distance, 0.1 * target.diagonal);
+        apart /= 0.02 * target.diagonal * static_cast<double>(samples);
+        const double score =
+            (strains.squaredNorm() + bent) / static_cast<double>(strains.size()) + apart * apart;
+        // Where it lies already is meant, unless the unit is another one or a start is clearly better.
+        const bool is_meant = starts.front().scale == 1.0;
+        constexpr double clearly_better = 0.8;
+        if (i == 0 || score < (best == 0 && is_meant ? clearly_better : 1.0) * least) {
+            best = i;
+            least = score;
+        }
+        constexpr double surely = 0.015; // wrong starts of faces and bodies are above 0.08
+        if (i == 0 && is_meant && score < surely)
+            break;
+    }
+    return starts[best];
+}
+
+void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanFit& fit) const
+{
+    const Topology& topology = levels.front().topology;
+    const Points normals = vertex_normals(mesh.points, topology.faces());
+    const double near = 0.01 * target.diagonal; // what counts as a counterpart
+    const auto count = to_size(mesh.points.rows());
+    fit.distance.resize(mesh.points.rows());
+    fit.seen.assign(count, 0);
+    parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const auto row = static_cast<Index>(v);
+            const SurfacePoint any = target.scan.tree.nearest(mesh.points.row(row));
+            fit.distance[row] = any.distance;
+            NearestRule rule;
+            rule.normal = normals.row(row);
+            rule.least_cosine = 0.0;
+            rule.within = near;
+            const SurfacePoint pair = target.scan.tree.nearest(mesh.points.row(row), rule);
+            // At a rim, what lies a little beyond it is not seen; a template's own rim may lie on it.
+            const bool is_end = pair.face >= 0 && target.scan.ends_at(pair) &&
+                                pair.distance > 0.003 * target.diagonal;
+            fit.seen[v] = pair.face >= 0 && !is_end ? 1 : 0;
+        }
+    });
+    std::vector<double> of_seen;
+    for (std::size_t v = 0; v < count; ++v)
+        if (fit.seen[v] != 0)
+            of_seen.push_back(fit.distance[static_cast<Index>(v)]);
+    fit.unseen_vertices = static_cast<int>(count - of_seen.size());
+    fit.fit_to_scan = summary_of(of_seen);
+
+    constexpr Index most_samples = 20000;
+    const ClosestPoints tree(mesh.points, topology.faces());
+    const Points samples = target.scan.points(
+        Eigen::seq(0, target.scan.points.rows() - 1,
+                   (target.scan.points.rows() + most_samples - 1) / most_samples),
+        Eigen::all);
+    std::vector<double> distances(to_size(samples.rows()));
+    parallel_for(distances.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            distances[i] = tree.nearest(samples.row(static_cast<Index>(i))).distance;
+    });
+    fit.scan_to_fit = summary_of(distances);
+
+    const GrowthEnergy energy(topology, target.levels.front().rest, {});
+    const VectorXd strains = energy.strains(mesh.points, mesh.growth);
+    fit.strain_rms = std::sqrt(strains.squaredNorm() / static_cast<double>(strains.size()));
+    fit.growth = mesh.growth.array().exp();
+    const std::vector<double> growth(fit.growth.begin(), fit.growth.end());
+    fit.growth_low = quantile(growth, 0.01);
+    fit.growth_high = quantile(growth, 0.99);
+    const VectorXd angles = dihedral_angles(topology, mesh.points);
+    std::vector<char> folded(to_size(topology.face_count()), 0);
+    for (int e = 0; e < topology.edge_count(); ++e)
+        if (std::abs(wrapped_angle(angles[e] - dihedral_angles_at_rest[e])) >
+            120.0 * std::numbers::pi / 180.0)
+            for (const int h : topology.edge_halfedges().row(e))
+                if (h >= 0)
+                    folded[to_size(Topology::face(h))] = 1;
+    fit.folded_faces = static_cast<int>(std::count(folded.begin(), folded.end(), 1));
+    fit.diagonal = bounding_box_diagonal(mesh.points);
+
+    const auto marks = on_level(target.levels.front(), target.landmarks_here);
+    fit.landmark_errors.resize(std::ssize(marks));
+    for (std::size_t i = 0; i < marks.size(); ++i)
+        fit.landmark_errors[static_cast<Index>(i)] =
+            (position(marks[i], topology.faces(), mesh.points) -
+             target.landmarks_there.row(static_cast<Index>(i)).transpose())
+                .norm();
+
+    // The status. Bounds are shares of the diagonal; docs/correspondence.md says how they were found.
+    const auto say = [&](FitStatus status, std::string reason) {
+        fit.status = std::max(fit.status, status);
+        fit.reasons.push_back(std::move(reason));
+    };
+    const double unseen = fit.unseen_vertices / static_cast<double>(count);
+    if (unseen > 0.8)
+        say(FitStatus::Failed, join(percent(unseen), " of the vertices have no counterpart"));
+    else if (unseen > 0.15)
+        say(FitStatus::Check, join(percent(unseen), " of the vertices have no counterpart"));
+    const double apart = fit.scan_to_fit.mean / fit.diagonal;
+    if (apart > 0.02)
+        say(FitStatus::Failed, join("the scan is ", percent(apart), " of the diagonal away"));
+    else if (apart > 0.005)
+        say(FitStatus::Check, join("the scan is ", percent(apart), " of the diagonal away"));
+    if (fit.strain_rms > 0.25)
+        say(FitStatus::Failed, join("edges are strained by ", percent(fit.strain_rms)));
+    else if (fit.strain_rms > 0.15)
+        say(FitStatus::Check, join("edges are strained by ", percent(fit.strain_rms)));
+    if (fit.growth_high > 3.0 * fit.growth_low)
+        say(FitStatus::Check,
+            join("parts grew by factors from ", fit.growth_low, " to ", fit.growth_high));
+    if (fit.folded_faces > 0.02 * topology.face_count())
+        say(FitStatus::Check, join(counted(fit.folded_faces, "face"), " folded"));
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+        const double error = fit.landmark_errors[static_cast<Index>(i)];
+        const double allowed = std::max(3.0 * target.landmark_tolerance, 0.002 * fit.diagonal);
+        if (error > allowed)
+            say(error > 0.03 * fit.diagonal ? FitStatus::Failed : FitStatus::Check,
+                join("landmark '", target.names[i], "' is missed by ",
+                     percent(error / fit.diagonal), " of the diagonal"));
+    }
+}
+
+/// Landmarks to be met exactly are: what is still missing is spread over the mesh by a few steps in which
+/// nothing else moves far.
+void ScanFitter::State::finish_landmarks(const Target& target, LevelMesh& mesh) const
+{
+    if (target.landmarks_here.rows() == 0 || target.landmark_tolerance > 0.0)
+        return;
+    const TemplateLevel& level = target.levels.front();
+    const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
+    GrowthEnergy energy(
+        level.topology, level.rest,
+        {.smoothness = options.smoothness, .growth_smoothness = options.growth_smoothness});
+    const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
+    for (int round = 0; round < 4; ++round) {
+        energy.clear_pulls(mesh.points);
+        add_surface_pulls(target.scan, level.topology, mesh.points,
+                          {.weight = last_weight * in_edges, .scale = last_scale * target.diagonal},
+                          energy);
+        add_landmark_pulls(level, marks, target, mesh.points, 3e3, energy);
+        energy.prepare();
+        (void)energy.step(mesh.points, mesh.growth, 2 * finer_rounds.linear_steps);
+    }
+}
+
+ScanFitter::ScanFitter(const Topology& topology, const Points& points, const FitOptions& options)
+{
+    check(options);
+    if (const auto defects = find_degenerate_geometry(topology.faces(), points); !defects.empty())
+        throw InvalidInput(join("template: ", defects.front().message));
+    state_ = std::make_unique<State>(topology, points, options);
+}
+
+ScanFitter::~ScanFitter() = default;
+ScanFitter::ScanFitter(ScanFitter&&) noexcept = default;
+ScanFitter& ScanFitter::operator=(ScanFitter&&) noexcept = default;
+
+ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
+{
+    const State& s = *state_;
+    const auto mark_count = std::ssize(landmarks.names);
+    if (landmarks.on_template.rows() != mark_count || landmarks.on_scan.rows() != mark_count)
+        throw InvalidInput(join("landmarks: ", mark_count, " names, ", landmarks.on_template.rows(),
+                                " points on the template and ", landmarks.on_scan.rows(),
+                                " on the scan"));
+    for (const std::string& name : s.options.boundaries)
+        if (std::find(landmarks.names.begin(), landmarks.names.end(), name) ==
+            landmarks.names.end())
+            throw InvalidInput(join("boundary '", name, "' is not the name of a landmark"));
+
+    Faces faces = scan.faces;
+    int turned = 0;
+    constexpr double surely = 0.01;
+    if (outwardness(s.surface.points, s.surface.faces) * outwardness(scan.points, faces) <
+        -surely) { // all of it is inside out
+        faces.col(1).swap(faces.col(2));
+        turned = static_cast<int>(faces.rows());
+    }
+    Surface surface(scan.points, faces);
+    std::vector<Similarity> starts{Similarity{}};
+    if (mark_count >= 3) {
+        for (const Points* points : {&landmarks.on_template, &landmarks.on_scan}) {
+            const Points centred = points->rowwise() - points->colwise().mean();
+            const Eigen::VectorXd spread =
+                Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
+            if (!(spread[1] > 1e-3 * spread[0]))
+                throw InvalidInput(
+                    "landmarks: they lie on a line, which leaves a turn about it open");
+        }
+        starts = {landmark_start(landmarks.on_template, landmarks.on_scan)};
+    } else if (s.options.search_start) {
+        starts = rigid_starts(s.surface, surface, tried_starts);
+    }
+    const double scale = starts.front().scale;
+    std::vector<TemplateLevel> levels = s.levels;
+    for (TemplateLevel& level : levels)
+        level.rest *= scale;
+    State::Target target{std::move(levels),           scale * s.own_diagonal,
+                         std::move(surface),          scale * landmarks.on_template,
+                         landmarks.on_scan,           landmarks.names,
+                         s.options.landmark_tolerance};
+    const Similarity start = s.choose_start(starts, target);
+    auto [oriented, more_turned] =
+        oriented_like(scan.points, faces, Surface(start(s.surface.points), s.surface.faces));
+    if (more_turned > 0)
+        target.scan = Surface(scan.points, std::move(oriented));
+
+    ScanFit fit;
+    fit.scale = scale;
+    fit.turned_faces = std::abs(turned - more_turned);
+    const std::size_t count = s.levels.size();
+    LevelMesh mesh{start.motion(target.levels.back().rest),
+                   VectorXd::Zero(target.levels.back().rest.rows())};
+    for (std::size_t number = count; number-- > 0;) {
+        const bool is_coarsest = number + 1 == count;
+        if (!is_coarsest)
+            mesh = carried_to_finer(target.levels[number + 1], mesh, target.levels[number]);
+        const int rounds = (is_coarsest ? coarsest_rounds.rounds : 0) +
+                           (number == 0 || !is_coarsest ? finer_rounds.rounds : 0);
+        s.run_level(number, target, rounds, mesh);
+    }
+    s.finish_landmarks(target, mesh);
+    s.judge(target, mesh, fit);
+    fit.points = mesh.points;
+    return fit;
+}
+
+} // namespace shape

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/registration/scan_fit.h"
+
+#include <gtest/gtest.h>
+
+#include "libshape/base/error.h"
+#include "tests/support/files.h"
+#include "tests/support/meshes.h"
+#include "tests/support/thread_scope.h"
+
+namespace shape::test {
+namespace {
+
+/// A head of 642 vertices with its own features, and a scan of a wider one of another triangulation.
+TestMesh pattern()
+{
+    return bumpy_sphere(3, 0.3, 5);
+}
+Points widened(const Points& points)
+{
+    Points wide = points;
+    wide.col(0) *= 1.15;
+    return wide;
+}
+Scan scan_of(const TestMesh& mesh)
+{
+    return clean_scan(mesh.points, mesh.topology.faces());
+}
+TestMesh wide_scan()
+{
+    TestMesh mesh = bumpy_sphere(4, 0.3, 5); // finer: other vertices on the same bumps
+    mesh.points = widened(mesh.points);
+    return mesh;
+}
+double rms(const Points& a, const Points& b)
+{
+    return std::sqrt((a - b).squaredNorm() / static_cast<double>(a.rows()));
+}
+
+TEST(ScanFitter, FindsTheVerticesOfAWiderShape)
+{
+    const TestMesh mesh = pattern();
+    const ScanFit fit = ScanFitter(mesh.topology, mesh.points).fit(scan_of(wide_scan()));
+    EXPECT_EQ(fit.status, FitStatus::Good);
+    EXPECT_EQ(fit.unseen_vertices, 0);
+    EXPECT_EQ(fit.scale, 1.0);
+    EXPECT_LT(fit.scan_to_fit.mean, 0.002 * fit.diagonal);
+    EXPECT_LT(rms(fit.points, widened(mesh.points)), 0.01 * fit.diagonal);
+    EXPECT_LT(rms(fit.points, widened(mesh.points)), 0.3 * rms(mesh.points, widened(mesh.points)));
+}
+
+TEST(ScanFitter, FollowsTheScanWhereverItLiesInWhateverUnit)
+{
+    TestMesh mesh = pattern();
+    TestMesh scan = wide_scan();
+    for (Points* points : {&mesh.points, &scan.points})
+        points->col(1) *= 1.6; // a ball's start would be anyone's guess
+    const Points there = 1000.0 * moved(scan.points, 3);
+    const Points truth = 1000.0 * moved(widened(mesh.points), 3);
+    scan.points = there;
+    const ScanFit fit = ScanFitter(mesh.topology, mesh.points).fit(scan_of(scan));
+    EXPECT_NEAR(fit.scale, 1000.0, 100.0);
+    EXPECT_EQ(fit.status, FitStatus::Good);
+    EXPECT_LT(rms(fit.points, truth), 0.02 * fit.diagonal);
+}
+
+TEST(ScanFitter, TurnsAScanThatIsInsideOut)
+{
+    const TestMesh mesh = pattern();
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    Scan scan = scan_of(wide_scan());
+    const ScanFit straight = fitter.fit(scan);
+    scan.faces.col(1).swap(scan.faces.col(2));
+    const ScanFit turned = fitter.fit(scan);
+    EXPECT_EQ(straight.turned_faces, 0);
+    EXPECT_EQ(turned.turned_faces, scan.faces.rows());
+    EXPECT_LT(rms(straight.points, turned.points), 1e-3 * straight.diagonal);
+}
+
+TEST(ScanFitter, MeetsLandmarks)
+{
+    const TestMesh mesh = pattern();
+    const Points truth = widened(mesh.points);
+    const std::vector<int> vertices{0, 100, 200, 300, 400};
+    LandmarkPairs marks;
+    marks.names = {"a", "b", "c", "d", "e"};
+    marks.on_template = mesh.points(vertices, Eigen::all);
+    marks.on_scan = truth(vertices, Eigen::all);
+    const ScanFit fit = ScanFitter(mesh.topology, mesh.points).fit(scan_of(wide_scan()), marks);
+    ASSERT_EQ(fit.landmark_errors.size(), 5);
+    EXPECT_LT(fit.landmark_errors.maxCoeff(), 1e-3 * fit.diagonal);
+    EXPECT_EQ(fit.status, FitStatus::Good);
+}
+
+TEST(ScanFitter, SaysWhereAHalfHasNoCounterpart)
+{
+    const TestMesh mesh = pattern();
+    const Scan whole = scan_of(wide_scan());
+    std::vector<int> kept;
+    for (int f = 0; f < whole.faces.rows(); ++f)
+        if (whole.points(whole.faces(f, 0), 2) > 0.0)
+            kept.push_back(f);
+    const ScanFit fit = ScanFitter(mesh.topology, mesh.points)
+                            .fit(clean_scan(whole.points, whole.faces(kept, Eigen::all)));
+    EXPECT_NE(fit.status, FitStatus::Good);
+    EXPECT_GT(fit.unseen_vertices, mesh.points.rows() / 4);
+    int wrong = 0; // seen below, or unseen above, well off the cut
+    for (int v = 0; v < mesh.points.rows(); ++v)
+        wrong += (mesh.points(v, 2) < -0.3 && fit.seen[static_cast<std::size_t>(v)] != 0) ||
+                         (mesh.points(v, 2) > 0.3 && fit.seen[static_cast<std::size_t>(v)] == 0)
+                     ? 1
+                     : 0;
+    EXPECT_LT(wrong, mesh.points.rows() / 50);
+}
+
+TEST(ScanFitter, FailsOnAnotherThingAltogether)
+{
+    const TestMesh mesh = pattern();
+    Faces one(1, 3);
+    one << 0, 1, 2;
+    Points corners(3, 3);
+    corners << 0, 0, 0, 1, 0, 0, 0, 1, 0;
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    const ScanFit triangle = fitter.fit(clean_scan(corners, one));
+    EXPECT_EQ(triangle.status, FitStatus::Failed);
+    EXPECT_FALSE(triangle.reasons.empty());
+}
+
+TEST(ScanFitter, GivesTheSameBitsForAnyNumberOfThreads)
+{
+    const TestMesh mesh = pattern();
+    const Scan scan = scan_of(wide_scan());
+    const auto with = [&](int threads) {
+        const ThreadScope scope(threads);
+        return ScanFitter(mesh.topology, mesh.points).fit(scan).points;
+    };
+    EXPECT_EQ(with(1), with(3));
+}
+
+TEST(ScanFitter, RefusesLandmarksThatLeaveTheStartOpenAndOptionsOutOfRange)
+{
+    const TestMesh mesh = pattern();
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    const Scan scan = scan_of(wide_scan());
+    LandmarkPairs line{{"a", "b", "c"}, Points::Zero(3, 3), Points::Zero(3, 3)};
+    line.on_template.col(0) << 0.0, 1.0, 2.0;
+    line.on_scan = line.on_template;
+    EXPECT_NE(message_of<InvalidInput>([&] { (void)fitter.fit(scan, line); }).find("on a line"),
+              std::string::npos);
+    line.names.pop_back();
+    EXPECT_THROW((void)fitter.fit(scan, line), InvalidInput);
+    FitOptions options;
+    options.boundaries = {"mouth"};
+    const ScanFitter named(mesh.topology, mesh.points, options);
+    EXPECT_NE(message_of<InvalidInput>([&] { (void)named.fit(scan); }).find("'mouth'"),
+              std::string::npos);
+    EXPECT_THROW(ScanFitter(mesh.topology, mesh.points, {.smoothness = 0.0}), InvalidInput);
+    EXPECT_THROW(ScanFitter(mesh.topology, mesh.points, {.growth_smoothness = 0.0}), InvalidInput);
+    EXPECT_THROW(ScanFitter(mesh.topology, mesh.points, {.landmark_tolerance = -1.0}),
+                 InvalidInput);
+}
+
+} // namespace
+} // namespace shape::test

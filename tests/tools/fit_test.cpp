@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "libshape/io/table_file.h"
+#include "libshape/io/vertex_scalars.h"
+#include "tests/support/files.h"
+#include "tests/support/meshes.h"
+#include "tests/tools/program_test.h"
+
+namespace shape::test {
+namespace {
+
+class Fit : public ProgramTest
+{
+protected:
+    Fit()
+    {
+        const TestMesh pattern = bumpy_sphere(3, 0.3, 5);
+        write("pattern.ply", pattern.points, pattern.topology.faces());
+        std::filesystem::create_directory(folder_ / "scans");
+        const TestMesh scan = bumpy_sphere(4, 0.3, 5);
+        for (int i = 0; i < 2; ++i) {
+            Points points = scan.points;
+            points.col(i) *= 1.1;
+            write(join("scans/s", i, ".ply"), points, scan.topology.faces());
+        }
+    }
+    static std::string join(const std::string& a, int i, const std::string& b)
+    {
+        return a + std::to_string(i) + b;
+    }
+    void write(const std::string& file, const Points& points, const Faces& faces) const
+    {
+        write_mesh(folder_ / file, points, faces, MeshFormat::Ply);
+    }
+    [[nodiscard]] Outcome outcome(const Arguments& arguments) const
+    {
+        return run_shape(folder_.path(), arguments);
+    }
+};
+
+TEST_F(Fit, WritesMeshesReportAndPicture)
+{
+    const Json figures = run({"fit", "pattern.ply", "scans", "-o", "fitted"});
+    EXPECT_EQ(figures["good"], 2);
+    EXPECT_EQ(figures["failed"], 0);
+    EXPECT_EQ(figures["scans"][1]["scan"], "s1");
+    EXPECT_EQ(points("fitted/s0.ply").rows(), 642);
+    EXPECT_EQ(read_vertex_scalar(folder_ / "fitted/s0.ply", "distance").size(), 642);
+    EXPECT_EQ(read_table(folder_ / "fitted/fit.csv").rows.size(), 2U);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "fitted/fit.svg"));
+    EXPECT_NE(outcome({"fit", "pattern.ply", "scans", "-o", "fitted"}).exit_code, 0); // exists
+    // What is there is taken over; another setting is refused.
+    std::filesystem::remove(folder_ / "scans/s1.ply");
+    write_bytes(folder_ / "scans/s1.ply", "not a mesh");
+    EXPECT_EQ(run({"fit", "pattern.ply", "scans", "-o", "fitted", "--resume"})["good"], 2);
+    EXPECT_EQ(
+        outcome({"fit", "pattern.ply", "scans", "-o", "fitted", "--resume", "--smoothness", "2"})
+            .exit_code,
+        3);
+}
+
+TEST_F(Fit, WritesACollectionWithoutWhatFailed)
+{
+    Points corners(3, 3);
+    corners << 0, 0, 0, 1, 0, 0, 0, 1, 0;
+    Faces one(1, 3);
+    one << 0, 1, 2;
+    write("scans/s2.ply", corners, one);
+    write("scans/s3.ply", corners, Faces(0, 3));
+    const Json figures = run({"fit", "pattern.ply", "scans", "-o", "c.h5"});
+    EXPECT_EQ(figures["failed"], 2);
+    EXPECT_EQ(run({"info", "c.h5"})["meshes"], 2);
+}
+
+TEST_F(Fit, SaysInOneLineWhatItCannotUse)
+{
+    const auto expect = [&](const Arguments& arguments, int code, const std::string& part) {
+        const Outcome result = outcome(arguments);
+        EXPECT_EQ(result.exit_code, code) << result.err;
+        EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+    };
+    const std::string scan = "scans/s0.ply";
+    write("empty.ply", Points(0, 3), Faces(0, 3));
+    expect({"fit", "pattern.ply", "empty.ply", "-o", "out"}, 3, "no face");
+    expect({"fit", "pattern.ply", scan, "-o", "out.obj"}, 2, "directory or a collection");
+    expect({"fit", "empty.ply", scan, "-o", "out"}, 3, "empty.ply");
+    expect({"fit", "pattern.ply", scan, "-o", "out", "--boundary", "mouth"}, 2, "--landmarks");
+    write_bytes(folder_ / "marks.csv", "scan,name,x,y,z\ns0,nose,1,0,0\n");
+    expect({"fit", "pattern.ply", scan, "-o", "out", "--landmarks", "marks.csv"}, 3,
+           "is not on the template");
+    write_bytes(folder_ / "marks.csv", "scan,name,vertex,x,y,z\ns0,nose,7000,1,0,0\n");
+    expect({"fit", "pattern.ply", scan, "-o", "out", "--landmarks", "marks.csv"}, 3, "vertex 7000");
+}
+
+} // namespace
+} // namespace shape::test

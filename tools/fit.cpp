@@ -1,0 +1,495 @@
+// SPDX-License-Identifier: MIT
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "libshape/base/counted.h"
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
+#include "libshape/io/collection_file.h"
+#include "libshape/io/file/input_file.h"
+#include "libshape/io/file/output_file.h"
+#include "libshape/io/landmark_file.h"
+#include "libshape/io/mesh_file.h"
+#include "libshape/io/table_file.h"
+#include "libshape/io/vertex_scalars.h"
+#include "libshape/registration/scan_fit.h"
+#include "libshape/report/picture.h"
+#include "tools/commands.h"
+#include "tools/input/mesh_input.h"
+#include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/session.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments
+{
+    std::string pattern; ///< The template.
+    MeshInput scans;
+    std::string output;
+    std::vector<std::string> landmarks;
+    FitOptions fit;
+    std::string boundaries;
+    bool no_search = false;
+    bool keep_failed = false;
+    bool resume = false;
+};
+
+const char* name(FitStatus status)
+{
+    return status == FitStatus::Good ? "good" : status == FitStatus::Check ? "check" : "failed";
+}
+
+/// The landmarks of all files; those without a scan's name belong to the mesh that the file is named
+/// after, or to the only scan.
+std::vector<Landmark> read_all_landmarks(const Arguments& arguments,
+                                         const std::vector<fs::path>& scans)
+{
+    std::vector<fs::path> files;
+    for (const std::string& path : arguments.landmarks) {
+        if (!fs::is_directory(path)) {
+            files.emplace_back(path);
+            continue;
+        }
+        std::set<fs::path> sorted;
+        for (const auto& entry : fs::directory_iterator(path))
+            if (is_landmark_file(entry.path()))
+                sorted.insert(entry.path());
+        if (sorted.empty())
+            throw InvalidInput(join(path, ": no file of landmarks (.csv, .fcsv, .mrk.json)"));
+        files.insert(files.end(), sorted.begin(), sorted.end());
+    }
+    std::set<std::string> stems{fs::path(arguments.pattern).stem().string()};
+    for (const fs::path& scan : scans)
+        stems.insert(scan.stem().string());
+    std::vector<Landmark> all;
+    for (const fs::path& file : files) {
+        const std::string file_name = file.filename().string();
+        const std::string stem = file_name.substr(0, file_name.find('.'));
+        for (Landmark& landmark : read_landmarks(file)) {
+            if (landmark.scan.empty()) {
+                if (stems.count(stem) > 0)
+                    landmark.scan = stem;
+                else if (scans.size() == 1)
+                    landmark.scan = scans.front().stem().string();
+                else
+                    throw InvalidInput(join(file.string(),
+                                            ": says of no landmark which scan it is "
+                                            "on; add a column 'scan', or name the "
+                                            "file after the scan"));
+            }
+            all.push_back(std::move(landmark));
+        }
+    }
+    return all;
+}
+
+/// Those that a scan and the template share, by name.
+LandmarkPairs pairs_of(const std::vector<Landmark>& landmarks, const std::string& scan,
+                       const std::string& pattern, const Points& points)
+{
+    const auto on_template = [&](const std::string& wanted) -> std::optional<Eigen::Vector3d> {
+        for (const Landmark& mark : landmarks)
+            if (mark.name == wanted && mark.scan == pattern)
+                return mark.position;
+        return std::nullopt;
+    };
+    LandmarkPairs pairs;
+    std::vector<Eigen::Vector3d> here, there;
+    for (const Landmark& mark : landmarks) {
+        if (mark.scan != scan || scan == pattern)
+            continue;
+        std::optional<Eigen::Vector3d> place = on_template(mark.name);
+        if (mark.vertex >= 0) {
+            if (mark.vertex >= points.rows())
+                throw InvalidInput(join("landmark '", mark.name, "' of ", scan, ": vertex ",
+                                        mark.vertex, " is not among the template's ",
+                                        points.rows()));
+            place = points.row(mark.vertex).transpose();
+        }
+        if (!place)
+            throw InvalidInput(join("landmark '", mark.name, "' of ", scan,
+                                    " is not on the template: give a row with scan '", pattern,
+                                    "', or a vertex"));
+        if (std::find(pairs.names.begin(), pairs.names.end(), mark.name) != pairs.names.end())
+            throw InvalidInput(join("landmark '", mark.name, "' of ", scan, " occurs twice"));
+        pairs.names.push_back(mark.name);
+        here.push_back(*place);
+        there.push_back(mark.position);
+    }
+    pairs.on_template.resize(std::ssize(here), 3);
+    pairs.on_scan.resize(std::ssize(here), 3);
+    for (std::size_t i = 0; i < here.size(); ++i) {
+        pairs.on_template.row(static_cast<Eigen::Index>(i)) = here[i];
+        pairs.on_scan.row(static_cast<Eigen::Index>(i)) = there[i];
+    }
+    return pairs;
+}
+
+Json figures_of(const std::string& scan, const ScanFit& fit, const Scan& cleaned)
+{
+    const auto summary = [](const DistanceSummary& d) {
+        return Json{{"mean", d.mean}, {"p95", d.p95}, {"max", d.max}};
+    };
+    const Eigen::VectorXd& errors = fit.landmark_errors;
+    Json notes = cleaned.ignored;
+    if (fit.turned_faces > 0)
+        notes.push_back(join(counted(fit.turned_faces, "face"), " turned to face outwards"));
+    return {{"scan", scan},
+            {"status", name(fit.status)},
+            {"reasons", fit.reasons},
+            {"ignored", notes},
+            {"scan_to_fit", summary(fit.scan_to_fit)},
+            {"fit_to_scan", summary(fit.fit_to_scan)},
+            {"diagonal", fit.diagonal},
+            {"landmarks", errors.size()},
+            {"landmark_mean", errors.size() > 0 ? errors.mean() : 0.0},
+            {"landmark_max", errors.size() > 0 ? errors.maxCoeff() : 0.0},
+            {"strain_rms", fit.strain_rms},
+            {"growth_low", fit.growth_low},
+            {"growth_high", fit.growth_high},
+            {"folded_faces", fit.folded_faces},
+            {"unseen_vertices", fit.unseen_vertices},
+            {"scale", fit.scale}};
+}
+
+Json failure(const std::string& scan, const std::string& reason)
+{
+    return {{"scan", scan}, {"status", "failed"}, {"reasons", {reason}}};
+}
+
+/// One row a scan; cells that a scan without a fit has no figure for are empty.
+Table table_of(const Json& scans)
+{
+    Table table{{"scan", "status", "reason", "scan_to_fit_mean", "scan_to_fit_p95",
+                 "scan_to_fit_max", "fit_to_scan_mean", "fit_to_scan_p95", "fit_to_scan_max",
+                 "diagonal", "landmark_mean", "landmark_max", "strain_rms", "growth_low",
+                 "growth_high", "folded_faces", "unseen_vertices", "scale", "ignored"},
+                {}};
+    const auto sentence = [](const Json& scan, const char* key) {
+        std::string text;
+        if (scan.contains(key))
+            for (const auto& part : scan[key])
+                text += (text.empty() ? "" : "; ") + part.get<std::string>();
+        return text;
+    };
+    for (const Json& scan : scans) {
+        std::vector<std::string> row{scan["scan"].get<std::string>(),
+                                     scan["status"].get<std::string>(), sentence(scan, "reasons")};
+        const auto add = [&](const Json* value) {
+            row.push_back(value != nullptr ? print_number(value->get<double>()) : "");
+        };
+        const auto find = [](const Json& in, const char* key) {
+            return in.contains(key) ? &in[key] : nullptr;
+        };
+        for (const char* way : {"scan_to_fit", "fit_to_scan"})
+            for (const char* figure : {"mean", "p95", "max"})
+                add(find(scan, way) != nullptr ? find(scan[way], figure) : nullptr);
+        for (const char* key :
+             {"diagonal", "landmark_mean", "landmark_max", "strain_rms", "growth_low",
+              "growth_high", "folded_faces", "unseen_vertices", "scale"})
+            add(find(scan, key));
+        row.push_back(sentence(scan, "ignored"));
+        table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
+/// Where things go: a directory of meshes, or a collection and a folder of reports beside it.
+struct Places
+{
+    fs::path collection; ///< Empty: none.
+    fs::path directory;
+
+    [[nodiscard]] fs::path mesh(const std::string& scan) const
+    {
+        return directory / (scan + ".ply");
+    }
+    [[nodiscard]] fs::path report() const { return directory / "fit.json"; }
+    [[nodiscard]] fs::path table() const { return directory / "fit.csv"; }
+    [[nodiscard]] fs::path sheet() const { return directory / "fit.svg"; }
+};
+
+Places places_of(const Session& session, const Arguments& arguments,
+                 const std::vector<fs::path>& inputs, const std::vector<std::string>& names)
+{
+    Places places;
+    const fs::path output = arguments.output;
+    if (output.extension() == ".h5") {
+        places.collection = output;
+        places.directory = output.parent_path() / (output.stem().string() + "_fit");
+        if (!arguments.resume)
+            check_output(session, output, inputs);
+    } else {
+        places.directory = output;
+        if (output.has_extension() && !fs::is_directory(output))
+            throw UsageError(
+                join("-o is '", arguments.output, "', must be a directory or a collection (.h5)"));
+    }
+    std::error_code error;
+    fs::create_directories(places.directory, error);
+    if (error)
+        throw FileError(join(places.directory.string(), ": ", error.message()));
+    if (!arguments.resume)
+        for (const std::string& scan : names)
+            for (const fs::path& path : {places.mesh(scan), places.report()})
+                check_output(session, path, inputs);
+    return places;
+}
+
+/// The rows of an earlier run with the same settings whose scans are done.
+Json earlier_scans(const Places& places, const Json& settings)
+{
+    if (!fs::exists(places.report()))
+        return Json::array();
+    const std::string path = places.report().string();
+    Json report;
+    try {
+        report = Json::parse(read_file(places.report(), std::uint64_t{256} << 20));
+        if (report.at("settings") != settings)
+            throw InvalidInput(join(path,
+                                    ": was made with other settings; remove it, or run "
+                                    "without --resume"));
+        return report.at("scans");
+    } catch (const Json::exception&) {
+        throw InvalidInput(join(path,
+                                ": is not the report of a run; remove it, or run without "
+                                "--resume"));
+    }
+}
+
+void write_report(const Places& places, const Json& settings, const Json& scans)
+{
+    write_file_atomically(places.report(),
+                          Json{{"settings", settings}, {"scans", scans}}.dump(1) + "\n");
+    write_table(places.table(), table_of(scans));
+}
+
+/// All fits side by side, coloured by their distance to the scan, the worst first.
+void draw_sheet(const Session& session, const Places& places, const Topology& topology,
+                const Json& scans)
+{
+    struct Entry
+    {
+        double mean;
+        std::string scan, caption;
+    };
+    std::vector<Entry> entries;
+    for (const Json& scan : scans) {
+        const auto of = scan["scan"].get<std::string>();
+        const auto status = scan["status"].get<std::string>();
+        if (!scan.contains("scan_to_fit") || !fs::exists(places.mesh(of)))
+            continue;
+        entries.push_back(
+            {scan["scan_to_fit"]["mean"].get<double>() / scan["diagonal"].get<double>(), of,
+             status == "good" ? of : join(of, " (", status, ")")});
+    }
+    if (entries.empty())
+        return;
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Entry& a, const Entry& b) { return a.mean > b.mean; });
+    Collection collection{topology, {}, {}, {}};
+    PictureOptions options;
+    for (const Entry& entry : entries) {
+        const fs::path path = places.mesh(entry.scan);
+        collection.names.push_back(entry.caption);
+        collection.points.push_back(read_mesh(path).points);
+        options.values.push_back(100.0 / bounding_box_diagonal(collection.points.back()) *
+                                 read_vertex_scalar(path, "distance"));
+    }
+    options.value_high = 1.0;
+    options.value_name = "distance to the scan, % of the diagonal";
+    write_file_atomically(places.sheet(),
+                          picture_svg(draw_collection(collection, options, session.progress())));
+}
+
+void run(const Session& session, const Arguments& given)
+{
+    Arguments arguments = given;
+    if (!arguments.boundaries.empty())
+        arguments.fit.boundaries = split(arguments.boundaries, ',');
+    arguments.fit.search_start = !arguments.no_search;
+    if (!arguments.fit.boundaries.empty() && arguments.landmarks.empty())
+        throw UsageError("--boundary names landmarks; give --landmarks");
+    note_passed_over(session, arguments.scans);
+    const std::vector<fs::path> scans = mesh_files(arguments.scans);
+    std::vector<std::string> names;
+    for (const fs::path& scan : scans) {
+        if (is_collection_file(scan))
+            throw InvalidInput(join(scan.string(),
+                                    ": a collection has its correspondence; SCANS "
+                                    "are mesh files"));
+        names.push_back(scan.stem().string());
+        if (std::count(names.begin(), names.end(), names.back()) > 1)
+            throw InvalidInput(join(scan.string(), ": two scans are named '", names.back(), "'"));
+    }
+    if (is_collection_file(arguments.pattern))
+        throw InvalidInput(join(arguments.pattern, ": TEMPLATE is one mesh file"));
+    std::vector<fs::path> inputs = scans;
+    inputs.emplace_back(arguments.pattern);
+    const std::vector<Landmark> landmarks = arguments.landmarks.empty()
+                                                ? std::vector<Landmark>{}
+                                                : read_all_landmarks(arguments, scans);
+
+    NamedMesh mesh = read_mesh(arguments.pattern, {.triangulate = arguments.scans.triangulate});
+    std::optional<Topology> topology;
+    try {
+        topology.emplace(mesh.faces, static_cast<int>(mesh.points.rows()));
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(join(arguments.pattern, ": ", error.what()));
+    }
+    const ScanFitter fitter(*topology, mesh.points, arguments.fit);
+    const std::string pattern = fs::path(arguments.pattern).stem().string();
+    const Places places = places_of(session, arguments, inputs, names);
+    const Json settings{{"template", arguments.pattern},
+                        {"vertices", topology->vertex_count()},
+                        {"landmarks", arguments.landmarks},
+                        {"landmark_tolerance", arguments.fit.landmark_tolerance},
+                        {"smoothness", arguments.fit.smoothness},
+                        {"growth_smoothness", arguments.fit.growth_smoothness},
+                        {"boundaries", arguments.fit.boundaries},
+                        {"search", arguments.fit.search_start},
+                        {"keep_failed", arguments.keep_failed}};
+    const Json earlier = arguments.resume ? earlier_scans(places, settings) : Json::array();
+
+    Json rows = Json::array();
+    const Progress progress = session.progress();
+    std::size_t fitted = 0;
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+        if (progress)
+            progress("fit", i, scans.size());
+        const auto done = std::find_if(earlier.begin(), earlier.end(), [&](const Json& row) {
+            return row.value("scan", "") == names[i];
+        });
+        if (done != earlier.end() &&
+            (done->value("status", "") == "failed" || fs::exists(places.mesh(names[i])))) {
+            fitted += fs::exists(places.mesh(names[i])) ? 1 : 0;
+            rows.push_back(*done);
+            continue;
+        }
+        try {
+            const NamedMesh raw = read_mesh(scans[i], {.triangulate = true});
+            const Scan scan = clean_scan(raw.points, raw.faces);
+            const ScanFit fit =
+                fitter.fit(scan, pairs_of(landmarks, names[i], pattern, mesh.points));
+            rows.push_back(figures_of(names[i], fit, scan));
+            if (fit.status != FitStatus::Failed || arguments.keep_failed) {
+                const Eigen::VectorXd seen = Eigen::Matrix<char, Eigen::Dynamic, 1>::Map(
+                                                 fit.seen.data(), std::ssize(fit.seen))
+                                                 .cast<double>();
+                write_vertex_scalars(
+                    places.mesh(names[i]), fit.points, topology->faces(),
+                    {{"distance", fit.distance}, {"growth", fit.growth}, {"seen", seen}});
+                ++fitted;
+            }
+        } catch (const InvalidInput& error) {
+            if (scans.size() == 1)
+                throw InvalidInput(join(scans[i].string(), ": ", error.what()));
+            rows.push_back(failure(names[i], error.what()));
+        }
+        const Json& row = rows.back();
+        std::string line = join(names[i], ": ", row["status"].get<std::string>());
+        for (const auto& reason : row["reasons"])
+            line += "; " + reason.get<std::string>();
+        session.message(line);
+        write_report(places, settings, rows);
+    }
+    if (progress)
+        progress("fit", scans.size(), scans.size());
+    write_report(places, settings, rows);
+
+    std::vector<std::string> outputs;
+    if (fitted > 0)
+        draw_sheet(session, places, *topology, rows);
+    if (fitted > 0 && !places.collection.empty()) {
+        std::vector<NamedMesh> members;
+        for (const std::string& scan : names)
+            if (fs::exists(places.mesh(scan)))
+                members.push_back(read_mesh(places.mesh(scan)));
+        write_collection(places.collection, collect(std::move(members)));
+        outputs.push_back(places.collection.string());
+    }
+    outputs.push_back(places.directory.string());
+    const auto count = [&](const char* status) {
+        return std::count_if(rows.begin(), rows.end(),
+                             [&](const Json& row) { return row["status"] == status; });
+    };
+    session.message(join(counted(scans.size(), "scan"), ": ", count("good"), " good, ",
+                         count("check"), " to check, ", count("failed"), " failed; ",
+                         places.table().string(), " says why",
+                         fitted > 0 ? join(", ", places.sheet().string(), " shows them") : ""));
+    session.print_figures({{"outputs", outputs},
+                           {"good", count("good")},
+                           {"check", count("check")},
+                           {"failed", count("failed")},
+                           {"settings", settings},
+                           {"scans", rows}});
+    if (fitted == 0)
+        throw NumericalError(join("no scan could be fitted; ", places.table().string(),
+                                  " says why (--keep-failed writes the meshes all the same)"));
+}
+
+} // namespace
+
+Run set_up_fit(CLI::App& command)
+{
+    command.description(
+        "Fit a template to raw scans of any triangulation: meshes with the template's vertices\n"
+        "and faces, each on its scan, in the scan's place and unit; a report and a picture say\n"
+        "which to look at. Scans may have holes, noise, several parts, any pose in space.");
+    command.footer(
+        "Example:\n  shape fit template.ply scans/ -o fitted/ --landmarks marks.csv\n"
+        "  shape stats fitted/ -o model.h5");
+    const auto arguments = std::make_shared<Arguments>();
+    command
+        .add_option("TEMPLATE", arguments->pattern,
+                    "Mesh whose vertices and faces all fits get: one connected surface")
+        ->required();
+    add_mesh_input(command, arguments->scans, "SCANS");
+    command
+        .add_option("-o,--output", arguments->output,
+                    "Directory for the meshes and the report, or collection (.h5), whose report\n"
+                    "goes into the folder NAME_fit beside it")
+        ->required();
+    command
+        .add_option(
+            "--landmarks", arguments->landmarks,
+            "CSV (scan,name,x,y,z; the template is a scan too, or a column vertex),\n"
+            ".mrk.json or .fcsv of 3D Slicer named after the meshes, or a directory of such")
+        ->allow_extra_args(false)
+        ->option_text("FILE ...");
+    add_number(command, "--landmark-tolerance", arguments->fit.landmark_tolerance,
+               "How far landmarks may be missed [length of the scan] (default: 0, exactly)");
+    command
+        .add_option(
+            "--boundary", arguments->boundaries,
+            "Landmarks, separated by commas, at boundary loops that correspond from end to\n"
+            "end (default: loops near each other; the template's longest may end early)")
+        ->option_text("NAME,NAME");
+    add_number(command, "--smoothness", arguments->fit.smoothness,
+               "Weight of dihedral angles beside lengths, > 0 (default: 1)", Sign::Positive);
+    add_number(command, "--growth-smoothness", arguments->fit.growth_smoothness,
+               "Weight that lets neighbours grow alike, > 0 (default: 50)", Sign::Positive);
+    command.add_flag("--no-search", arguments->no_search,
+                     "The template lies on the scans already: start there");
+    command.add_flag("--keep-failed", arguments->keep_failed,
+                     "Write meshes of failed fits too, and take them into the collection");
+    command.add_flag("--resume", arguments->resume,
+                     "Go on with an interrupted run: scans in its report are not fitted again");
+    return [arguments](const Session& session) { run(session, *arguments); };
+}
+
+} // namespace shape::tools
