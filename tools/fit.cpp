@@ -324,7 +324,7 @@ void run(const Session& session, const Arguments& given)
     arguments.fit.search_start = !arguments.no_search;
     if (!arguments.fit.boundaries.empty() && arguments.landmarks.empty())
         throw UsageError("--boundary names landmarks; give --landmarks");
-    note_passed_over(session, arguments.scans);
+    note_passed_over(notices_of(session), arguments.scans);
     const std::vector<fs::path> scans = mesh_files(arguments.scans);
     std::vector<std::string> names;
     for (const fs::path& scan : scans) {
@@ -396,8 +396,11 @@ void run(const Session& session, const Arguments& given)
                 ++fitted;
             }
         } catch (const InvalidInput& error) {
-            if (scans.size() == 1)
-                throw InvalidInput(join(scans[i].string(), ": ", error.what()));
+            if (scans.size() == 1) {
+                const std::string said = error.what();
+                const std::string path = scans[i].string();
+                throw InvalidInput(said.starts_with(path) ? said : join(path, ": ", said));
+            }
             rows.push_back(failure(names[i], error.what()));
         }
         const Json& row = rows.back();

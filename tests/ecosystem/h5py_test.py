@@ -11,7 +11,7 @@ with tempfile.TemporaryDirectory() as name:
     shape(folder, "synth", "faces", "-o", "faces", "--count", "3", "--vertices", "400")
     labels = (folder / "faces/labels.csv").read_text(encoding="utf-8").replace(",happy", ",fröhlich")
     (folder / "labels.csv").write_text(labels, encoding="utf-8")
-    shape(folder, "collect", "faces", "--labels", "labels.csv", "-o", "faces.h5")
+    shape(folder, "collect", "faces", "--labels", "labels.csv", "--store-derived", "-o", "faces.h5")
     with h5py.File(folder / "faces.h5") as f:
         points, names = f["points"][...], f["names"].asstr()[...]
         edges, lengths = f["topology/edges"][...], f["edge_lengths"][...]

@@ -11,7 +11,7 @@ if shutil.which("octave-cli") is None:
 with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
     shape(folder, "synth", "faces", "-o", "faces", "--count", "3", "--vertices", "400")
-    shape(folder, "collect", "faces", "--labels", "faces/labels.csv", "-o", "faces.h5")
+    shape(folder, "collect", "faces", "--labels", "faces/labels.csv", "--store-derived", "-o", "faces.h5")
     shape(folder, "stats", "faces.h5", "-o", "model.h5", "--modes", "4")
     shape(folder, "export", "model.h5", "--to", "statismo", "-o", "statismo.h5")
     (folder / "whole.m").write_text(

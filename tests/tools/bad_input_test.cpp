@@ -37,9 +37,11 @@ void fill(const Folder& folder)
         const Outcome collected = run_shape(
             workshop.path(),
             {"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "good.h5"});
+        const Outcome derived = run_shape(workshop.path(), {"collect", "a.ply", "b.ply", "c.ply",
+                                                            "--store-derived", "-o", "derived.h5"});
         const Outcome fitted = run_shape(workshop.path(), {"stats", "good.h5", "-o", "model.h5"});
-        if (collected.exit_code != 0 || fitted.exit_code != 0)
-            throw std::runtime_error(collected.err + fitted.err);
+        if (collected.exit_code != 0 || derived.exit_code != 0 || fitted.exit_code != 0)
+            throw std::runtime_error(collected.err + derived.err + fitted.err);
         return workshop.content();
     }();
     for (const auto& [name, content] : made)
@@ -356,7 +358,7 @@ std::vector<BadInput> bad_hdf5()
         {"CollectionWithAFaceLessAndNoChecksum",
          3,
          {"x.h5", "/dihedral_angles"},
-         with_a_face_less("good.h5", true, {"stats", "x.h5", "-o", "out.h5"})},
+         with_a_face_less("derived.h5", true, {"stats", "x.h5", "-o", "out.h5"})},
         {"ModelWithAFaceLess",
          3,
          {"x.h5", "/topology/faces", "checksum"},

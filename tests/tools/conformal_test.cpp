@@ -110,11 +110,11 @@ TEST_F(Conformal, WalksToTheEndOnRequestAlone)
 {
     const Outcome frames = run({"conformal", "head.ply", "-o", "frames", "--steps", "3", "--json"});
     EXPECT_FALSE(Json::parse(frames.out).contains("end_gap"));
-    EXPECT_EQ(run({"conformal", "head.ply", "-o", "sphere.ply", "--end-gap"}).exit_code, 1);
+    EXPECT_EQ(run({"conformal", "head.ply", "-o", "sphere.ply", "--end-gap"}).exit_code, 2);
     EXPECT_EQ(run({"conformal", "head.ply", "-o", "preview", "--steps", "3", "--end-gap",
                    "--quality", "preview"})
                   .exit_code,
-              1);
+              2);
 }
 
 TEST_F(Conformal, AFrameIsTheSameWhateverTheOthersAre)

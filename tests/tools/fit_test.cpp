@@ -85,7 +85,8 @@ TEST_F(Fit, SaysInOneLineWhatItCannotUse)
     };
     const std::string scan = "scans/s0.ply";
     write("empty.ply", Points(0, 3), Faces(0, 3));
-    expect({"fit", "pattern.ply", "empty.ply", "-o", "out"}, 3, "no face");
+    expect({"fit", "pattern.ply", "empty.ply", "-o", "out"}, 3,
+           "error: empty.ply: the file has 0 vertices");
     expect({"fit", "pattern.ply", scan, "-o", "out.obj"}, 2, "directory or a collection");
     expect({"fit", "empty.ply", scan, "-o", "out"}, 3, "empty.ply");
     expect({"fit", "pattern.ply", scan, "-o", "out", "--boundary", "mouth"}, 2, "--landmarks");
