@@ -35,12 +35,13 @@ std::uint32_t by_definition(const std::vector<unsigned char>& bytes)
 TEST(Fletcher32, IsThatOfItsDefinitionAtEverySize)
 {
     Random random(1);
-    for (const std::size_t size : {0, 1, 2, 3, 511, 512, 513, 514, 1024, 4097, 65536, 300001}) {
+    for (const std::size_t size :
+         {0U, 1U, 2U, 3U, 511U, 512U, 513U, 514U, 1024U, 4097U, 65536U, 300001U}) {
         std::vector<unsigned char> bytes(size);
         for (unsigned char& byte : bytes)
             byte = static_cast<unsigned char>(random.index(256));
         EXPECT_EQ(fletcher32(bytes.data(), size), by_definition(bytes)) << size;
-        for (const unsigned char same : {0, 255}) {
+        for (const unsigned char same : {std::uint8_t{0}, std::uint8_t{255}}) {
             bytes.assign(size, same);
             EXPECT_EQ(fletcher32(bytes.data(), size), by_definition(bytes)) << size;
         }
