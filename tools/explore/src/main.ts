@@ -64,7 +64,7 @@ function settle() {
     tellPlace();
 }
 
-/// The address follows when nothing has moved for a while: each change of it keeps the browser busy for 10 ms, and
+/// The address follows when nothing has moved for a while: each change of it keeps the browser busy, and
 /// browsers ignore more than some hundred a minute.
 let addressTimer: ReturnType<typeof setTimeout> | undefined;
 
