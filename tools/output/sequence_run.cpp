@@ -169,7 +169,7 @@ public:
 
 private:
     template <class Make>
-    FinishedMesh taken_or_made(std::size_t i, const Make& make) const
+    [[nodiscard]] FinishedMesh taken_or_made(std::size_t i, const Make& make) const
     {
         std::optional<FinishedMesh> finished = store_.read(i);
         if (finished && finished->points.rows() == sequence_.topology.vertex_count())

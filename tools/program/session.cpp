@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -41,7 +42,7 @@ std::string one_line(std::string text)
 std::string print_duration(double seconds)
 {
     char text[32];
-    const auto minutes = static_cast<long>(seconds / 60.0 + 0.5);
+    const auto minutes = std::lround(seconds / 60.0);
     if (seconds < 99.5)
         std::snprintf(text, sizeof text, "%.0f s", seconds);
     else if (minutes < 100)
@@ -93,7 +94,7 @@ private:
         if (now.done > before_.done) {
             const double seconds = std::chrono::duration<double>(now.time - before_.time).count();
             if (stage_.ends_with("kB")) // read or written: how fast
-                line << ", " << static_cast<double>((now.done - before_.done) / 1000) / seconds
+                line << ", " << static_cast<double>(now.done - before_.done) / 1000.0 / seconds
                      << " MB/s";
             line << ", "
                  << print_duration(seconds / static_cast<double>(now.done - before_.done) *
