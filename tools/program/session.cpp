@@ -112,6 +112,10 @@ private:
 
 } // namespace
 
+Session::Session() : figures_(std::make_shared<Json>(Json::object()))
+{
+}
+
 void Session::message(const std::string& text) const
 {
     if (quiet || json)
@@ -140,10 +144,17 @@ void Session::print(const std::string& text) const
 
 void Session::print_figures(const Json& figures) const
 {
+    figures_->update(figures);
+}
+
+void Session::print_report(const Json& error) const
+{
     if (!json)
         return;
-    Json object{{"command", command}};
-    object.update(figures);
+    Json object{{"command", command.empty() ? Json() : Json(command)}, {"schema", json_schema}};
+    object.update(*figures_);
+    if (!error.is_null())
+        object["error"] = error;
     print(readable(object.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
 }
 

@@ -37,6 +37,7 @@ PYBIND11_MODULE(_core, module)
     });
     python::add_models(module);
     python::add_collections(module);
+    python::add_registration(module);
     module.def("version", &version);
     module.def("thread_count", &thread_count);
     module.def("set_thread_count", &set_thread_count);
