@@ -23,6 +23,7 @@
 #include "tools/program/library_start.h"
 #include "tools/program/manual.h"
 #include "tools/program/memory.h"
+#include "tools/program/report.h"
 #include "tools/program/session.h"
 #include "tools/program/spelling.h"
 #include "tools/program/standard_streams.h"
@@ -83,7 +84,8 @@ constexpr const char* program_footer =
     "input, and after -o standard output.\n"
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 4 numerical failure,\n"
     "5 input/output, 6 over a limit, 130 interrupted.\n"
-    "`shape COMMAND --help` explains a command and gives an example; `shape help --write DIR` writes\n"
+    "`shape COMMAND --help` explains a command and gives an example; `shape help --write DIR` "
+    "writes\n"
     "manual pages, and completions of bash, zsh and fish, into DIR/man, DIR/bash-completion, ...";
 
 void add_common_options(CLI::App& command, Session& session)
@@ -289,20 +291,20 @@ std::optional<Failure> failure_of(const Work& work)
 const char* kind_of(ExitCode code)
 {
     switch (code) {
-    case UsageFailure:
-        return "usage";
-    case BadInput:
-        return "input";
-    case NumericalFailure:
-        return "numerical";
-    case InputOutputFailure:
-        return "file";
-    case OverLimit:
-        return "limit";
-    case Stopped:
-        return "interrupted";
-    default:
-        return "internal";
+        case UsageFailure:
+            return "usage";
+        case BadInput:
+            return "input";
+        case NumericalFailure:
+            return "numerical";
+        case InputOutputFailure:
+            return "file";
+        case OverLimit:
+            return "limit";
+        case Stopped:
+            return "interrupted";
+        default:
+            return "internal";
     }
 }
 
@@ -320,10 +322,10 @@ int guarded_run(std::vector<std::string> arguments)
     if (failure)
         report_error(session.readable(failure->message));
     const std::optional<Failure> unprinted = failure_of([&] {
-        session.print_report(failure ? Json{{"kind", kind_of(failure->code)},
-                                            {"exit_code", static_cast<int>(failure->code)},
-                                            {"message", failure->message}}
-                                     : Json());
+        print_report(session, failure ? Json{{"kind", kind_of(failure->code)},
+                                             {"exit_code", static_cast<int>(failure->code)},
+                                             {"message", failure->message}}
+                                      : Json());
     });
     if (unprinted && !failure) {
         report_error(unprinted->message);

@@ -45,7 +45,7 @@ struct MeshStream
 
 /// Runs visit(first, block) for the meshes [begin, end) in order, `size` at a time (the last ones fewer).
 /// The next block is read meanwhile on a thread; without one to be had, in between.
-/// @param visit  Its block has no names and labels: meshes first, first + 1, ...
+/// @param block  A collection without names and labels: meshes first, first + 1, ...
 void for_each_block(const MeshStream& stream, Eigen::Index begin, Eigen::Index end,
                     Eigen::Index size,
                     const std::function<void(Eigen::Index first, const Collection& block)>& visit);

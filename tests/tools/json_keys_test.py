@@ -2,6 +2,7 @@
 """Every key that --json prints is in docs/json.md, and every key there is printed; errors are JSON too."""
 import json
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -55,6 +56,7 @@ RUNS = [
     ["interpolate", "faces/s000_happy.ply", "faces/s001_angry.ply", "--frames", "3", "-o", "morph.glb"],
     ["interpolate", "faces/s000_happy.ply", "faces/s001_angry.ply", "faces/s002_angry.ply", "--path", "polygon",
      "--frames", "4", "-o", "around"],
+    ["interpolate", *(f"still{i}.ply" for i in range(8)), "--frames", "8", "-o", "jumping"],
     ["reconstruct", "--reference", "faces/s000_happy.ply", "-o", "again.ply"],
     ["conformal", "ball.obj", "-o", "sphere.ply"],
     ["conformal", "ball.obj", "-o", "morph", "--steps", "3", "--end-gap"],
@@ -124,6 +126,10 @@ def main():
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 0\nf 1 3 2\nf 5 2 4\nf 2 3 4\nf 3 1 4\n")
         (folder / "ball.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
         for arguments in RUNS:
+            if "still0.ply" in arguments:  # four times one mesh, four times another
+                for i in range(8):
+                    kind = "happy" if i < 4 else "angry"
+                    shutil.copy(folder / f"faces/s000_{kind}.ply", folder / f"still{i}.ply")
             if "marks.csv" in arguments:
                 ply = (folder / "faces/s001_neutral.ply").read_bytes()
                 x, y, z = struct.unpack_from("<3d", ply, ply.index(b"end_header\n") + 11 + 3 * 24)

@@ -81,8 +81,8 @@ std::string bash_completion(const CLI::App& program)
             for (const std::string& name : spellings(*option)) {
                 all.push_back(name);
                 if (takes_value(*option)) // "": a file
-                    values << "        ['" << command << ' ' << name << "']="
-                           << quoted(words(choices_of(*option))) << '\n';
+                    values << "        ['" << command << ' ' << name
+                           << "']=" << quoted(words(choices_of(*option))) << '\n';
             }
         options << "        [" << command << "]=" << quoted(words(all)) << '\n';
     };
@@ -181,9 +181,7 @@ std::string zsh_completion(const CLI::App& program)
 
 std::string fish_completion(const CLI::App& program)
 {
-    const auto text = [](const std::string& plain) {
-        return "'" + shielded(plain, "\\'") + "'";
-    };
+    const auto text = [](const std::string& plain) { return "'" + shielded(plain, "\\'") + "'"; };
     const std::string no_command = "-n '__fish_use_subcommand'";
     std::ostringstream script;
     script << "# Completion of `shape` in fish; made by `shape help --write`.\n";
@@ -210,8 +208,8 @@ std::string fish_completion(const CLI::App& program)
                << text(summary_of(*command)) << '\n';
     }
     script << "complete -c shape " << no_command << " -f -a help -d " << text(help_summary) << '\n'
-           << "complete -c shape -n '__fish_seen_subcommand_from help' -f -a "
-           << text(words(names)) << '\n';
+           << "complete -c shape -n '__fish_seen_subcommand_from help' -f -a " << text(words(names))
+           << '\n';
     for (const CLI::App* command : program.get_subcommands({}))
         add_options(*command, "-n '__fish_seen_subcommand_from " + command->get_name() + "'");
     return script.str();

@@ -50,10 +50,8 @@ std::vector<OptionSection> option_sections(const CLI::App& command)
 {
     std::vector<OptionSection> sections;
     const auto add = [&](const std::string& title, const CLI::App& app, const auto& belongs) {
-        const std::vector<const CLI::Option*> options =
-            app.get_options([&](const CLI::Option* option) {
-                return option->nonpositional() && belongs(*option);
-            });
+        const std::vector<const CLI::Option*> options = app.get_options(
+            [&](const CLI::Option* option) { return option->nonpositional() && belongs(*option); });
         if (!options.empty())
             sections.push_back({title, options});
     };
@@ -70,8 +68,7 @@ std::vector<OptionSection> option_sections(const CLI::App& command)
 
 std::vector<const CLI::Option*> positionals_of(const CLI::App& command)
 {
-    return command.get_options(
-        [](const CLI::Option* option) { return option->get_positional(); });
+    return command.get_options([](const CLI::Option* option) { return option->get_positional(); });
 }
 
 std::string value_name(const CLI::Option& option)

@@ -15,12 +15,16 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/report.h"
 
 namespace shape::tools {
 using namespace internal;
 namespace {
 
 bool bar_is_drawn = false;
+
+/// Printed when the run has ended, so that an error finds its place beside them.
+Json waiting_figures = Json::object();
 
 void clear_bar()
 {
@@ -112,10 +116,6 @@ private:
 
 } // namespace
 
-Session::Session() : figures_(std::make_shared<Json>(Json::object()))
-{
-}
-
 void Session::message(const std::string& text) const
 {
     if (quiet || json)
@@ -144,18 +144,21 @@ void Session::print(const std::string& text) const
 
 void Session::print_figures(const Json& figures) const
 {
-    figures_->update(figures);
+    if (json)
+        waiting_figures.update(figures);
 }
 
-void Session::print_report(const Json& error) const
+void print_report(const Session& session, const Json& error)
 {
-    if (!json)
+    if (!session.json)
         return;
-    Json object{{"command", command.empty() ? Json() : Json(command)}, {"schema", json_schema}};
-    object.update(*figures_);
+    Json object{{"command", session.command.empty() ? Json() : Json(session.command)},
+                {"schema", json_schema}};
+    object.update(waiting_figures);
     if (!error.is_null())
         object["error"] = error;
-    print(readable(object.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
+    session.print(session.readable(object.dump(2, ' ', false, Json::error_handler_t::replace)) +
+                  "\n");
 }
 
 Progress Session::progress() const

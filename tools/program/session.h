@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -15,17 +14,11 @@ namespace shape::tools {
 /// JSON objects that keep the order in which their fields were added.
 using Json = nlohmann::ordered_json;
 
-/// Of the keys of --json: a new number where a key goes or comes to mean something else; further keys may
-/// come without one.
-constexpr int json_schema = 1;
-
 /// The options that every subcommand has, and its ways to the terminal: stdout carries data, stderr
 /// messages.
 class Session
 {
 public:
-    Session();
-
     std::string command;      ///< Name of the subcommand.
     bool quiet = false;       ///< Nothing on stderr but errors.
     bool json = false;        ///< One JSON object on stdout instead of text.
@@ -47,19 +40,11 @@ public:
     /// @throws FileError if stdout cannot be written for another reason.
     void print(const std::string& text) const;
 
-    /// The figures of the run, for the object that print_report() prints.
+    /// The figures of the run on stdout, after the field `command`, if JSON is wanted.
     void print_figures(const Json& figures) const;
-
-    /// If JSON is wanted: one object on stdout with `command`, `schema`, the figures and, of a run that
-    /// failed, `error`. docs/json.md lists its keys.
-    /// @param error  Empty (null), or the value of `error`.
-    void print_report(const Json& error) const;
 
     /// Stops the work on an interrupt, and draws a bar with the time left if stderr is a terminal.
     [[nodiscard]] Progress progress() const;
-
-private:
-    std::shared_ptr<Json> figures_; ///< Printed last, so that an error finds its place beside them.
 };
 
 /// One line `shape: error: ...` on stderr; control characters become spaces.

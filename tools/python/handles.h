@@ -78,6 +78,5 @@ struct DifferenceHandle
 
 void add_collections(py::module_& module);
 void add_models(py::module_& module);
-void add_registration(py::module_& module);
 
 } // namespace shape::python

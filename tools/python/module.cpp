@@ -10,6 +10,7 @@
 #include "tools/program/arguments.h"
 #include "tools/python/handles.h"
 #include "tools/python/jobs.h"
+#include "tools/python/registration.h"
 
 // libshape._core: what the Python files of the package stand on. Arguments have been checked there.
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 
+#include "tools/python/registration.h"
+
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
@@ -85,8 +87,7 @@ FitOptions fit_options(double smoothness, double growth_smoothness, double landm
 /// (V, F, name) of a file whose triangles need not be a surface.
 py::tuple read_scan(const std::string& path)
 {
-    NamedMesh mesh =
-        run([=](const Progress&) { return read_mesh(path, {.triangulate = true}); });
+    NamedMesh mesh = run([=](const Progress&) { return read_mesh(path, {.triangulate = true}); });
     return py::make_tuple(array_of(std::move(mesh.points)), array_of_faces(mesh.faces), mesh.name);
 }
 
