@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <sstream>
 
 #include "libshape/base/error.h"
@@ -67,6 +68,24 @@ std::string term_of(const CLI::Option& option)
     return bold(bare) + (value.empty() ? "" : " \\fI" + escaped(value) + "\\fR");
 }
 
+/// " (required)", " (needs --mesh)" and the like; names in order, for CLI11 keeps them by address.
+std::string conditions_of(const CLI::Option& option)
+{
+    std::vector<std::string> conditions;
+    if (option.get_required())
+        conditions.emplace_back("required");
+    const auto add = [&](const char* word, const std::set<CLI::Option*>& others) {
+        std::set<std::string> names;
+        for (const CLI::Option* other : others)
+            names.insert(escaped(other->get_name()));
+        for (const std::string& name : names)
+            conditions.push_back(word + name);
+    };
+    add("needs ", option.get_needs());
+    add("excludes ", option.get_excludes());
+    return conditions.empty() ? "" : " (" + CLI::detail::join(conditions, ", ") + ")";
+}
+
 /// "Example:" and lines with two blanks before them.
 std::string examples(const std::string& footer)
 {
@@ -105,12 +124,12 @@ std::string man_page(const CLI::App& program, const CLI::App* command)
     if (!positionals.empty())
         page << ".SH ARGUMENTS\n";
     for (const CLI::Option* positional : positionals)
-        page << entry(term_of(*positional), positional->get_description());
+        page << entry(term_of(*positional) + conditions_of(*positional),
+                      positional->get_description());
     for (const OptionSection& part : option_sections(app)) {
         page << section(part.title);
         for (const CLI::Option* option : part.options)
-            page << entry(term_of(*option) + (option->get_required() ? " (required)" : ""),
-                          option->get_description());
+            page << entry(term_of(*option) + conditions_of(*option), option->get_description());
     }
     if (command != nullptr) {
         page << examples(app.get_footer());
