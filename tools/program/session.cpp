@@ -16,12 +16,16 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/report.h"
 
 namespace shape::tools {
 using namespace internal;
 namespace {
 
 bool bar_is_drawn = false;
+
+/// Printed when the run has ended, so that an error finds its place beside them.
+Json waiting_figures = Json::object();
 
 void clear_bar()
 {
@@ -141,11 +145,21 @@ void Session::print(const std::string& text) const
 
 void Session::print_figures(const Json& figures) const
 {
-    if (!json)
+    if (json)
+        waiting_figures.update(figures);
+}
+
+void print_report(const Session& session, const Json& error)
+{
+    if (!session.json)
         return;
-    Json object{{"command", command}};
-    object.update(figures);
-    print(readable(object.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
+    Json object{{"command", session.command.empty() ? Json() : Json(session.command)},
+                {"schema", json_schema}};
+    object.update(waiting_figures);
+    if (!error.is_null())
+        object["error"] = error;
+    session.print(session.readable(object.dump(2, ' ', false, Json::error_handler_t::replace)) +
+                  "\n");
 }
 
 Progress Session::progress() const
