@@ -21,6 +21,7 @@
 #include "tools/program/interrupt.h"
 #include "tools/program/library_start.h"
 #include "tools/program/memory.h"
+#include "tools/program/ranks.h"
 #include "tools/program/session.h"
 #include "tools/program/spelling.h"
 #include "tools/program/standard_streams.h"
@@ -34,6 +35,7 @@ struct Command
     const char* name;
     Run (*set_up)(CLI::App&);
     const char* ending; ///< What `-o -` prints ends in this.
+    bool is_shared = false; ///< Processes that mpirun starts share its work.
 };
 
 /// In the order of the work: put together, look, model, compare, make, draw.
@@ -42,9 +44,9 @@ constexpr Command commands[] = {
     {"collect", set_up_collect, ".h5"},
     {"check", set_up_check, ""},
     {"info", set_up_info, ""},
-    {"stats", set_up_stats, ".h5"},
-    {"project", set_up_project, ".csv"},
-    {"distance", set_up_distance, ".csv"},
+    {"stats", set_up_stats, ".h5", true},
+    {"project", set_up_project, ".csv", true},
+    {"distance", set_up_distance, ".csv", true},
     {"quality", set_up_quality, ".csv"},
     {"generate", set_up_generate, ".ply"},
     {"groups", set_up_groups, ".csv"},
@@ -55,6 +57,7 @@ constexpr Command commands[] = {
     {"interpolate", set_up_interpolate, ".ply"},
     {"reconstruct", set_up_reconstruct, ".ply"},
     {"conformal", set_up_conformal, ".ply"},
+    {"merge", set_up_merge, ""},
     {"draw", set_up_draw, ".svg"},
     {"explore", set_up_explore, ".html"},
     {"report", set_up_explore, ".html"},
@@ -222,9 +225,16 @@ int run(std::vector<std::string> arguments, std::optional<StandardStreams>& stre
             set_thread_count(static_cast<int>(session.threads));
         const CLI::App* chosen = program.get_subcommands().front();
         session.command = chosen->get_name();
+        if (ranks().count > 1 && !command->is_shared)
+            throw UsageError(join("`shape ", session.command, "` runs in one process; mpirun is for "
+                                  "stats, project and distance"));
+        if (!ranks().speaks()) {
+            session.quiet = true;
+            session.json = false;
+        }
         refuse_pipes(*chosen);
         runs.at(chosen)(session);
-        if (const std::string output = streams->output(); !output.empty())
+        if (const std::string output = streams->output(); !output.empty() && ranks().speaks())
             session.print(output);
         return Done;
     } catch (const CLI::CallForVersion& version) {
@@ -242,9 +252,11 @@ int guarded_run(std::vector<std::string> arguments)
 {
     std::optional<StandardStreams> streams;
     const auto report_error = [&](const std::string& text) {
+        let_first_rank_speak();
         tools::report_error(streams ? streams->readable(text) : text);
     };
     try {
+        join_ranks();
         return run(std::move(arguments), streams);
     } catch (const UsageError& error) {
         return report_error(error.what()), UsageFailure;
@@ -278,5 +290,6 @@ int main(int argc, char** argv)
     shape::rehearse_hdf5_files(true);
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
-    return shape::tools::guarded_run({argv + std::min(argc, 1), argv + argc});
+    return shape::tools::leave_ranks(
+        shape::tools::guarded_run({argv + std::min(argc, 1), argv + argc}));
 }

@@ -13,7 +13,8 @@
 #include "libshape/mesh/dihedral_angles.h"
 #include "tests/support/collections.h"
 #include "tests/support/files.h"
-#include "tests/support/meshes.h"
+#include "tests/support/folded.h"
+#include "tests/support/thread_ranks.h"
 #include "tests/support/thread_scope.h"
 
 namespace shape {
@@ -21,18 +22,6 @@ using namespace internal;
 namespace {
 
 using Eigen::Index;
-
-/// Flattened spheres, half of them turned inside out: angles near pi on both sides of it.
-Collection folded(int count)
-{
-    Collection collection = test::bumpy_spheres(count, 4);
-    for (int i = 0; i < count; ++i) {
-        Points& points = collection.points[static_cast<std::size_t>(i)];
-        points = test::bumpy_sphere(1, 0.1, static_cast<unsigned>(i)).points;
-        points.col(2) *= i % 2 == 0 ? 0.02 : -0.02;
-    }
-    return collection;
-}
 
 /// Every array of the models, relative to what it holds at most.
 void expect_near(const ShapeModel& a, const ShapeModel& b, double tolerance)
@@ -66,7 +55,7 @@ std::vector<SpaceOptions> spaces()
 
 TEST(StreamedFit, GivesTheModelOfTheCollectionInMemory)
 {
-    for (const Collection& collection : {test::bumpy_spheres(30, 1), folded(30)})
+    for (const Collection& collection : {test::bumpy_spheres(30, 1), test::folded_spheres(30)})
         for (const SpaceOptions& space : spaces()) {
             const ModelOptions options{.modes = 6, .space = space};
             const ShapeModel expected = fit_model(collection, options);
@@ -87,7 +76,7 @@ TEST(StreamedFit, GivesTheModelOfTheCollectionInMemory)
 
 TEST(StreamedFit, TheFoldedMeshesNeedTheBranchRuleIndeed)
 {
-    const Collection collection = folded(30);
+    const Collection collection = test::folded_spheres(30);
     double sharpest = 0.0;
     for (const Points& points : collection.points)
         sharpest =
@@ -144,7 +133,7 @@ void expect_same_bits(const ShapeModel& a, const ShapeModel& b)
 
 TEST(StreamedFit, HasTheSameBitsForAnyThreadCountAndWhenItIsResumedAfterAnyPass)
 {
-    const Collection collection = folded(40);
+    const Collection collection = test::folded_spheres(40);
     for (const FitAlgorithm algorithm : {FitAlgorithm::Gram, FitAlgorithm::Krylov}) {
         const ModelOptions options{.modes = 4};
         std::vector<PassState> states;
@@ -167,6 +156,45 @@ TEST(StreamedFit, HasTheSameBitsForAnyThreadCountAndWhenItIsResumedAfterAnyPass)
         EXPECT_THROW((void)fit_model(stream_of(test::bumpy_spheres(39, 1)), options,
                                      {.algorithm = algorithm, .state = states.front()}),
                      InvalidInput);
+    }
+}
+
+TEST(StreamedFit, HasTheSameBitsForOneTwoAndFourProcesses)
+{
+    const Collection collection = test::folded_spheres(150);
+    const std::uint64_t memory = std::uint64_t{2} << 20; // several passes
+    for (const FitAlgorithm algorithm : {FitAlgorithm::Gram, FitAlgorithm::Krylov}) {
+        const auto fits = [&](int count, const std::optional<PassState>& state,
+                              std::vector<PassState>* states) {
+            std::vector<StreamedFit> found(static_cast<std::size_t>(count));
+            test::run_as_ranks(count, [&](const Ranks& ranks) {
+                StreamOptions stream{.memory = memory, .algorithm = algorithm, .tolerance = 1e-9};
+                stream.ranks = ranks;
+                stream.state = state;
+                if (states != nullptr && ranks.speaks())
+                    stream.save = [states](const PassState& s) { states->push_back(s); };
+                found[static_cast<std::size_t>(ranks.number)] =
+                    fit_model(stream_of(collection), {.modes = 4}, stream);
+            });
+            return found;
+        };
+        std::vector<PassState> states;
+        const StreamedFit alone = fits(1, {}, &states).front();
+        EXPECT_GT(states.size(), 1U);
+        for (const int count : {2, 4})
+            for (const StreamedFit& fit : fits(count, {}, nullptr)) {
+                expect_same_bits(fit.model, alone.model);
+                EXPECT_EQ(fit.model.reference_points, alone.model.reference_points);
+                EXPECT_EQ(fit.model.total_variance, alone.model.total_variance);
+                EXPECT_EQ(fit.passes, alone.passes);
+                EXPECT_EQ(fit.error, alone.error);
+            }
+        expect_same_bits(fits(2, states[states.size() / 2], nullptr)[1].model, alone.model);
+        expect_near(alone.model,
+                    fit_model(stream_of(collection), {.modes = 4},
+                              {.memory = memory, .algorithm = algorithm, .tolerance = 1e-9})
+                        .model,
+                    1e-7);
     }
 }
 

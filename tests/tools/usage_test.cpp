@@ -10,7 +10,8 @@ namespace {
 const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
                          "generate",  "distance", "quality",    "groups",      "classify",
                          "regress",   "remove",   "difference", "interpolate", "reconstruct",
-                         "conformal", "draw",     "explore",    "report",      "synth"};
+                         "conformal", "merge",    "draw",       "explore",     "report",
+                         "synth"};
 
 /// A wrong command line and what its error must name.
 struct WrongUsage
