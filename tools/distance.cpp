@@ -173,12 +173,12 @@ std::vector<std::pair<std::string, std::function<void()>>> further_outputs(
     std::vector<std::pair<std::string, std::function<void()>>> writers;
     for (const auto& [option, path] : outputs(arguments)) {
         if (option == "--plot")
-            writers.emplace_back(path, [path, picture = draw_scaling(meshes, values, found.scaling,
+            writers.emplace_back(path, [path = path, picture = draw_scaling(meshes, values, found.scaling,
                                                                      arguments.points)] {
                 write_picture(path, picture);
             });
         else if (option == "--heat-map")
-            writers.emplace_back(path, [path, picture = heat_map_svg({.title = {},
+            writers.emplace_back(path, [path = path, picture = heat_map_svg({.title = {},
                                                                       .names = meshes.names,
                                                                       .label_values = values,
                                                                       .distances = found.matrix,
@@ -186,7 +186,7 @@ std::vector<std::pair<std::string, std::function<void()>>> further_outputs(
                 write_picture(path, picture);
             });
         else if (option != "-o")
-            writers.emplace_back(path, [path, table = option == "--mds" ? scaled : clustered] {
+            writers.emplace_back(path, [path = path, table = option == "--mds" ? scaled : clustered] {
                 write_table(path, table);
             });
     }

@@ -123,7 +123,8 @@ private:
 
     SumAnswers find_answers(const SumQuestions& questions)
     {
-        result_.by_inner_products = inner_products_pay(questions);
+        result_.by_inner_products =
+            options_.by_inner_products.value_or(inner_products_pay(questions));
         return result_.by_inner_products ? answers_by_inner_products(questions)
                                          : answers_by_sums(questions);
     }

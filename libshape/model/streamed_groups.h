@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "libshape/base/progress.h"
 #include "libshape/mesh/mesh_stream.h"
@@ -21,6 +22,8 @@ struct StreamedGroupsOptions
     BootstrapOptions bootstrap = {};
     /// N by any number of covariates of the meshes of these sizes (see sizes() of shape_space.h).
     std::function<Eigen::MatrixXd(const Eigen::VectorXd& sizes)> covariates = {};
+    /// Whether the sums come from all inner products, or from passes; not given: what costs less.
+    std::optional<bool> by_inner_products = {};
     bool with_companions = false; ///< Whether the dihedral angles of the means are wanted.
     /// What may be held at a time [byte]; 0: a quarter of the machine's.
     std::uint64_t memory = 0;

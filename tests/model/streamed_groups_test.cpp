@@ -73,26 +73,26 @@ void expect_near(const StreamedGroups& a, const GroupComparison& comparison,
               1e-9 * spread.distance_radii.maxCoeff());
 }
 
-/// With and without inner products, whose way is chosen by what costs less.
 TEST(StreamedGroups, AreWhatTheCollectionInMemoryGives)
 {
     const Collection collection = test::bumpy_spheres(24, 2);
     for (const Design& design : designs())
         for (const bool adjusts : {false, true})
-            for (const int permutations : {4, 99}) {
-                SCOPED_TRACE(internal::join(design.name, " ", adjusts, " ", permutations));
+            for (const bool by_inner_products : {false, true}) {
+                SCOPED_TRACE(internal::join(design.name, " ", adjusts, " ", by_inner_products));
                 const GroupedShapes shapes = group_shapes(collection, design.groups, {});
                 const Eigen::MatrixXd covariates =
                     adjusts ? Eigen::MatrixXd(shapes.sizes) : Eigen::MatrixXd(24, 0);
                 StreamedGroupsOptions options;
-                options.permutations.permutations = permutations;
-                options.bootstrap.replicates = permutations;
+                options.permutations.permutations = 49;
+                options.bootstrap.replicates = 40;
                 options.with_companions = true;
+                options.by_inner_products = by_inner_products;
                 if (adjusts)
                     options.covariates = [](const Eigen::VectorXd& sizes) { return sizes; };
                 const StreamedGroups found =
                     compare_groups(stream_of(collection), design.groups, design.blocks, options);
-                EXPECT_EQ(found.by_inner_products, permutations == 99);
+                EXPECT_EQ(found.by_inner_products, by_inner_products);
                 expect_near(
                     found,
                     compare_groups(shapes.products, design.groups, design.blocks, covariates,
@@ -119,14 +119,14 @@ TEST(StreamedGroups, HaveTheSameBitsForAnyMemoryAndThreadCount)
     const auto found = [&](std::uint64_t memory, int threads) {
         const test::ThreadScope scope(threads);
         StreamedGroupsOptions options;
-        options.permutations.permutations = 9;
-        options.bootstrap.replicates = 1;
+        options.permutations.permutations = 99;
+        options.bootstrap.replicates = 20;
+        options.by_inner_products = false;
         options.memory = memory;
         return compare_groups(stream_of(collection), design.groups, design.blocks, options);
     };
     const StreamedGroups much = found(1 << 30, 3);
-    const StreamedGroups little = found(100000, 1);
-    EXPECT_FALSE(much.by_inner_products);
+    const StreamedGroups little = found(200000, 1);
     EXPECT_GT(little.passes, much.passes);
     EXPECT_EQ(much.comparison.overall.sum_of_squares, little.comparison.overall.sum_of_squares);
     EXPECT_EQ(much.comparison.overall.residual_sum_of_squares,
@@ -134,6 +134,20 @@ TEST(StreamedGroups, HaveTheSameBitsForAnyMemoryAndThreadCount)
     EXPECT_EQ(much.spread.distances, little.spread.distances);
     EXPECT_EQ(much.spread.variances, little.spread.variances);
     EXPECT_EQ(much.spread_test.f, little.spread_test.f);
+}
+
+TEST(StreamedGroups, TakeTheWayThatCostsLess)
+{
+    const Collection collection = test::bumpy_spheres(24, 1);
+    StreamedGroupsOptions options;
+    options.bootstrap.replicates = 1;
+    const auto takes_inner_products = [&](int permutations) {
+        options.permutations.permutations = permutations;
+        return compare_groups(stream_of(collection), designs()[1].groups, groups_of_one(24), options)
+            .by_inner_products;
+    };
+    EXPECT_FALSE(takes_inner_products(5));
+    EXPECT_TRUE(takes_inner_products(99));
 }
 
 TEST(StreamedGroups, RefuseWhatBreaksARule)
