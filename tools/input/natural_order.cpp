@@ -29,11 +29,11 @@ std::size_t end_of_digits(std::string_view text, std::size_t at)
 /// A piece of a name: a number, or one other character.
 struct Piece
 {
-    std::string_view text;
+    std::string_view text = {};
     bool is_number = false;
     bool is_negative = false;
-    std::string_view whole;    ///< Digits before the point, without leading zeros.
-    std::string_view fraction; ///< Digits behind it, without zeros at the end.
+    std::string_view whole = {};    ///< Digits before the point, without leading zeros.
+    std::string_view fraction = {}; ///< Digits behind it, without zeros at the end.
 };
 
 Piece piece_at(std::string_view text, std::size_t begin)
