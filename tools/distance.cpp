@@ -133,8 +133,7 @@ Table scaling_table(const MeshLabels& meshes, const ClassicalScaling& scaling)
 std::string draw_scaling(const MeshLabels& meshes, const std::vector<std::string>& values,
                          const ClassicalScaling& scaling, const PointPlotArguments& points)
 {
-    Plot plot =
-        score_plot(scaling.points, meshes.names, values, {}, score_plot_options(points));
+    Plot plot = score_plot(scaling.points, meshes.names, values, {}, score_plot_options(points));
     const auto axis = [&](Eigen::Index k) {
         const double share = // of equal meshes there is nothing to share
             scaling.total > 0.0 ? std::max(scaling.eigenvalues[k], 0.0) / scaling.total : 0.0;
@@ -173,22 +172,25 @@ std::vector<std::pair<std::string, std::function<void()>>> further_outputs(
     std::vector<std::pair<std::string, std::function<void()>>> writers;
     for (const auto& [option, path] : outputs(arguments)) {
         if (option == "--plot")
-            writers.emplace_back(path, [path = path, picture = draw_scaling(meshes, values, found.scaling,
-                                                                     arguments.points)] {
-                write_picture(path, picture);
-            });
+            writers.emplace_back(
+                path, [path = path,
+                       picture = draw_scaling(meshes, values, found.scaling, arguments.points)] {
+                    write_picture(path, picture);
+                });
         else if (option == "--heat-map")
-            writers.emplace_back(path, [path = path, picture = heat_map_svg({.title = {},
-                                                                      .names = meshes.names,
-                                                                      .label_values = values,
-                                                                      .distances = found.matrix,
-                                                                      .clustering = clustering})] {
-                write_picture(path, picture);
-            });
+            writers.emplace_back(path,
+                                 [path = path, picture = heat_map_svg({.title = {},
+                                                                       .names = meshes.names,
+                                                                       .label_values = values,
+                                                                       .distances = found.matrix,
+                                                                       .clustering = clustering})] {
+                                     write_picture(path, picture);
+                                 });
         else if (option != "-o")
-            writers.emplace_back(path, [path = path, table = option == "--mds" ? scaled : clustered] {
-                write_table(path, table);
-            });
+            writers.emplace_back(path,
+                                 [path = path, table = option == "--mds" ? scaled : clustered] {
+                                     write_table(path, table);
+                                 });
     }
     return writers;
 }
@@ -228,8 +230,8 @@ void write_all(const Session& session, const Arguments& arguments, const MeshLab
     const ClassicalScaling& scaling = found.scaling;
     Json figures{{"outputs", written}, {"meshes", meshes.size()}};
     figures.update(space_figures(found.space));
-    std::string text = join(written.front().get<std::string>(), ": distances between ",
-                            meshes.size(), " meshes");
+    std::string text =
+        join(written.front().get<std::string>(), ": distances between ", meshes.size(), " meshes");
     if (!arguments.output.empty()) {
         figures["mean"] = extent.mean(meshes.size());
         figures["largest"] = extent.largest;
@@ -278,7 +280,8 @@ void measure_in_passes(const Session& session, const Arguments& arguments, const
     const bool holds = !arguments.clusters.empty() || !arguments.heat_map.empty();
     if (holds)
         check_matrix(arguments, meshes);
-    Findings found{make_space(meshes, arguments.space, 8), classical_scaling(meshes, 2, options), {}};
+    Findings found{
+        make_space(meshes, arguments.space, 8), classical_scaling(meshes, 2, options), {}};
     if (holds) {
         found.matrix.resize(meshes.size(), meshes.size());
         (void)for_each_distance_row(

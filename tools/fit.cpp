@@ -333,8 +333,9 @@ void run(const Session& session, const Arguments& given)
         scans.push_back(all_scans[i]);
     if (arguments.shard.is_given()) {
         if (fs::path(arguments.output).extension() == ".h5")
-            throw UsageError("--shard needs a directory as -o; `shape collect` makes a collection of "
-                             "what `shape merge` has put together");
+            throw UsageError(
+                "--shard needs a directory as -o; `shape collect` makes a collection of "
+                "what `shape merge` has put together");
         arguments.output = arguments.shard.directory(arguments.output).string();
     }
     std::vector<std::string> names;

@@ -192,8 +192,8 @@ void compare_in_memory(const Session& session, const Arguments& arguments,
     const Collection collection = read_labelled(session, arguments.input);
     const Setting setting = prepare(session, arguments, collection, inputs);
     const Grouping& groups = setting.groups;
-    Findings findings{groups, members(groups), group_shapes(collection, groups, arguments.space),
-                      {},     {},              {}};
+    Findings findings{
+        groups, members(groups), group_shapes(collection, groups, arguments.space), {}, {}, {}};
     const Eigen::MatrixXd products = std::move(findings.shapes.products);
     warn_of_alignment(session, findings.shapes.space);
     throw_if_interrupted();
@@ -217,24 +217,21 @@ void compare_in_passes(const Session& session, const Arguments& arguments,
                        const std::vector<std::filesystem::path>& inputs, const MeshStream& meshes)
 {
     const Setting setting = prepare(session, arguments, meshes, inputs);
-    StreamedGroups found = compare_groups(
-        meshes, setting.groups, setting.blocks,
-        {.space = arguments.space,
-         .permutations = permutation_options(session, arguments),
-         .bootstrap = bootstrap_options(session, arguments),
-         .covariates =
-             [&](const Eigen::VectorXd& sizes) {
-                 return covariates_of(meshes, sizes, arguments.covariates);
-             },
-         .with_companions = setting.means != nullptr,
-         .memory = arguments.memory.bytes,
-         .progress = session.progress()});
-    const Findings findings{setting.groups,
-                            members(setting.groups),
-                            std::move(found.shapes),
-                            std::move(found.comparison),
-                            std::move(found.spread),
-                            found.spread_test};
+    StreamedGroups found =
+        compare_groups(meshes, setting.groups, setting.blocks,
+                       {.space = arguments.space,
+                        .permutations = permutation_options(session, arguments),
+                        .bootstrap = bootstrap_options(session, arguments),
+                        .covariates =
+                            [&](const Eigen::VectorXd& sizes) {
+                                return covariates_of(meshes, sizes, arguments.covariates);
+                            },
+                        .with_companions = setting.means != nullptr,
+                        .memory = arguments.memory.bytes,
+                        .progress = session.progress()});
+    const Findings findings{setting.groups,          members(setting.groups),
+                            std::move(found.shapes), std::move(found.comparison),
+                            std::move(found.spread), found.spread_test};
     throw_if_interrupted();
     Json figures{{"outputs", Json::array()}};
     if (setting.means)

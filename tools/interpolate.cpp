@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/safe_range.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "tools/commands.h"
@@ -155,14 +156,16 @@ void run(const Session& session, const Arguments& arguments)
 
     const Shard& shard = arguments.shard;
     if (shard.is_given() && blends.is_sequence)
-        throw UsageError("--shard is for blends that are no path: a frame of a path is placed as "
-                         "the one before it");
+        throw UsageError(
+            "--shard is for blends that are no path: a frame of a path is placed as "
+            "the one before it");
     Sequence sequence{topology, collection.points, {}, blends.is_sequence};
     for (const std::size_t i : shard.own(blends.weights.size()))
-        sequence.targets.push_back(
-            {numbered_name("frame", i), [&vectors, &arguments, &part, &weights = blends.weights[i]] {
-                 return part.scale(blend(vectors, weights, arguments.lengths), weights);
-             }});
+        sequence.targets.push_back({numbered_name("frame", i),
+                                    [&vectors, &arguments, &part, &weights = blends.weights[i]] {
+                                        return part.scale(
+                                            blend(vectors, weights, arguments.lengths), weights);
+                                    }});
     MeshOutputArguments place = arguments.output;
     if (shard.is_given())
         place.path = shard.directory(place.path).string() + "/";

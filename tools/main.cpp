@@ -34,7 +34,7 @@ struct Command
 {
     const char* name;
     Run (*set_up)(CLI::App&);
-    const char* ending; ///< What `-o -` prints ends in this.
+    const char* ending;     ///< What `-o -` prints ends in this.
     bool is_shared = false; ///< Processes that mpirun starts share its work.
 };
 
@@ -226,7 +226,8 @@ int run(std::vector<std::string> arguments, std::optional<StandardStreams>& stre
         const CLI::App* chosen = program.get_subcommands().front();
         session.command = chosen->get_name();
         if (ranks().count > 1 && !command->is_shared)
-            throw UsageError(join("`shape ", session.command, "` runs in one process; mpirun is for "
+            throw UsageError(join("`shape ", session.command,
+                                  "` runs in one process; mpirun is for "
                                   "stats, project and distance"));
         if (!ranks().speaks()) {
             session.quiet = true;

@@ -17,7 +17,8 @@ using namespace internal;
 Run set_up_merge(CLI::App& command)
 {
     command.description(
-        "Put the shards of a command together, OUT.shard-1-of-N to OUT.shard-N-of-N as --shard has\n"
+        "Put the shards of a command together, OUT.shard-1-of-N to OUT.shard-N-of-N as --shard "
+        "has\n"
         "made them, once all of them are there, complete and of one run: their files go into OUT,\n"
         "and they are removed. Nothing is changed before that is known.");
     command.footer(

@@ -117,10 +117,9 @@ Projection project_in_blocks(const Session& session, const ShapeModel& model,
         all.residuals.segment(first, some.sizes.size()) = some.residuals;
         progress("projecting", to_size(first - begin) + part.size(), to_size(end - begin));
     });
-    for (const auto& [numbers, size] : {std::pair(all.scores.data(), all.scores.size()),
-                                        {all.sizes.data(), all.sizes.size()},
-                                        {all.residuals.data(), all.residuals.size()}})
-        ranks().add_up({numbers, to_size(size)});
+    ranks().add_up({all.scores.data(), to_size(all.scores.size())});
+    ranks().add_up({all.sizes.data(), to_size(all.sizes.size())});
+    ranks().add_up({all.residuals.data(), to_size(all.residuals.size())});
     return all;
 }
 

@@ -13,7 +13,7 @@ namespace shape {
 /// @param make_rows  Called once with a function that takes a row of as many cells as columns.
 void write_long_table(
     const std::filesystem::path& path, const std::vector<std::string>& columns,
-    const std::function<void(
-        const std::function<void(const std::vector<std::string>& cells)>& add)>& make_rows);
+    const std::function<
+        void(const std::function<void(const std::vector<std::string>& cells)>& add)>& make_rows);
 
 } // namespace shape

@@ -81,8 +81,9 @@ void MeshPasses::run_lot(const PassRange& range, Index lot, const Visit& visit)
 {
     const auto [begin, end, tile] = range;
     if (ranks_.lots == 1)
-        return for_each_block(meshes_, begin, end, tile,
-                              [&](Index first, const Collection& part) { visit(first, part, rows_); });
+        return for_each_block(meshes_, begin, end, tile, [&](Index first, const Collection& part) {
+            visit(first, part, rows_);
+        });
     std::vector<std::size_t> own;
     for (Index first = begin + lot * tile; first < end; first += ranks_.lots * tile)
         for (Index mesh = first; mesh < std::min(first + tile, end); ++mesh)

@@ -46,8 +46,7 @@ public:
     /// All meshes.
     [[nodiscard]] PassRange all(Eigen::Index tile) const { return {0, meshes_.size(), tile}; }
 
-    using Visit =
-        std::function<void(Eigen::Index first, const Collection& block, RowMatrix& rows)>;
+    using Visit = std::function<void(Eigen::Index first, const Collection& block, RowMatrix& rows)>;
 
     /// A pass of which each process sees its own tiles. visit() may fill the array, which is kept: fresh
     /// memory costs more than what is done in it.

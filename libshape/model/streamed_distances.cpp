@@ -110,14 +110,11 @@ ClassicalScaling classical_scaling(const MeshStream& meshes, int dimensions,
     const auto modes = std::min<Index>(dimensions, meshes.size() - 1);
     const StreamedFit fit =
         fit_model(meshes, {.modes = static_cast<int>(modes), .space = options.space},
-                  {.memory = options.memory,
-                   .progress = options.progress,
-                   .ranks = options.ranks});
+                  {.memory = options.memory, .progress = options.progress, .ranks = options.ranks});
     const ShapeModel& model = fit.model;
     const double degrees = static_cast<double>(meshes.size() - 1);
     Eigen::MatrixXd points = Eigen::MatrixXd::Zero(meshes.size(), dimensions);
-    ClassicalScaling result{
-        {}, Eigen::VectorXd::Zero(dimensions), degrees * model.total_variance};
+    ClassicalScaling result{{}, Eigen::VectorXd::Zero(dimensions), degrees * model.total_variance};
     for (Index k = 0; k < model.variances.size(); ++k) {
         points.col(k) = model.scores.col(k);
         fix_sign(points.col(k));

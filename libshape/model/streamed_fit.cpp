@@ -240,18 +240,17 @@ private:
             fail_for_memory(counted(weights.cols(), "mode"), model);
         RowMatrix& modes = components_.modes;
         modes = RowMatrix::Zero(weights.cols(), dimension_);
-        passes_.run(
-            "modes", passes_.all(tile),
-            [&](Index first, const Collection& block, RowMatrix& rows) {
-                passes_.encode(block, rows);
-                centre_rows(rows, components_.mean);
-                const auto shares = weights.middleRows(first, rows.rows());
-                for_strips(dimension_, [&](Index begin, Index count) {
-                    add_product_of_columns(shares, rows.middleCols(begin, count),
-                                           modes.middleCols(begin, count));
-                });
-            },
-            {numbers_of(modes)});
+        passes_.run("modes", passes_.all(tile),
+                    [&](Index first, const Collection& block, RowMatrix& rows) {
+                        passes_.encode(block, rows);
+                        centre_rows(rows, components_.mean);
+                        const auto shares = weights.middleRows(first, rows.rows());
+                        for_strips(dimension_, [&](Index begin, Index count) {
+                            add_product_of_columns(shares, rows.middleCols(begin, count),
+                                                   modes.middleCols(begin, count));
+                        });
+                    },
+                    {numbers_of(modes)});
         orthonormalise(modes, weights);
     }
 
@@ -327,25 +326,25 @@ private:
                       : Eigen::VectorXd();
         Eigen::VectorXd sums = Eigen::VectorXd::Zero(edges);
         // Of small blocks: both kinds of modes are in memory now.
-        passes_.run(
-            "scores and angles",
-            passes_.all(std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4)),
-            [&](Index first, const Collection& block, RowMatrix& rows) {
-                passes_.encode(block, rows);
-                centre_rows(rows, components_.mean);
-                auto own = scores.middleRows(first, rows.rows());
-                own = coordinates(rows);
-                if (edges == 0)
-                    return;
-                measure_angles(block, rows);
-                internal::unify_branches(rows, branches);
-                centre_rows(rows, first_angles, &sums); // scores sum to 0: rounding stays small
-                for_strips(edges, [&](Index begin, Index count) {
-                    add_product_of_columns(own, rows.middleCols(begin, count),
-                                           mode_angles_.middleCols(begin, count));
-                });
-            },
-            {numbers_of(mode_angles_), numbers_of(sums)});
+        passes_.run("scores and angles",
+                    passes_.all(std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4)),
+                    [&](Index first, const Collection& block, RowMatrix& rows) {
+                        passes_.encode(block, rows);
+                        centre_rows(rows, components_.mean);
+                        auto own = scores.middleRows(first, rows.rows());
+                        own = coordinates(rows);
+                        if (edges == 0)
+                            return;
+                        measure_angles(block, rows);
+                        internal::unify_branches(rows, branches);
+                        centre_rows(rows, first_angles,
+                                    &sums); // scores sum to 0: rounding stays small
+                        for_strips(edges, [&](Index begin, Index count) {
+                            add_product_of_columns(own, rows.middleCols(begin, count),
+                                                   mode_angles_.middleCols(begin, count));
+                        });
+                    },
+                    {numbers_of(mode_angles_), numbers_of(sums)});
         passes_.gather(numbers_of(scores));
         if (edges > 0)
             mean_angles_ = first_angles + sums / static_cast<double>(meshes_.size());

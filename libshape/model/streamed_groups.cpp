@@ -57,10 +57,10 @@ public:
     {
         learn();
         const Index count = passes_.meshes().size();
-        GroupComparisonPlan comparison(groups_, blocks_,
-                                       options_.covariates ? options_.covariates(result_.shapes.sizes)
-                                                           : MatrixXd(count, 0),
-                                       options_.permutations);
+        GroupComparisonPlan comparison(
+            groups_, blocks_,
+            options_.covariates ? options_.covariates(result_.shapes.sizes) : MatrixXd(count, 0),
+            options_.permutations);
         GroupSpreadPlan spread(groups_, blocks_, options_.bootstrap);
         SumQuestions questions;
         comparison.ask(questions);
@@ -84,19 +84,21 @@ private:
         GroupedShapes& shapes = result_.shapes;
         shapes.means = RowMatrix::Zero(groups_.group_count(), passes_.dimension());
         Eigen::VectorXd origin;
-        passes_.run("means", passes_.all(tile), [&](Index first, const Collection& block, RowMatrix& rows) {
-            passes_.encode(block, rows, shapes.sizes.segment(first, static_cast<Index>(block.size())));
-            if (first == 0) {
-                result_.reference_points = block.points.front();
-                origin = rows.colwise().mean().transpose();
-            }
-            centre_rows(rows, origin); // sums of what is small round little
-            add_by_group(groups_, first, rows, shapes.means);
-            if (angle_sums_ > 0) {
-                measure_angles(block, rows);
-                branches_.add(rows);
-            }
-        });
+        passes_.run(
+            "means", passes_.all(tile), [&](Index first, const Collection& block, RowMatrix& rows) {
+                passes_.encode(block, rows,
+                               shapes.sizes.segment(first, static_cast<Index>(block.size())));
+                if (first == 0) {
+                    result_.reference_points = block.points.front();
+                    origin = rows.colwise().mean().transpose();
+                }
+                centre_rows(rows, origin); // sums of what is small round little
+                add_by_group(groups_, first, rows, shapes.means);
+                if (angle_sums_ > 0) {
+                    measure_angles(block, rows);
+                    branches_.add(rows);
+                }
+            });
         mean_ = origin + shapes.means.colwise().sum().transpose() /
                              static_cast<double>(passes_.meshes().size());
         shapes.mean_sizes.resize(groups_.group_count());
@@ -152,11 +154,12 @@ private:
         PointPasses points{passes_.meshes().size(), passes_.dimension(), {}, {}};
         points.group_means = result_.shapes.means.rowwise() - mean_.transpose();
         points.pass = [&](const PointPasses::Visit& visit) {
-            passes_.run("sums", passes_.all(tile), [&](Index first, const Collection& block, RowMatrix& rows) {
-                passes_.encode(block, rows);
-                centre_rows(rows, mean_);
-                visit(first, rows);
-            });
+            passes_.run("sums", passes_.all(tile),
+                        [&](Index first, const Collection& block, RowMatrix& rows) {
+                            passes_.encode(block, rows);
+                            centre_rows(rows, mean_);
+                            visit(first, rows);
+                        });
         };
         return answer(points, questions, passes_.memory() / 2);
     }

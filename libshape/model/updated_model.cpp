@@ -77,13 +77,12 @@ ShapeModel update_model(const ShapeModel& model, const Collection& added,
     append_labels(labels, model.names.size(), added.labels, added.size());
     std::vector<std::string> names = model.names;
     names.insert(names.end(), added.names.begin(), added.names.end());
-    return model_of(
-        {.topology = model.topology,
-         .reference_points = model.reference_points,
-         .space = model.space,
-         .names = std::move(names),
-         .labels = std::move(labels)},
-        std::move(coordinates), angles, std::move(all_sizes), options);
+    return model_of({.topology = model.topology,
+                     .reference_points = model.reference_points,
+                     .space = model.space,
+                     .names = std::move(names),
+                     .labels = std::move(labels)},
+                    std::move(coordinates), angles, std::move(all_sizes), options);
 }
 
 } // namespace shape

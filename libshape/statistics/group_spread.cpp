@@ -65,8 +65,8 @@ Resampling resampling(const Grouping& groups, const Grouping& blocks)
 
 GroupSpreadPlan::GroupSpreadPlan(const Grouping& groups, const Grouping& blocks,
                                  const BootstrapOptions& options)
-    : model_(std::make_shared<const Model>(Model{
-          groups, members(groups), options, {resampling(groups, blocks), options}}))
+    : model_(std::make_shared<const Model>(
+          Model{groups, members(groups), options, {resampling(groups, blocks), options}}))
 {
 }
 
@@ -120,8 +120,7 @@ GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
         }
         return result;
     };
-    RowMatrix replicates(static_cast<Index>(moves.size()),
-                         group_count + group_count * group_count);
+    RowMatrix replicates(static_cast<Index>(moves.size()), group_count + group_count * group_count);
     parallel_for(moves.size(), 1, [&](std::size_t r, std::size_t) {
         const VectorXd times = model_->draws.times(static_cast<int>(r));
         auto row = replicates.row(static_cast<Index>(r));
@@ -185,8 +184,8 @@ LinearModelTest test_spread(const MatrixXd& products, const Grouping& groups,
 {
     SumQuestions questions;
     questions.groups = groups;
-    return test_spread_of_distances(
-        answer(products, questions).squares_about_means.cwiseSqrt(), groups, blocks, options);
+    return test_spread_of_distances(answer(products, questions).squares_about_means.cwiseSqrt(),
+                                    groups, blocks, options);
 }
 
 } // namespace shape

@@ -126,9 +126,13 @@ struct PermutedRows
 {
     std::vector<std::uint8_t> few;
     std::vector<std::int32_t> many;
-    std::vector<RowMatrix> taken; ///< For each member, the shares of the nuisance in the permuted columns.
+    std::vector<RowMatrix>
+        taken; ///< For each member, the shares of the nuisance in the permuted columns.
 
-    [[nodiscard]] int at(std::size_t place) const { return many.empty() ? few[place] : many[place]; }
+    [[nodiscard]] int at(std::size_t place) const
+    {
+        return many.empty() ? few[place] : many[place];
+    }
 };
 
 } // namespace
@@ -180,8 +184,7 @@ LinearModelPlan::LinearModelPlan(Observations observations, const MatrixXd& test
     degrees_.permutations = options.permutations;
     degrees_.degrees_of_freedom = static_cast<int>(left.cols());
     degrees_.residual_degrees_of_freedom =
-        static_cast<int>(count - blocks.group_count() - taken.cols()) -
-        degrees_.degrees_of_freedom;
+        static_cast<int>(count - blocks.group_count() - taken.cols()) - degrees_.degrees_of_freedom;
     if (degrees_.degrees_of_freedom == 0)
         throw InvalidInput(
             "linear model: what is tested does not vary beyond the blocks and the other columns");
@@ -190,8 +193,8 @@ LinearModelPlan::LinearModelPlan(Observations observations, const MatrixXd& test
                                 " blocks with ", taken.cols(), " nuisance columns and ",
                                 degrees_.degrees_of_freedom,
                                 " tested ones leave no degree of freedom"));
-    model_ = std::make_shared<const Model>(
-        Model{std::move(observations), lists, left, taken, options});
+    model_ =
+        std::make_shared<const Model>(Model{std::move(observations), lists, left, taken, options});
 }
 
 /// R P [tested, nuisance]: member 0 takes the observations as they are, the others permute them. R takes
@@ -208,8 +211,8 @@ SumFamily LinearModelPlan::family() const
     family.members = model_->options.permutations + 1;
     family.columns = {{width, model_->observations.points}};
     family.bytes_per_member = to_size(count) * (distinct->are_few() ? 1 : 4);
-    family.prepare = [model = model_, distinct, seeds = model_->seeds(), count,
-                       width](Index begin, Index end) -> SumFamily::Fill {
+    family.prepare = [model = model_, distinct, seeds = model_->seeds(), count, width](
+                         Index begin, Index end) -> SumFamily::Fill {
         const MatrixXd& nuisance = model->nuisance;
         const auto permuted = std::make_shared<PermutedRows>();
         const auto size = to_size(count * (end - begin));
@@ -234,8 +237,8 @@ SumFamily LinearModelPlan::family() const
             }
             permuted->taken.push_back(std::move(taken));
         }
-        return [model, distinct, permuted, begin, count](
-                   Index member, std::size_t, std::size_t from, Block weights) {
+        return [model, distinct, permuted, begin, count](Index member, std::size_t,
+                                                         std::size_t from, Block weights) {
             const std::size_t first = to_size((member - begin) * count);
             for (Index i = 0; i < weights.rows(); ++i) {
                 const std::size_t point = from + to_size(i);

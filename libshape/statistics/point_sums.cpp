@@ -29,7 +29,7 @@ MatrixXd weights_of(const SumFamily& family, Index points, Index begin, Index en
         for (Index member = begin; member < end; ++member) {
             fill(member, set, 0, part);
             weights.middleCols((member - begin) * width + left, columns.width)(columns.support,
-                                                                              Eigen::all) = part;
+                                                                               Eigen::all) = part;
         }
         left += columns.width;
     }
@@ -41,8 +41,8 @@ std::vector<MatrixXd> products_of_sums(const MatrixXd& products, const SumFamily
     std::vector<MatrixXd> result(to_size(family.members));
     const Index width = family.width();
     parallel_for(result.size(), grain, [&](std::size_t begin, std::size_t end) {
-        const MatrixXd weights = weights_of(family, products.rows(), static_cast<Index>(begin),
-                                            static_cast<Index>(end));
+        const MatrixXd weights =
+            weights_of(family, products.rows(), static_cast<Index>(begin), static_cast<Index>(end));
         const MatrixXd images = products * weights;
         for (std::size_t member = begin; member < end; ++member) {
             const Index left = static_cast<Index>(member - begin) * width;
@@ -64,7 +64,8 @@ Eigen::VectorXd squares_of_parts(const MatrixXd& products, const PartSums& parts
         for (const int i : members[part]) {
             double row = 0.0;
             for (const int j : members[part])
-                row += parts.weights[j] * products(parts.points[to_size(j)], parts.points[to_size(i)]);
+                row +=
+                    parts.weights[j] * products(parts.points[to_size(j)], parts.points[to_size(i)]);
             sum += parts.weights[i] * row;
         }
         squares[static_cast<Index>(part)] = sum;

@@ -29,8 +29,8 @@ struct SumFamily
 {
     /// Writes weights of a member: those of columns[set] for the points of its support from number
     /// `first` on, a row each.
-    using Fill = std::function<void(Eigen::Index member, std::size_t set, std::size_t first,
-                                    Block weights)>;
+    using Fill =
+        std::function<void(Eigen::Index member, std::size_t set, std::size_t first, Block weights)>;
 
     Eigen::Index members = 0;
     std::vector<SumColumns> columns;
@@ -65,7 +65,7 @@ struct SumAnswers
     Eigen::VectorXd squares; ///< N: of the points.
     /// For each family, and each of its members, the inner products of its sums.
     std::vector<std::vector<Eigen::MatrixXd>> families;
-    std::vector<Eigen::VectorXd> parts; ///< For each, the squares of its sums.
+    std::vector<Eigen::VectorXd> parts;  ///< For each, the squares of its sums.
     Eigen::VectorXd squares_about_means; ///< N: of the distances from the mean of the own group.
 };
 

@@ -31,9 +31,8 @@ public:
 
     [[nodiscard]] std::uint64_t bytes(Index coordinates) const
     {
-        return to_size(end_ - begin_) *
-               (sizeof(double) * to_size(family_->width() * coordinates) +
-                family_->bytes_per_member);
+        return to_size(end_ - begin_) * (sizeof(double) * to_size(family_->width() * coordinates) +
+                                         family_->bytes_per_member);
     }
 
     void start(Index coordinates)

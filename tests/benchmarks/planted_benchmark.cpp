@@ -78,9 +78,8 @@ public:
             stream.names.push_back(join("m", i));
         stream.fetch = [this](std::vector<Index> chosen) -> MeshStream::Unpack {
             return [this, chosen = std::move(chosen)](std::span<Points> points) {
-                parallel_for(points.size(), 1, [&](std::size_t i, std::size_t) {
-                    make(chosen[i], points[i]);
-                });
+                parallel_for(points.size(), 1,
+                             [&](std::size_t i, std::size_t) { make(chosen[i], points[i]); });
             };
         };
         return stream;
@@ -139,14 +138,16 @@ void report_costs()
 int main(int argc, char** argv)
 {
     if (argc != 6)
-        return std::fputs("planted_benchmark stats|groups MESHES SIDE MODES|PERMUTATIONS MB\n", stderr), 2;
+        return std::fputs("planted_benchmark stats|groups MESHES SIDE MODES|PERMUTATIONS MB\n",
+                          stderr),
+               2;
     const Grids grids(std::atoi(argv[2]), std::atoi(argv[3]));
     const int number = std::atoi(argv[4]);
     const std::uint64_t memory = std::strtoull(argv[5], nullptr, 10) * 1000000;
     const MeshStream meshes = grids.stream();
     const SpaceOptions space{.scale = Scale::None, .coordinates = LengthCoordinates::Squared};
-    std::printf("%td meshes, %d vertices, %d edges: ", meshes.size(), meshes.topology.vertex_count(),
-                meshes.topology.edge_count());
+    std::printf("%td meshes, %d vertices, %d edges: ", meshes.size(),
+                meshes.topology.vertex_count(), meshes.topology.edge_count());
     if (std::string(argv[1]) == "stats") {
         const StreamedFit fit =
             fit_model(meshes, {.modes = number, .space = space}, {.memory = memory});
@@ -155,12 +156,12 @@ int main(int argc, char** argv)
         for (int k = 0; k < grids.modes(); ++k)
             total += grids.variance(k);
         for (int k = 0; k < number; ++k)
-            error = std::max(error,
-                             std::abs(fit.model.variances[k] / grids.variance(k) - 1.0));
-        std::printf("%d modes by %s in %d passes; variances within %.1e of the planted ones "
-                    "(estimated %.1e), all of them within %.1e; ",
-                    number, fit.algorithm == FitAlgorithm::Gram ? "gram" : "krylov", fit.passes,
-                    error, fit.error, std::abs(fit.model.total_variance / total - 1.0));
+            error = std::max(error, std::abs(fit.model.variances[k] / grids.variance(k) - 1.0));
+        std::printf(
+            "%d modes by %s in %d passes; variances within %.1e of the planted ones "
+            "(estimated %.1e), all of them within %.1e; ",
+            number, fit.algorithm == FitAlgorithm::Gram ? "gram" : "krylov", fit.passes, error,
+            fit.error, std::abs(fit.model.total_variance / total - 1.0));
     } else {
         Random random(1);
         std::vector<std::string> labels;
@@ -175,11 +176,11 @@ int main(int argc, char** argv)
         double total = 0.0;
         for (int k = 0; k < grids.modes(); ++k)
             total += grids.variance(k) * static_cast<double>(meshes.size() - 1);
-        std::printf("groups with %d permutations and 1000 replicates in %d passes; F = %.4f, "
-                    "p = %.3f; the sum of squares is within %.1e of the planted one; ",
-                    number, found.passes, found.comparison.overall.f,
-                    found.comparison.overall.p_value,
-                    std::abs(found.comparison.overall.total_sum_of_squares / total - 1.0));
+        std::printf(
+            "groups with %d permutations and 1000 replicates in %d passes; F = %.4f, "
+            "p = %.3f; the sum of squares is within %.1e of the planted one; ",
+            number, found.passes, found.comparison.overall.f, found.comparison.overall.p_value,
+            std::abs(found.comparison.overall.total_sum_of_squares / total - 1.0));
     }
     report_costs();
     return 0;

@@ -54,9 +54,8 @@ TEST(MeshStream, EndsWithTheErrorOfAReaderThatFailsInTheMiddle)
     });
     std::vector<Index> firsts;
     EXPECT_EQ(test::message_of<FileError>([&] {
-                  for_each_block(broken, 0, 9, 3, [&](Index first, const Collection&) {
-                      firsts.push_back(first);
-                  });
+                  for_each_block(broken, 0, 9, 3,
+                                 [&](Index first, const Collection&) { firsts.push_back(first); });
               }),
               "cannot read c.h5: Input/output error");
     EXPECT_EQ(firsts, (std::vector<Index>{0, 3}));

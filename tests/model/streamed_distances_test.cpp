@@ -44,8 +44,8 @@ Collection spheres_and_copies()
 TEST(StreamedDistances, AreThoseOfTheCollectionInMemory)
 {
     const Collection collection = spheres_and_copies();
-    for (const SpaceOptions& space :
-         {SpaceOptions{}, SpaceOptions{.scale = Scale::None}, SpaceOptions{.dihedral_weight = 0.2}}) {
+    for (const SpaceOptions& space : {SpaceOptions{}, SpaceOptions{.scale = Scale::None},
+                                      SpaceOptions{.dihedral_weight = 0.2}}) {
         const Eigen::MatrixXd expected = shape_distances(collection, space).matrix;
         const Eigen::MatrixXd found = matrix_of(collection, {.space = space});
         EXPECT_LE(((found - expected).array().abs() - 1e-10 * expected.array()).maxCoeff(), 1e-16);
@@ -90,8 +90,7 @@ TEST(StreamedDistances, RefuseWhatBreaksARule)
 TEST(StreamedDistances, AreScaledToThePlaneAsTheirMatrixIs)
 {
     const Collection collection = test::bumpy_spheres(30, 2);
-    const ClassicalScaling expected =
-        classical_scaling(shape_distances(collection, {}).matrix, 2);
+    const ClassicalScaling expected = classical_scaling(shape_distances(collection, {}).matrix, 2);
     const ClassicalScaling found = classical_scaling(stream_of(collection), 2, {});
     EXPECT_LE((found.points - expected.points).cwiseAbs().maxCoeff(),
               1e-8 * expected.points.maxCoeff());

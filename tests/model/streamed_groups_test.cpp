@@ -101,10 +101,9 @@ TEST(StreamedGroups, AreWhatTheCollectionInMemoryGives)
                     test_spread(shapes.products, design.groups, design.blocks,
                                 options.permutations));
                 EXPECT_LE((found.shapes.means - shapes.means).cwiseAbs().maxCoeff(), 1e-14);
-                EXPECT_LE((found.shapes.dihedral_angles - shapes.dihedral_angles)
-                              .cwiseAbs()
-                              .maxCoeff(),
-                          1e-13);
+                EXPECT_LE(
+                    (found.shapes.dihedral_angles - shapes.dihedral_angles).cwiseAbs().maxCoeff(),
+                    1e-13);
                 EXPECT_EQ(found.shapes.sizes, shapes.sizes);
                 EXPECT_LE((found.shapes.mean_sizes - shapes.mean_sizes).cwiseAbs().maxCoeff(),
                           1e-12 * shapes.sizes.maxCoeff());
@@ -143,7 +142,8 @@ TEST(StreamedGroups, TakeTheWayThatCostsLess)
     options.bootstrap.replicates = 1;
     const auto takes_inner_products = [&](int permutations) {
         options.permutations.permutations = permutations;
-        return compare_groups(stream_of(collection), designs()[1].groups, groups_of_one(24), options)
+        return compare_groups(stream_of(collection), designs()[1].groups, groups_of_one(24),
+                              options)
             .by_inner_products;
     };
     EXPECT_FALSE(takes_inner_products(5));

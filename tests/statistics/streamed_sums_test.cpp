@@ -28,15 +28,15 @@ SumFamily family(Index members, std::vector<SumColumns> columns)
 {
     SumFamily result{members, columns, {}, 1000};
     result.prepare = [columns](Index begin, Index end) -> SumFamily::Fill {
-        return [columns, begin, end](Index member, std::size_t set, std::size_t first,
-                                     Block weights) {
-            EXPECT_GE(member, begin);
-            EXPECT_LT(member, end);
-            for (Index i = 0; i < weights.rows(); ++i)
-                for (Index j = 0; j < weights.cols(); ++j)
-                    weights(i, j) =
-                        weight(member, set, columns[set].support[first + to_size(i)], j);
-        };
+        return
+            [columns, begin, end](Index member, std::size_t set, std::size_t first, Block weights) {
+                EXPECT_GE(member, begin);
+                EXPECT_LT(member, end);
+                for (Index i = 0; i < weights.rows(); ++i)
+                    for (Index j = 0; j < weights.cols(); ++j)
+                        weights(i, j) =
+                            weight(member, set, columns[set].support[first + to_size(i)], j);
+            };
     };
     return result;
 }

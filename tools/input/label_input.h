@@ -66,18 +66,15 @@ struct MeshLabels
 [[nodiscard]] Grouping group_by_label(const MeshLabels& meshes, const std::string& label);
 
 /// As group_by_label(), or all meshes in one group if the label is empty.
-[[nodiscard]] Grouping group_by_label_or_all(const MeshLabels& meshes,
-                                             const std::string& label);
+[[nodiscard]] Grouping group_by_label_or_all(const MeshLabels& meshes, const std::string& label);
 
 /// As group_by_label(), or every mesh in a group of its own if the label is empty.
-[[nodiscard]] Grouping group_by_label_or_each(const MeshLabels& meshes,
-                                              const std::string& label);
+[[nodiscard]] Grouping group_by_label_or_each(const MeshLabels& meshes, const std::string& label);
 
 /// The numbers of labels, one column each; `size` stands for the sizes.
 /// @throws InvalidInput if there is no such label, or a mesh has no value of it or one that is not a
 ///     number.
-[[nodiscard]] Eigen::MatrixXd covariates_of(const MeshLabels& meshes,
-                                            const Eigen::VectorXd& sizes,
+[[nodiscard]] Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& sizes,
                                             const std::vector<std::string>& columns);
 
 /// The number of the group of each observation, as a covariate.

@@ -110,8 +110,9 @@ std::optional<MeshStream> open_for_passes(const Session& session, const Labelled
         if (auto meshes = open_labelled(session, input, asks))
             return meshes;
     if (asks)
-        throw UsageError("--memory and mpirun are for one collection file (.h5) in edge space; "
-                         "`shape collect` makes one");
+        throw UsageError(
+            "--memory and mpirun are for one collection file (.h5) in edge space; "
+            "`shape collect` makes one");
     return std::nullopt;
 }
 

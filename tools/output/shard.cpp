@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -41,8 +41,7 @@ Shard read_shard(const std::string& text)
                    ? static_cast<int>(value)
                    : 0;
     };
-    const Shard shard =
-        parts.size() == 2 ? Shard{number(parts[0]), number(parts[1])} : Shard{0, 0};
+    const Shard shard = parts.size() == 2 ? Shard{number(parts[0]), number(parts[1])} : Shard{0, 0};
     if (shard.number < 1 || shard.number > shard.count)
         throw UsageError(join("--shard: '", text, "' must be I/N with I in [1, N] and N in [1, ",
                               most_shards, "], such as 2/8"));
@@ -77,8 +76,8 @@ std::map<int, Part> find_parts(const fs::path& output)
             if (!fs::exists(part.directory / manifest_name))
                 fail(part, "the shard is not finished; run it to its end, with --resume if it can");
             try {
-                part.manifest = Json::parse(
-                    read_file(part.directory / manifest_name, std::uint64_t{1} << 30));
+                part.manifest =
+                    Json::parse(read_file(part.directory / manifest_name, std::uint64_t{1} << 30));
                 const int number = part.manifest.at("shard").get<int>();
                 const int shards = part.manifest.at("shards").get<int>();
                 if (count != 0 && shards != count)
@@ -97,8 +96,8 @@ std::map<int, Part> find_parts(const fs::path& output)
         if (!parts.contains(number))
             missing += join(missing.empty() ? "" : ", ", number);
     if (!missing.empty())
-        throw InvalidInput(join(output.string(), ": of ", count, " shards these are missing: ",
-                                missing, "; run them first"));
+        throw InvalidInput(join(output.string(), ": of ", count,
+                                " shards these are missing: ", missing, "; run them first"));
     return parts;
 }
 
@@ -116,7 +115,8 @@ void check_parts(const std::map<int, Part>& parts)
         if (part.manifest.at("own") != shard.own(total).size())
             fail(part, "its manifest is of another run");
         for (const std::string file : part.manifest.at("files")) {
-            if (fs::path(file).filename() != file && fs::path(file).is_absolute())
+            const fs::path place = fs::path(file).lexically_normal();
+            if (place.is_absolute() || place.empty() || *place.begin() == "..")
                 fail(part, "its manifest names a file outside of it");
             if (!fs::is_regular_file(part.directory / file))
                 fail(part, join("the file ", file, " is missing; run the shard again"));
@@ -186,7 +186,10 @@ std::vector<std::string> relative_to(const fs::path& directory,
 {
     std::vector<std::string> result;
     for (const std::string& path : paths)
-        result.push_back(fs::path(path).lexically_relative(directory.lexically_normal()).string());
+        result.push_back(fs::path(path)
+                             .lexically_normal()
+                             .lexically_relative(directory.lexically_normal())
+                             .string());
     return result;
 }
 
@@ -207,7 +210,8 @@ MergedShards merge_shards(const fs::path& output)
 {
     const fs::path target = without_slash(output);
     if (fs::exists(fs::symlink_status(target)))
-        throw FileError(join(target.string(), ": exists already; shards are merged into a new one"));
+        throw FileError(
+            join(target.string(), ": exists already; shards are merged into a new one"));
     const std::map<int, Part> parts = find_parts(target);
     MergedShards merged{static_cast<int>(parts.size()), 0, {}};
     const fs::path staging =
@@ -228,8 +232,9 @@ MergedShards merge_shards(const fs::path& output)
         fs::rename(staging, target);
     } catch (const Json::exception&) {
         fs::remove_all(staging);
-        throw InvalidInput(join(output.string(), ": a shard has a file in it that this program has "
-                                                 "not written; run the shards again"));
+        throw InvalidInput(join(output.string(),
+                                ": a shard has a file in it that this program has "
+                                "not written; run the shards again"));
     } catch (const fs::filesystem_error& error) {
         std::error_code ignored;
         fs::remove_all(staging, ignored);

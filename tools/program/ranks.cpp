@@ -92,8 +92,9 @@ void join_ranks()
     };
 #else
     if (count > 1)
-        throw UsageError("this program was built without MPI (-DSHAPE_WITH_MPI=ON): mpirun would "
-                         "start it several times over, each doing the same");
+        throw UsageError(
+            "this program was built without MPI (-DSHAPE_WITH_MPI=ON): mpirun would "
+            "start it several times over, each doing the same");
 #endif
 }
 
