@@ -301,7 +301,7 @@ void run(const Session& session, const Arguments& arguments)
 {
     check(session, arguments);
     if (const auto meshes = open_for_passes(session, arguments.input, arguments.space,
-                                            arguments.memory, ranks().count > 1))
+                                            arguments.memory, ranks().lots > 1))
         measure_in_passes(session, arguments, *meshes);
     else
         measure_in_memory(session, arguments);

@@ -336,7 +336,7 @@ void run(const Session& session, const Arguments& given)
             throw UsageError(
                 "--shard needs a directory as -o; `shape collect` makes a collection of "
                 "what `shape merge` has put together");
-        arguments.output = arguments.shard.directory(arguments.output).string();
+        arguments.output = arguments.shard.directory(arguments.output).string() + "/";
     }
     std::vector<std::string> names;
     for (const fs::path& scan : scans) {

@@ -125,9 +125,9 @@ Projection project_in_blocks(const Session& session, const ShapeModel& model,
 
 Projection project_all(const Session& session, const Arguments& arguments, const ShapeModel& model)
 {
-    if (const auto meshes = open_labelled(session, arguments.input, ranks().count > 1))
+    if (const auto meshes = open_labelled(session, arguments.input, ranks().lots > 1))
         return project_in_blocks(session, model, *meshes);
-    if (ranks().count > 1)
+    if (ranks().lots > 1)
         throw UsageError("mpirun is for one collection file (.h5); `shape collect` makes one");
     return project(model, read_labelled(session, arguments.input));
 }

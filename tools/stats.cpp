@@ -240,7 +240,7 @@ Findings fit_and_write(const Session& session, const Arguments& arguments)
 {
     if (!arguments.update.empty())
         return update(session, arguments);
-    const bool asks = arguments.memory.bytes > 0 || arguments.resume || ranks().count > 1 ||
+    const bool asks = arguments.memory.bytes > 0 || arguments.resume || ranks().lots > 1 ||
                       arguments.algorithm != FitAlgorithm::Automatic;
     const bool can = arguments.replicates == 0 && arguments.space.kind == SpaceKind::Edge;
     if (can)

@@ -11,6 +11,8 @@
 #include "tools/program/arguments.h"
 
 #ifdef SHAPE_WITH_MPI
+#define OMPI_SKIP_MPICXX 1 // its interface of C alone
+#define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
 
 #include <algorithm>
