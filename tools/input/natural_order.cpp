@@ -61,9 +61,9 @@ Piece piece_at(std::string_view text, std::size_t begin)
 
 std::strong_ordering magnitude_order(const Piece& a, const Piece& b)
 {
-    if (const auto order = a.whole.size() <=> b.whole.size(); order != 0)
+    if (const auto order = a.whole.size() <=> b.whole.size(); std::is_neq(order))
         return order;
-    if (const auto order = a.whole <=> b.whole; order != 0)
+    if (const auto order = a.whole <=> b.whole; std::is_neq(order))
         return order;
     return a.fraction <=> b.fraction;
 }
@@ -90,8 +90,8 @@ bool natural_less(std::string_view a, std::string_view b)
     while (i < a.size() && j < b.size()) {
         const Piece p = piece_at(a, i);
         const Piece q = piece_at(b, j);
-        if (const auto order = order_of(p, q); order != 0)
-            return order < 0;
+        if (const auto order = order_of(p, q); std::is_neq(order))
+            return std::is_lt(order);
         i += p.text.size();
         j += q.text.size();
     }
