@@ -23,6 +23,7 @@
 #include "tools/program/library_start.h"
 #include "tools/program/manual.h"
 #include "tools/program/memory.h"
+#include "tools/program/ranks.h"
 #include "tools/program/report.h"
 #include "tools/program/session.h"
 #include "tools/program/spelling.h"
@@ -36,7 +37,8 @@ struct Command
 {
     const char* name;
     Run (*set_up)(CLI::App&);
-    const char* ending; ///< What `-o -` prints ends in this.
+    const char* ending;     ///< What `-o -` prints ends in this.
+    bool is_shared = false; ///< Processes that mpirun starts share its work.
 };
 
 /// In the order of the work: put together, look, model, compare, make, draw.
@@ -45,9 +47,9 @@ constexpr Command commands[] = {
     {"collect", set_up_collect, ".h5"},
     {"check", set_up_check, ""},
     {"info", set_up_info, ""},
-    {"stats", set_up_stats, ".h5"},
-    {"project", set_up_project, ".csv"},
-    {"distance", set_up_distance, ".csv"},
+    {"stats", set_up_stats, ".h5", true},
+    {"project", set_up_project, ".csv", true},
+    {"distance", set_up_distance, ".csv", true},
     {"quality", set_up_quality, ".csv"},
     {"generate", set_up_generate, ".ply"},
     {"groups", set_up_groups, ".csv"},
@@ -58,6 +60,7 @@ constexpr Command commands[] = {
     {"interpolate", set_up_interpolate, ".ply"},
     {"reconstruct", set_up_reconstruct, ".ply"},
     {"conformal", set_up_conformal, ".ply"},
+    {"merge", set_up_merge, ""},
     {"draw", set_up_draw, ".svg"},
     {"explore", set_up_explore, ".html"},
     {"report", set_up_explore, ".html"},
@@ -237,9 +240,17 @@ void run(std::vector<std::string> arguments, std::optional<StandardStreams>& str
         if (session.threads > 0)
             set_thread_count(static_cast<int>(session.threads));
         const CLI::App* chosen = program.get_subcommands().front();
+        if (ranks().count > 1 && !command->is_shared)
+            throw UsageError(join("`shape ", session.command,
+                                  "` runs in one process; mpirun is for "
+                                  "stats, project and distance"));
+        if (!ranks().speaks()) {
+            session.quiet = true;
+            session.json = false;
+        }
         refuse_pipes(*chosen);
         runs.at(chosen)(session);
-        if (const std::string output = streams->output(); !output.empty())
+        if (const std::string output = streams->output(); !output.empty() && ranks().speaks())
             session.print(output);
     } catch (const CLI::CallForVersion& version) {
         session.json = false;
@@ -317,10 +328,14 @@ int guarded_run(std::vector<std::string> arguments)
     // Arguments that cannot be read are reported in the form that they ask for.
     const auto files = std::ranges::find(arguments, "--");
     session.json = std::find(arguments.begin(), files, "--json") != files;
-    std::optional<Failure> failure =
-        failure_of([&] { run(std::move(arguments), streams, session); });
-    if (failure)
+    std::optional<Failure> failure = failure_of([&] {
+        join_ranks();
+        run(std::move(arguments), streams, session);
+    });
+    if (failure) {
+        let_first_rank_speak();
         report_error(session.readable(failure->message));
+    }
     const std::optional<Failure> unprinted = failure_of([&] {
         print_report(session, failure ? Json{{"kind", kind_of(failure->code)},
                                              {"exit_code", static_cast<int>(failure->code)},
@@ -343,5 +358,6 @@ int main(int argc, char** argv)
     shape::rehearse_hdf5_files(true);
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
-    return shape::tools::guarded_run({argv + std::min(argc, 1), argv + argc});
+    return shape::tools::leave_ranks(
+        shape::tools::guarded_run({argv + std::min(argc, 1), argv + argc}));
 }
