@@ -10,7 +10,6 @@
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
-using namespace internal;
 using Eigen::VectorXd;
 
 namespace {
