@@ -125,10 +125,11 @@ Pattern read_pattern(const Arguments& arguments)
             throw InvalidInput(join(path.string(),
                                     ": is a model of positions; fitting needs one of edge "
                                     "lengths (`shape stats` without --space procrustes)"));
-        const Embedder embedder(model.topology, model.reference_points);
+        const Embedder embedder(model.topology, std::vector<Points>{model.reference_points});
         const ShapePoint mean = std::get<ShapePoint>(
             model_point(model, Eigen::VectorXd::Zero(model.mode_count()), model.mean_size()));
-        Points points = embedder.embed(mean).points;
+        Points points = embedder.embed(mean).points; // about the origin
+        points.rowwise() += model.reference_points.colwise().mean();
         return {path.stem().string(), model.topology, std::move(points), std::move(model)};
     }
     NamedMesh mesh = read_mesh(path, {.triangulate = arguments.scans.triangulate});
@@ -189,8 +190,7 @@ Json figures_of(const std::string& scan, const ScanFit& fit, const Json& ignored
     };
     const Eigen::VectorXd& errors = fit.landmark_errors;
     Json notes = ignored;
-    const std::string turned =
-        join(counted(fit.turned_faces, "face"), " turned to face outwards");
+    const std::string turned = join(counted(fit.turned_faces, "face"), " turned to face outwards");
     if (fit.turned_faces > 0 && std::find(notes.begin(), notes.end(), turned) == notes.end())
         notes.push_back(turned);
     return {{"scan", scan},

@@ -99,7 +99,8 @@ double best_noise(const MatrixXd& inner_products)
     constexpr Index most_tries = 60;
     const Index stride = (count + most_tries - 1) / most_tries;
     const double total =
-        (inner_products.trace() - inner_products.sum() / count) / static_cast<double>(count - 1);
+        (inner_products.trace() - inner_products.sum() / static_cast<double>(count)) /
+        static_cast<double>(count - 1);
     if (!(total > 1e-12))
         return 1e-12;
     std::array<double, shares.size()> errors{};
