@@ -3,9 +3,6 @@
 #include "libshape/edge_space/shape_prior.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "libshape/base/error.h"
@@ -90,42 +87,6 @@ ShapePrior prior_of(const ShapeVectors& vectors, int without, double noise)
     prior.angle_steps = centred(vectors.dihedral_angles, prior.mean.dihedral_angles);
     prior.noise = noise;
     return prior;
-}
-
-double best_noise(const MatrixXd& inner_products)
-{
-    const Index count = inner_products.rows();
-    constexpr std::array shares{1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 0.6, 1.0};
-    constexpr Index most_tries = 60;
-    const Index stride = (count + most_tries - 1) / most_tries;
-    const double total =
-        (inner_products.trace() - inner_products.sum() / static_cast<double>(count)) /
-        static_cast<double>(count - 1);
-    if (!(total > 1e-12))
-        return 1e-12;
-    std::array<double, shares.size()> errors{};
-    for (Index i = 0; i < count; i += stride) {
-        const std::vector<Index> others = all_but(count, i);
-        // Seen from the mean of the others.
-        const MatrixXd among = inner_products(others, others);
-        const VectorXd to_me = inner_products(others, i);
-        const VectorXd means = among.rowwise().mean();
-        const double mean = means.mean();
-        const MatrixXd centred =
-            ((among.colwise() - means).rowwise() - means.transpose()).array() + mean;
-        const VectorXd to_me_centred = (to_me - means).array() - (to_me.mean() - mean);
-        const double own = inner_products(i, i) - 2.0 * to_me.mean() + mean;
-        // Steps are deviations over sqrt(N - 2): the noise counts as often.
-        const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(centred);
-        const VectorXd along = eigen.eigenvectors().transpose() * to_me_centred;
-        for (std::size_t s = 0; s < shares.size(); ++s) {
-            const double noise = shares[s] * total * static_cast<double>(others.size() - 1);
-            const VectorXd values = eigen.eigenvalues().cwiseMax(0.0);
-            const VectorXd weights = along.array() / (values.array() + noise);
-            errors[s] += own - 2.0 * weights.dot(along) + weights.cwiseProduct(values).dot(weights);
-        }
-    }
-    return total * shares[to_size(std::min_element(errors.begin(), errors.end()) - errors.begin())];
 }
 
 } // namespace shape

@@ -43,12 +43,4 @@ struct ShapePosterior
 /// @param without  A row that is left out; -1: none.
 [[nodiscard]] ShapePrior prior_of(const ShapeVectors& vectors, int without, double noise);
 
-/// The noise under which shapes of a sample predict each other best: that shape i, posterior of the prior
-/// of the others, comes nearest to itself, summed over i (at most 60 of them, evenly spread). From ten
-/// values between 1e-4 and 1 of the total variance.
-/// @param inner_products  N by N, of the shapes as vectors, from any origin; N >= 3.
-/// @return > 0; 1e-12 if all shapes are equal.
-/// Cost: O(N^3) for each shape that is tried.
-[[nodiscard]] double best_noise(const Eigen::MatrixXd& inner_products);
-
 } // namespace shape

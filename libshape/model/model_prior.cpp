@@ -2,7 +2,6 @@
 
 #include "libshape/model/model_prior.h"
 
-#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -40,14 +39,9 @@ ShapePrior prior_of(const ShapeModel& model)
             prior.angle_steps(k, e) =
                 0.5 * wrapped_angle(up.dihedral_angles[e] - down.dihedral_angles[e]);
     }
-    // Fits err too: a model of few, clean meshes must not trust them blindly.
-    constexpr double least_share = 3e-3;
-    double share = least_share;
-    if (model.scores.rows() >= 3) {
-        const Eigen::MatrixXd products = model.scores * model.scores.transpose();
-        share = std::max(share, best_noise(products) / std::max(model.variances.sum(), 1e-300));
-    }
-    prior.noise = std::max(share * prior.length_steps.squaredNorm(), 1e-300);
+    // Fits err too, and alike along the surface: no model must be trusted to explain all of a fit.
+    constexpr double noise_share = 3e-3;
+    prior.noise = noise_share * prior.length_steps.squaredNorm();
     return prior;
 }
 

@@ -9,7 +9,7 @@ namespace shape {
 
 /// What a model expects of a shape, at its mean size: scores are in standard deviations of its modes.
 /// Exact for lengths as coordinates; linearised at the mean, by a standard deviation to either side, in other spaces.
-/// The noise is best_noise() of the model's own meshes, but at least 0.003 of its variance.
+/// The noise is 0.003 of its variance.
 /// Cost: 2 K decoded points.
 [[nodiscard]] ShapePrior prior_of(const ShapeModel& model);
 

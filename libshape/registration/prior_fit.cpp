@@ -69,14 +69,15 @@ GroupRound fit_group_again(const ScanFitter& fitter, const Topology& topology,
     if (members.size() < least_fits)
         throw InvalidInput(join("a group needs ", least_fits, " fits, there are ", members.size()));
     const ShapeVectors vectors = shape_vectors(group, Scale::Unit);
-    const Eigen::MatrixXd products = vectors.edge_lengths * vectors.edge_lengths.transpose();
-    const double noise = best_noise(products);
+    const RowMatrix centred =
+        vectors.edge_lengths.rowwise() - vectors.edge_lengths.colwise().mean();
+    constexpr double noise_share = 1e-3; // of the variance: the last modes of few fits count less
+    const double noise = noise_share * centred.squaredNorm() / static_cast<double>(members.size());
+    if (!(noise > 0.0))
+        throw InvalidInput("a group's fits are all equal");
 
     GroupRound round;
     round.fits = static_cast<int>(members.size());
-    const RowMatrix centred =
-        vectors.edge_lengths.rowwise() - vectors.edge_lengths.colwise().mean();
-    round.noise = noise / (centred.squaredNorm() / static_cast<double>(members.size() - 1));
     for (std::size_t k = 0; k < members.size(); ++k) {
         if (progress)
             progress("fit again", k, members.size());

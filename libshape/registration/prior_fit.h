@@ -36,7 +36,6 @@ struct GroupRound
     int fits = 0;            ///< That took part.
     double change = 0.0;     ///< RMS change of edge lengths in this round, over their mean.
     double unexpected = 0.0; ///< RMS of edge lengths before it, against what the other fits expect.
-    double noise = 0.0;      ///< best_noise(), as a share of the variance.
 };
 
 /// Fits a group of scans again: each is held to what the fits of all others expect of it (shape_prior.h; its own

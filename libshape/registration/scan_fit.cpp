@@ -50,6 +50,7 @@ struct LevelRounds
     int linear_steps;
     double from, to;
     bool landmarks_first;
+    double growth_smoothness; // times that of the options
 };
 constexpr int coarsest_rounds = 30, finer_rounds = 8;
 constexpr int coarsest_steps = 60, finer_steps = 15;
@@ -59,10 +60,14 @@ constexpr LevelRounds rounds_of(std::size_t number, std::size_t count)
 {
     const bool is_coarsest = number + 1 == count, is_finest = number == 0;
     return {is_coarsest ? coarsest_rounds + (is_finest ? finer_rounds : 0) : finer_rounds,
-            is_coarsest ? coarsest_steps : finer_steps, is_coarsest ? 0.0 : coarse_share,
-            is_finest ? 1.0 : coarse_share, is_coarsest};
+            is_coarsest ? coarsest_steps : finer_steps,
+            is_coarsest ? 0.0 : coarse_share,
+            is_finest ? 1.0 : coarse_share,
+            is_coarsest,
+            1.0};
 }
-constexpr LevelRounds rounds_again{12, finer_steps, 0.5 * coarse_share, 1.0, false};
+/// From an earlier fit, held to what is expected of it, growth too.
+constexpr LevelRounds rounds_again{12, finer_steps, 0.7, 1.0, false, 100.0};
 constexpr int rounds_between_factors = 5;
 constexpr double doubtful_start = 0.04; // ChosenStart::score
 constexpr int tried_starts = 4, trial_rounds = 12;
@@ -183,7 +188,8 @@ struct ScanFitter::State
     void add_landmark_pulls(const TemplateLevel& level, const std::vector<SurfacePoint>& marks,
                             const Target& target, const Points& points, double weight,
                             GrowthEnergy& energy) const;
-    [[nodiscard]] GrowthEnergy energy_of(const TemplateLevel& level, const ShapePoint& rest) const;
+    [[nodiscard]] GrowthEnergy energy_of(const TemplateLevel& level, const ShapePoint& rest,
+                                         double growth_smoothness = 1.0) const;
     [[nodiscard]] Target target_of(Surface scan, const LandmarkPairs& landmarks,
                                    double scale) const;
     void run_level(std::size_t number, const Target& target, const ShapePoint& rest,
@@ -217,11 +223,13 @@ void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
     }
 }
 
-GrowthEnergy ScanFitter::State::energy_of(const TemplateLevel& level, const ShapePoint& rest) const
+GrowthEnergy ScanFitter::State::energy_of(const TemplateLevel& level, const ShapePoint& rest,
+                                          double growth_smoothness) const
 {
     return {level.topology,
             rest,
-            {.smoothness = options.smoothness, .growth_smoothness = options.growth_smoothness}};
+            {.smoothness = options.smoothness,
+             .growth_smoothness = growth_smoothness * options.growth_smoothness}};
 }
 
 /// The rounds of closest points on one level of the template.
@@ -229,7 +237,7 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
                                   const LevelRounds& schedule, LevelMesh& mesh) const
 {
     const TemplateLevel& level = target.levels[number];
-    GrowthEnergy energy = energy_of(level, rest);
+    GrowthEnergy energy = energy_of(level, rest, schedule.growth_smoothness);
     const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
     const Rims rims = find_rims(level.topology.faces());
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);

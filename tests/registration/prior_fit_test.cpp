@@ -12,7 +12,6 @@
 #include "tests/support/meshes.h"
 
 namespace shape::test {
-using namespace internal;
 namespace {
 
 /// A head that differs from the first by two numbers.
