@@ -446,10 +446,8 @@ void run_rounds(const Session& session, const Places& places, const Topology& to
     for (std::int64_t round = 1; round <= arguments.rounds; ++round) {
         const GroupRound done =
             fit_group_again(fitter, topology, member, group, session.progress());
-        rounds.push_back({{"fits", done.fits},
-                          {"change", done.change},
-                          {"unexpected", done.unexpected},
-                          {"noise", done.noise}});
+        rounds.push_back(
+            {{"fits", done.fits}, {"change", done.change}, {"unexpected", done.unexpected}});
         session.message(join("round ", round, ": edges of ", counted(to_size(done.fits), "fit"),
                              " changed by ", 100.0 * done.change, " %, were ",
                              100.0 * done.unexpected, " % from what the others expect (RMS)"));

@@ -92,21 +92,6 @@ TEST(ShapePrior, OfOtherShapesLeavesOneOut)
                 1e-9 * centred.squaredNorm());
 }
 
-TEST(ShapePrior, BestNoiseTellsSharedFromOwn)
-{
-    const RowMatrix shared = random_rows(12, 1.0, 5).leftCols(2) * random_rows(2, 0.1, 6);
-    const RowMatrix own = random_rows(12, 0.1, 7);
-    const auto share = [](const RowMatrix& rows) {
-        const RowMatrix centred = rows.rowwise() - rows.colwise().mean();
-        return best_noise(rows * rows.transpose()) / (centred.squaredNorm() / 11.0);
-    };
-    EXPECT_LE(share(shared), 1.1e-4); // two directions explain all
-    EXPECT_GE(share(own), 0.5);       // no one predicts another
-    const RowMatrix far = shared.array() + 3.0;
-    EXPECT_LE(share(far), 1.1e-4); // the origin does not matter
-    EXPECT_EQ(best_noise(Eigen::MatrixXd::Zero(4, 4)), 1e-12);
-}
-
 TEST(ShapePrior, RefusesWhatIsNoQuestion)
 {
     ShapePrior prior = some_prior(1.0);
