@@ -111,12 +111,12 @@ void make_scans(const Session& session, const Arguments& arguments)
         is_given ? input_files(arguments.of) : std::vector<fs::path>{};
     const fs::path pattern = directory / "template.ply", landmarks = directory / "landmarks.csv",
                    labels = directory / "labels.csv";
-    for (const fs::path& path : {pattern, landmarks, labels})
-        check_output(session, path, inputs);
     std::error_code error;
     fs::create_directories(directory, error);
     if (error)
         throw FileError(join(directory.string(), ": ", error.message()));
+    for (const fs::path& path : {pattern, landmarks, labels})
+        check_output(session, path, inputs);
     MeshOutput scans(session, output_in("scans"), truth.names, inputs);
     MeshOutput meshes(session, output_in("truth"), truth.names, inputs);
     SyntheticScanOptions options = arguments.scan;
