@@ -3,7 +3,7 @@
 from experiment import edges_of, lengths_of, markdown_table, np
 
 TITLE = "From raw scans to a smile (Rojas 2014, section 4 and Fig. 6)"
-PEOPLE = 8
+PEOPLE = 5
 
 
 def edge_errors(experiment, folder, names):
