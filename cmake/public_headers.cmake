@@ -19,6 +19,7 @@ set(public_headers
     libshape/edge_space/paths.h
     libshape/edge_space/procrustes.h
     libshape/edge_space/safe_range.h
+    libshape/edge_space/shape_prior.h
     libshape/edge_space/shape_space.h
     libshape/edge_space/shape_vectors.h
     libshape/edge_space/tagged_scaling.h
@@ -65,6 +66,7 @@ set(public_headers
     libshape/model/difference.h
     libshape/model/group_means.h
     libshape/model/linearised_model.h
+    libshape/model/model_prior.h
     libshape/model/model_quality.h
     libshape/model/nuisance.h
     libshape/model/outlying_meshes.h
@@ -74,8 +76,10 @@ set(public_headers
     libshape/model/streamed_fit.h
     libshape/model/streamed_groups.h
     libshape/model/updated_model.h
+    libshape/registration/prior_fit.h
     libshape/registration/scan.h
     libshape/registration/scan_fit.h
+    libshape/registration/synthetic_scan.h
     libshape/statistics/bootstrap.h
     libshape/statistics/classical_scaling.h
     libshape/statistics/column_effects.h
