@@ -28,6 +28,7 @@ PYBIND11_MODULE(_core, module)
     add(static_cast<NumericalError*>(nullptr), "NumericalError", PyExc_ArithmeticError);
     add(static_cast<FileError*>(nullptr), "FileError", PyExc_OSError);
     add(static_cast<LimitExceeded*>(nullptr), "LimitExceeded", PyExc_ValueError);
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): pybind11's type
     py::register_exception_translator([](std::exception_ptr thrown) {
         try {
             if (thrown)
