@@ -4,6 +4,7 @@ set(public_headers
     libshape/shape.h
     libshape/base/error.h
     libshape/base/progress.h
+    libshape/base/ranks.h
     libshape/base/threads.h
     libshape/base/version.h
     libshape/conformal/certificate.h
@@ -37,6 +38,7 @@ set(public_headers
     libshape/io/hdf5/untrusted_files.h
     libshape/io/label_file.h
     libshape/io/landmark_file.h
+    libshape/io/long_table.h
     libshape/io/mesh_file.h
     libshape/io/mesh_write_options.h
     libshape/io/model_file.h
@@ -70,7 +72,9 @@ set(public_headers
     libshape/model/outlying_meshes.h
     libshape/model/shape_distances.h
     libshape/model/shape_model.h
+    libshape/model/streamed_distances.h
     libshape/model/streamed_fit.h
+    libshape/model/streamed_groups.h
     libshape/model/updated_model.h
     libshape/registration/prior_fit.h
     libshape/registration/scan.h

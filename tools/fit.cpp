@@ -30,6 +30,7 @@
 #include "tools/input/mesh_input.h"
 #include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/shard.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/session.h"
@@ -52,6 +53,7 @@ struct Arguments
     bool no_search = false;
     bool keep_failed = false;
     bool resume = false;
+    Shard shard;
 };
 
 const char* name(FitStatus status)
@@ -475,7 +477,17 @@ void run(const Session& session, const Arguments& given)
     if (!arguments.fit.boundaries.empty() && arguments.landmarks.empty())
         throw UsageError("--boundary names landmarks; give --landmarks");
     note_passed_over(notices_of(session), arguments.scans);
-    const std::vector<fs::path> scans = mesh_files(arguments.scans);
+    const std::vector<fs::path> all_scans = mesh_files(arguments.scans);
+    std::vector<fs::path> scans;
+    for (const std::size_t i : arguments.shard.own(all_scans.size()))
+        scans.push_back(all_scans[i]);
+    if (arguments.shard.is_given()) {
+        if (fs::path(arguments.output).extension() == ".h5")
+            throw UsageError(
+                "--shard needs a directory as -o; `shape collect` makes a collection of "
+                "what `shape merge` has put together");
+        arguments.output = arguments.shard.directory(arguments.output).string() + "/";
+    }
     std::vector<std::string> names;
     for (const fs::path& scan : scans) {
         if (is_collection_file(scan))
@@ -561,7 +573,7 @@ void run(const Session& session, const Arguments& given)
             }
             fits[i] = std::move(fit);
         } catch (const InvalidInput& error) {
-            if (scans.size() == 1) {
+            if (all_scans.size() == 1) {
                 const std::string said = error.what();
                 const std::string path = scans[i].string();
                 throw InvalidInput(said.starts_with(path) ? said : join(path, ": ", said));
@@ -595,6 +607,16 @@ void run(const Session& session, const Arguments& given)
                 members.push_back(read_mesh(places.mesh(scan)));
         write_collection(places.collection, collect(std::move(members)));
         outputs.push_back(places.collection.string());
+    }
+    if (arguments.shard.is_given()) {
+        std::vector<std::string> files;
+        for (const std::string& scan : names)
+            if (fs::exists(places.mesh(scan)))
+                files.push_back(places.mesh(scan).filename().string());
+        Json all = settings;
+        for (const fs::path& scan : all_scans)
+            all["scans"].push_back(scan.string());
+        write_shard_manifest(places.directory, arguments.shard, all_scans.size(), all, files);
     }
     outputs.push_back(places.directory.string());
     const auto count = [&](const char* status) {
@@ -671,6 +693,7 @@ Run set_up_fit(CLI::App& command)
                      "Write meshes of failed fits too, and take them into the collection");
     command.add_flag("--resume", arguments->resume,
                      "Go on with an interrupted run: scans in its report are not fitted again");
+    add_shard(command, arguments->shard);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -83,7 +83,7 @@ void multiply_right(RowMatrix& a, const RowMatrix& b)
 RowMatrix orthonormalise_columns(RowMatrix& a, double floor)
 {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(inner(a, a)));
-    const Eigen::VectorXd squares = solver.eigenvalues();
+    const Eigen::VectorXd& squares = solver.eigenvalues();
     const double least = std::max(floor * floor, 1e-15 * std::max(squares.maxCoeff(), 0.0));
     Index kept = 0;
     while (kept < squares.size() && squares[squares.size() - 1 - kept] > least)
@@ -137,6 +137,21 @@ BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& op
     basis_.push_back(random_block(columns_, size_, options.seed));
     orthonormalise_columns(basis_.front(), 0.0);
     product_ = RowMatrix::Zero(columns_, basis_.front().cols());
+}
+
+void BlockKrylov::start_at(const Eigen::VectorXd& origin)
+{
+    mean_ = origin;
+}
+
+std::vector<std::span<double>> BlockKrylov::sums()
+{
+    std::vector<std::span<double>> arrays{{product_.data(), to_size(product_.size())}};
+    if (passes_ == 0) {
+        arrays.emplace_back(sums_.data(), to_size(sums_.size()));
+        arrays.emplace_back(&squares_, 1);
+    }
+    return arrays;
 }
 
 void BlockKrylov::add(Index, RowMatrix& rows)
