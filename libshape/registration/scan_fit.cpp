@@ -436,6 +436,12 @@ void ScanFitter::State::judge(const Target& target, const ShapePoint& rest, cons
             say(error > 0.03 * fit.diagonal ? FitStatus::Failed : FitStatus::Check,
                 join("landmark '", target.names[i], "' is missed by ",
                      percent(error / fit.diagonal), " of the diagonal"));
+        const double off =
+            target.scan.tree.nearest(target.landmarks_there.row(static_cast<Index>(i))).distance;
+        if (off > std::max(3.0 * target.landmark_tolerance, 0.01 * fit.diagonal))
+            say(FitStatus::Check,
+                join("landmark '", target.names[i], "' lies ", percent(off / fit.diagonal),
+                     " of the diagonal off the scan"));
     }
 }
 
