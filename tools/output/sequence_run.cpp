@@ -58,7 +58,8 @@ Json identity(const Session& session, const EmbeddingOptions& options,
     std::string blends = join(sequence.targets.size(), sequence.is_path ? " frames " : " blends ");
     for (const EmbeddingTarget& target : sequence.targets) {
         const ShapePoint point = point_of(target);
-        blends = hash_of(hash_of(blends, point.edge_lengths), point.dihedral_angles);
+        blends = hash_of(hash_of(hash_of(blends, point.edge_lengths), point.dihedral_angles),
+                         point.patch_turns);
     }
     return {{"program", version()},
             {"meshes", inputs},
@@ -66,6 +67,7 @@ Json identity(const Session& session, const EmbeddingOptions& options,
             {"--method", name(options.method)},
             {"--quality", options.quality == EmbeddingQuality::Preview ? "preview" : "fine"},
             {"--smoothness", print_number(options.smoothness.value_or(default_smoothness))},
+            {"--anchor", print_number(options.anchor.value_or(default_anchor))},
             {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
                                                                                  : "incremental"},
             {"--seed", join(session.seed)},

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/mesh/face_crossings.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "libshape/base/threads.h"
+#include "libshape/base/vectorised.h"
+
+namespace shape::internal {
+namespace {
+
+std::size_t index(int i)
+{
+    return static_cast<std::size_t>(i);
+}
+
+/// In single precision, made larger by what that rounds.
+struct Box
+{
+    Eigen::Array3f low = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity());
+    Eigen::Array3f high = -low;
+
+    void add(const Eigen::Array3f& point)
+    {
+        low = low.min(point);
+        high = high.max(point);
+    }
+    void add(const Box& box)
+    {
+        low = low.min(box.low);
+        high = high.max(box.high);
+    }
+    void widen(float by)
+    {
+        low -= by;
+        high += by;
+    }
+    [[nodiscard]] bool meets(const Box& box) const
+    {
+        return (low <= box.high).all() && (box.low <= high).all();
+    }
+};
+
+/// Boxes of the faces of a leaf, side by side: one against all is a few vector instructions. Places
+/// without a face meet nothing.
+struct LeafBoxes
+{
+    static constexpr int places = FaceTree::leaf_size;
+    std::array<std::array<float, places>, 3> low, high;
+
+    LeafBoxes()
+    {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low[axis].fill(std::numeric_limits<float>::infinity());
+            high[axis].fill(-std::numeric_limits<float>::infinity());
+        }
+    }
+
+    void set(std::size_t place, const Box& box)
+    {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low[axis][place] = box.low[static_cast<Eigen::Index>(axis)];
+            high[axis][place] = box.high[static_cast<Eigen::Index>(axis)];
+        }
+    }
+};
+
+/// Of every face in a leaf whether its box meets another.
+SHAPE_VECTORISED void meet(const LeafBoxes& boxes, const float* low, const float* high,
+                           std::array<std::uint8_t, LeafBoxes::places>& meets)
+{
+    for (std::size_t i = 0; i < meets.size(); ++i)
+        meets[i] =
+            static_cast<std::uint8_t>((boxes.low[0][i] <= high[0]) & (low[0] <= boxes.high[0][i]) &
+                                      (boxes.low[1][i] <= high[1]) & (low[1] <= boxes.high[1][i]) &
+                                      (boxes.low[2][i] <= high[2]) & (low[2] <= boxes.high[2][i]));
+}
+
+/// A sum of doubles without rounding: its parts do not overlap and grow in size.
+class ExactSum
+{
+public:
+    void add(double value)
+    {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < parts_.size(); ++i) {
+            const double sum = value + parts_[i];
+            const double moved = sum - value;
+            const double lost = (value - (sum - moved)) + (parts_[i] - moved);
+            if (lost != 0.0)
+                parts_[kept++] = lost;
+            value = sum;
+        }
+        parts_.resize(kept);
+        parts_.push_back(value);
+    }
+    void add_product(double a, double b, double c)
+    {
+        const double ab = a * b;
+        for (const double part : {std::fma(a, b, -ab), ab}) {
+            const double product = part * c;
+            add(std::fma(part, c, -product));
+            add(product);
+        }
+    }
+    [[nodiscard]] int sign() const
+    {
+        for (auto part = parts_.rbegin(); part != parts_.rend(); ++part)
+            if (*part != 0.0)
+                return *part > 0.0 ? 1 : -1;
+        return 0;
+    }
+
+private:
+    std::vector<double> parts_;
+};
+
+/// The determinant of four points is that of (a, 1), (b, 1), (c, 1), (d, 1), up to its sign.
+int exact_side(const double* a, const double* b, const double* c, const double* d)
+{
+    ExactSum sum;
+    const auto add_volume = [&](const double* p, const double* q, const double* r, double sign) {
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3;
+            const int k = (i + 2) % 3;
+            sum.add_product(sign * p[i], q[j], r[k]);
+            sum.add_product(-sign * p[i], q[k], r[j]);
+        }
+    };
+    add_volume(b, c, d, 1.0);
+    add_volume(a, c, d, -1.0);
+    add_volume(a, b, d, 1.0);
+    add_volume(a, b, c, -1.0);
+    return sum.sign();
+}
+
+using Corners = std::array<const double*, 3>;
+
+/// Whether the side from p to q crosses the inside of a triangle. One from a corner of it does not.
+bool crosses(const double* p, const double* q, const Corners& t)
+{
+    for (const double* const corner : t)
+        if (corner == p || corner == q)
+            return false;
+    const int side = side_of_plane(t[0], t[1], t[2], p);
+    if (side == 0 || side_of_plane(t[0], t[1], t[2], q) != -side)
+        return false;
+    const int turn = side_of_plane(p, q, t[0], t[1]);
+    return turn != 0 && side_of_plane(p, q, t[1], t[2]) == turn &&
+           side_of_plane(p, q, t[2], t[0]) == turn;
+}
+
+/// Whether the corners of s are on both sides of the plane of t. If not, their insides do not meet: s
+/// touches the plane with its rim alone, or lies in it.
+bool straddles(const Corners& s, const Corners& t)
+{
+    int sides = 0; // bits: below, above
+    for (const double* const corner : s)
+        if (corner != t[0] && corner != t[1] && corner != t[2])
+            sides |= 1 << (side_of_plane(t[0], t[1], t[2], corner) + 1);
+    return (sides & 5) == 5;
+}
+
+bool cross(const Corners& s, const Corners& t)
+{
+    if (!straddles(s, t) || !straddles(t, s))
+        return false;
+    for (std::size_t c = 0; c < 3; ++c)
+        if (crosses(s[c], s[(c + 1) % 3], t) || crosses(t[c], t[(c + 1) % 3], s))
+            return true;
+    return false;
+}
+
+} // namespace
+
+int side_of_plane(const double* a, const double* b, const double* c, const double* d)
+{
+    const double bx = b[0] - a[0], by = b[1] - a[1], bz = b[2] - a[2];
+    const double cx = c[0] - a[0], cy = c[1] - a[1], cz = c[2] - a[2];
+    const double dx = d[0] - a[0], dy = d[1] - a[1], dz = d[2] - a[2];
+    const double determinant =
+        bx * (cy * dz - cz * dy) + by * (cz * dx - cx * dz) + bz * (cx * dy - cy * dx);
+    const double size = std::abs(bx) * (std::abs(cy * dz) + std::abs(cz * dy)) +
+                        std::abs(by) * (std::abs(cz * dx) + std::abs(cx * dz)) +
+                        std::abs(bz) * (std::abs(cx * dy) + std::abs(cy * dx));
+    constexpr double rounding = 1e-15; // Shewchuk's bound is 7.8e-16
+    if (std::abs(determinant) > rounding * size)
+        return determinant > 0.0 ? 1 : -1;
+    return exact_side(a, b, c, d);
+}
+
+FaceTree::FaceTree(const Topology& topology, const Points& reference)
+    : topology_(topology), order_(index(topology.face_count()))
+{
+    std::iota(order_.begin(), order_.end(), 0);
+    std::vector<Eigen::Array3d> centres;
+    for (int f = 0; f < topology.face_count(); ++f)
+        centres.emplace_back(
+            reference(topology.faces().row(f), Eigen::all).colwise().sum().transpose());
+    // Depth first; halves by the median along the longest side.
+    std::vector<std::array<int, 3>> ranges{{0, topology.face_count(), -1}}; // and whose right child
+    while (!ranges.empty()) {
+        const auto [first, last, parent] = ranges.back();
+        ranges.pop_back();
+        const int node = static_cast<int>(nodes_.size());
+        nodes_.push_back({first, last, 0});
+        if (parent >= 0)
+            nodes_[index(parent)].right = node;
+        if (last - first <= leaf_size)
+            continue;
+        Eigen::Array3d low = centres[index(order_[index(first)])];
+        Eigen::Array3d high = low;
+        for (int i = first; i < last; ++i) {
+            low = low.min(centres[index(order_[index(i)])]);
+            high = high.max(centres[index(order_[index(i)])]);
+        }
+        int axis = 0;
+        (high - low).maxCoeff(&axis);
+        const int middle = (first + last) / 2;
+        std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                         [&](int a, int b) {
+                             return std::pair(centres[index(a)][axis], a) <
+                                    std::pair(centres[index(b)][axis], b);
+                         });
+        ranges.push_back({middle, last, node});
+        ranges.push_back({first, middle, -1});
+    }
+}
+
+std::vector<FacePair> FaceTree::crossings(const Points& points) const
+{
+    const int* const faces = topology_.faces().data();
+    std::vector<Box> boxes(nodes_.size());
+    std::vector<LeafBoxes> leaf_boxes;
+    std::vector<std::size_t> leaves;               // nodes
+    std::vector<std::size_t> ranks(nodes_.size()); // of nodes among leaves
+    for (std::size_t n = 0; n < nodes_.size(); ++n)
+        if (nodes_[n].right == 0) {
+            ranks[n] = leaves.size();
+            leaves.push_back(n);
+        }
+    leaf_boxes.resize(leaves.size());
+    const auto rounding = static_cast<float>(2e-7 * points.cwiseAbs().maxCoeff());
+    parallel_for(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const Node& leaf = nodes_[leaves[k]];
+            for (int i = leaf.first; i < leaf.last; ++i) {
+                Box box;
+                for (int c = 0; c < 3; ++c)
+                    box.add(points.row(faces[3 * order_[index(i)] + c])
+                                .transpose()
+                                .array()
+                                .cast<float>());
+                box.widen(rounding);
+                leaf_boxes[k].set(index(i - leaf.first), box);
+                boxes[leaves[k]].add(box);
+            }
+        }
+    });
+    for (std::size_t n = nodes_.size(); n-- > 0;) // children come after their parents
+        if (nodes_[n].right != 0) {
+            boxes[n].add(boxes[n + 1]);
+            boxes[n].add(boxes[index(nodes_[n].right)]);
+        }
+
+    const auto corners = [&](int face) {
+        const int* const v = faces + 3 * face;
+        return Corners{points.data() + 3 * v[0], points.data() + 3 * v[1],
+                       points.data() + 3 * v[2]};
+    };
+    // Faces that share a side meet there alone, or lie in one plane.
+    const auto share_a_side = [&](int a, int b) {
+        int shared = 0;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                shared += faces[3 * a + i] == faces[3 * b + j] ? 1 : 0;
+        return shared >= 2;
+    };
+    // Each face of a leaf against those after it in the order of the tree.
+    constexpr std::size_t grain = 16;
+    std::vector<std::vector<FacePair>> found((leaves.size() + grain - 1) / grain);
+    parallel_for(leaves.size(), grain, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::size_t> stack;
+        std::array<std::uint8_t, LeafBoxes::places> meets{};
+        const auto compare = [&](std::size_t mine, std::size_t theirs) {
+            const Node& leaf = nodes_[leaves[mine]];
+            const Node& other = nodes_[leaves[theirs]];
+            const Box& bounds = boxes[leaves[theirs]];
+            for (int i = leaf.first; i < leaf.last; ++i) {
+                const auto place = index(i - leaf.first);
+                Box box;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    box.low[static_cast<Eigen::Index>(axis)] = leaf_boxes[mine].low[axis][place];
+                    box.high[static_cast<Eigen::Index>(axis)] = leaf_boxes[mine].high[axis][place];
+                }
+                if (!box.meets(bounds))
+                    continue;
+                meet(leaf_boxes[theirs], box.low.data(), box.high.data(), meets);
+                const int face = order_[index(i)];
+                for (int j = mine == theirs ? i + 1 : other.first; j < other.last; ++j)
+                    if (const int against = order_[index(j)];
+                        meets[index(j - other.first)] != 0 && !share_a_side(face, against) &&
+                        cross(corners(face), corners(against)))
+                        found[begin / grain].push_back(
+                            {std::min(face, against), std::max(face, against)});
+            }
+        };
+        for (std::size_t k = begin; k < end; ++k) {
+            const Box& box = boxes[leaves[k]];
+            stack.assign(1, 0);
+            while (!stack.empty()) {
+                const std::size_t n = stack.back();
+                stack.pop_back();
+                const Node& node = nodes_[n];
+                if (node.last <= nodes_[leaves[k]].first || !box.meets(boxes[n]))
+                    continue;
+                if (node.right == 0) {
+                    compare(k, ranks[n]);
+                } else {
+                    stack.push_back(index(node.right));
+                    stack.push_back(n + 1);
+                }
+            }
+        }
+    });
+    std::vector<FacePair> pairs;
+    for (const std::vector<FacePair>& some : found)
+        pairs.insert(pairs.end(), some.begin(), some.end());
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+}
+
+} // namespace shape::internal
