@@ -377,7 +377,7 @@ void read_polygons(Result& result)
                 readable.push_back(std::move(split));
             }
         } catch (const InvalidInput& error) {
-            result.unreadable.push_back({mesh.name, error.what()});
+            result.unreadable.emplace_back(mesh.name, error.what());
         }
     }
     result.readable = std::move(readable);

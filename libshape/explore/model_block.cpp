@@ -110,8 +110,9 @@ ModelBlock read_block(std::span<const unsigned char> bytes)
         throw InvalidInput("model block: it does not begin as one");
     const auto faces = read_triples<Faces>(from);
     auto reference = read_triples<Points>(from);
+    Topology topology(faces, static_cast<int>(reference.rows()));
     ShapeSpace space = read_space(from, reference.rows());
-    ModelBlock block{.topology = Topology(faces, static_cast<int>(reference.rows())),
+    ModelBlock block{.topology = std::move(topology),
                      .reference_points = std::move(reference),
                      .space = std::move(space),
                      .mean = read_vector(from),

@@ -91,7 +91,7 @@ void add_topology(Hdf5Content& content, const Topology& topology)
 Topology read_topology(const Hdf5File& file, Eigen::Index vertex_count)
 {
     const Faces faces = file.integers("/topology/faces", {any_length, 3});
-    const Topology topology = [&] {
+    Topology topology = [&] {
         try {
             return Topology(faces, static_cast<int>(vertex_count));
         } catch (const InvalidInput& error) {

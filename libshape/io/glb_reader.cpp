@@ -113,13 +113,13 @@ public:
         return found != object.end() && found->is_string() ? found->get<std::string>() : "";
     }
 
-    std::int64_t accessor_count(std::int64_t index) const
+    [[nodiscard]] std::int64_t accessor_count(std::int64_t index) const
     {
         return integer(entry("accessors", index), "count");
     }
 
     /// The values of an accessor, count by `components`.
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values(
+    [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values(
         std::int64_t index, int components) const
     {
         const Json& accessor = entry("accessors", index);
@@ -172,8 +172,8 @@ public:
         return result;
     }
 
-    const Json& root() const { return root_; }
-    std::size_t buffer_size() const { return buffer_.size(); }
+    [[nodiscard]] const Json& root() const { return root_; }
+    [[nodiscard]] std::size_t buffer_size() const { return buffer_.size(); }
 
 private:
     struct View
@@ -182,7 +182,7 @@ private:
         std::int64_t stride;
         std::int64_t size; ///< Of a component.
 
-        double value(std::int64_t row, int column, std::int64_t type, bool is_normalised) const
+        [[nodiscard]] double value(std::int64_t row, int column, std::int64_t type, bool is_normalised) const
         {
             const char* const at = bytes + row * stride + column * size;
             const auto read = [&]<class Value>(Value value) {
@@ -216,7 +216,7 @@ private:
     }
 
     /// @param part  An accessor, or the indices or values of a sparse one.
-    View view_of(const Json& part, std::int64_t count, int components, std::int64_t type) const
+    [[nodiscard]] View view_of(const Json& part, std::int64_t count, int components, std::int64_t type) const
     {
         const std::int64_t size = type == 5120 || type == 5121   ? 1
                                   : type == 5122 || type == 5123 ? 2

@@ -100,7 +100,7 @@ struct Asset
 /// Single precision, relative to a centre.
 FloatPoints relative_positions(const Points& points, const Eigen::RowVector3d& centre)
 {
-    const FloatPoints positions = (points.rowwise() - centre).cast<float>();
+    FloatPoints positions = (points.rowwise() - centre).cast<float>();
     if (!positions.allFinite())
         throw InvalidInput("points: a coordinate is beyond the single precision of glTF");
     return positions;

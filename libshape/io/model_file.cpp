@@ -288,7 +288,7 @@ ShapeModel read_model(const std::filesystem::path& path)
     const bool companions = has_companions(space);
     const std::string name = coordinates_name(space);
     const Extents extents = coordinate_extents(space, topology);
-    const ShapeModel model{
+    ShapeModel model{
         .topology = topology,
         .reference_points = reference_points,
         .space = space,
@@ -351,7 +351,7 @@ DifferenceVector read_difference(const std::filesystem::path& path)
     const Points reference_points = read_reference_points(file);
     const Topology topology = read_topology(file, reference_points.rows());
     const Eigen::Index edges = topology.edge_count();
-    const DifferenceVector difference{
+    DifferenceVector difference{
         .topology = topology,
         .reference_points = reference_points,
         .scale = read_scale(file),

@@ -289,7 +289,7 @@ public:
     }
     static std::int64_t least_size(Scalar type) { return size_of(type); }
 
-    void begin(const Element& element, std::int64_t index)
+    void begin(const Element& element, std::int64_t index) const
     {
         if (remaining() == 0)
             fail(join("the file ends before ", element.name, " ", index, " of ", element.count));

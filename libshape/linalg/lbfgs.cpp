@@ -95,7 +95,7 @@ Minimum minimize_lbfgs(const Objective& objective, const Eigen::VectorXd& start,
     if (!x)
         throw std::bad_alloc();
     std::fill(std::copy(start.begin(), start.end(), x.get()), x.get() + variables, 0.0);
-    lbfgs_parameter_t parameters;
+    lbfgs_parameter_t parameters{};
     lbfgs_parameter_init(&parameters);
     parameters.m = options.memory;
     parameters.epsilon = 0.0; // step_taken() decides

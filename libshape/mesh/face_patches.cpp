@@ -93,7 +93,7 @@ Rows without_crumbs(const Topology& topology, const Rows& rows, int least)
 } // namespace
 
 FacePatches::FacePatches(const Topology& topology, int faces_per_patch)
-    : edge_count(topology.edge_count()), largest(0)
+    : edge_count(topology.edge_count())
 {
     Rows rows = without_crumbs(topology, discs(topology, faces_per_patch), faces_per_patch / 8);
     const std::vector<int>& patch_of = rows.patch_of;

@@ -38,7 +38,7 @@ struct FacePatches
     std::vector<Way> ways;       ///< Three of every entry of `faces`.
     std::vector<Bridge> bridges; ///< Pair by pair.
     std::vector<Pair> pairs;     ///< Sorted.
-    int largest;                 ///< Number of faces.
+    int largest = 0;             ///< Number of faces.
 
     /// Breadth-first discs of at most this many faces; those left over at the rim of one seed the next.
     /// Where fewer than an eighth are left between discs, they join one of them.

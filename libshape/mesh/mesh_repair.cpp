@@ -260,7 +260,7 @@ std::vector<std::vector<bool>> pieces_of(const Faces& faces)
 }
 
 /// Pieces are chosen, and vertices without a face go.
-std::vector<Batch> choose_pieces(Batch batch, Components components, Changes& changes)
+std::vector<Batch> choose_pieces(const Batch& batch, Components components, Changes& changes)
 {
     constexpr std::size_t most_pieces = 1000;
     std::vector<std::vector<bool>> pieces = pieces_of(batch.faces);

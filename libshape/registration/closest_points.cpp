@@ -149,15 +149,12 @@ public:
         set_reach();
     }
 
-    // The names are nanoflann's.
+    // NOLINTBEGIN(readability-identifier-naming): the names are nanoflann's.
     [[nodiscard]] std::size_t size() const { return found_.face >= 0 ? 1 : 0; }
     [[nodiscard]] bool full() const { return true; }
-    [[nodiscard]] double worstDist() const
-    {
-        return reach_;
-    } // NOLINT(readability-identifier-naming)
-    bool addPoint(double square_of_sample,
-                  std::uint32_t sample) // NOLINT(readability-identifier-naming)
+    [[nodiscard]] double worstDist() const { return reach_; }
+    bool addPoint(double square_of_sample, std::uint32_t sample)
+    // NOLINTEND(readability-identifier-naming)
     {
         const int f = tree_.set.samples[sample].face;
         if (square_of_sample > reach_ || f == found_.face)

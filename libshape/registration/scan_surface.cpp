@@ -43,9 +43,9 @@ double outwardness(const Points& points, const Faces& faces)
     return all > 0.0 ? flux / all : 0.0;
 }
 
-Surface::Surface(Points points_, Faces faces_)
-    : points(std::move(points_)),
-      faces(std::move(faces_)),
+Surface::Surface(Points vertices, Faces triangles)
+    : points(std::move(vertices)),
+      faces(std::move(triangles)),
       normals(vertex_normals(points, faces)),
       on_rim(to_size(points.rows()), 0),
       rims(find_rims(faces)),

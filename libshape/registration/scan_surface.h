@@ -20,7 +20,7 @@ struct Surface
     Rims rims;
     ClosestPoints tree;
 
-    Surface(Points points, Faces faces);
+    Surface(Points vertices, Faces triangles);
 
     /// Whether a nearest point lies on the rim: then the surface may go on beyond it, unseen.
     [[nodiscard]] bool ends_at(const SurfacePoint& point) const;

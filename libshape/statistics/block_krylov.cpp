@@ -83,7 +83,7 @@ void multiply_right(RowMatrix& a, const RowMatrix& b)
 RowMatrix orthonormalise_columns(RowMatrix& a, double floor)
 {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(inner(a, a)));
-    const Eigen::VectorXd squares = solver.eigenvalues();
+    const Eigen::VectorXd& squares = solver.eigenvalues();
     const double least = std::max(floor * floor, 1e-15 * std::max(squares.maxCoeff(), 0.0));
     Index kept = 0;
     while (kept < squares.size() && squares[squares.size() - 1 - kept] > least)

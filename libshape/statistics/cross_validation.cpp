@@ -55,7 +55,7 @@ MatrixXd leading_subspace(const VectorXd& d, const MatrixXd& b, Index count)
         const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(basis.transpose() * image);
         const MatrixXd best = ritz.eigenvectors().rightCols(count);
         const VectorXd values = ritz.eigenvalues().tail(count);
-        const MatrixXd vectors = basis * best;
+        MatrixXd vectors = basis * best;
         const double residual =
             (image * best - vectors * values.asDiagonal()).colwise().norm().maxCoeff();
         if (residual <= tolerance * d[0])

@@ -22,7 +22,8 @@ double beta_fraction(double a, double b, double x)
     double lower = 0.0;
     double result = 1.0;
     for (int j = 1; j <= most_terms; ++j) {
-        const double m = j / 2;
+        const int half = j / 2; // rounded down
+        const double m = half;
         const double d = j % 2 == 0
                              ? m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
                              : -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));

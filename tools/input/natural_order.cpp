@@ -29,11 +29,11 @@ std::size_t end_of_digits(std::string_view text, std::size_t at)
 /// A piece of a name: a number, or one other character.
 struct Piece
 {
-    std::string_view text;
+    std::string_view text = {};
     bool is_number = false;
     bool is_negative = false;
-    std::string_view whole;    ///< Digits before the point, without leading zeros.
-    std::string_view fraction; ///< Digits behind it, without zeros at the end.
+    std::string_view whole = {};    ///< Digits before the point, without leading zeros.
+    std::string_view fraction = {}; ///< Digits behind it, without zeros at the end.
 };
 
 Piece piece_at(std::string_view text, std::size_t begin)
@@ -61,9 +61,9 @@ Piece piece_at(std::string_view text, std::size_t begin)
 
 std::strong_ordering magnitude_order(const Piece& a, const Piece& b)
 {
-    if (const auto order = a.whole.size() <=> b.whole.size(); order != 0)
+    if (const auto order = a.whole.size() <=> b.whole.size(); std::is_neq(order))
         return order;
-    if (const auto order = a.whole <=> b.whole; order != 0)
+    if (const auto order = a.whole <=> b.whole; std::is_neq(order))
         return order;
     return a.fraction <=> b.fraction;
 }
@@ -90,8 +90,8 @@ bool natural_less(std::string_view a, std::string_view b)
     while (i < a.size() && j < b.size()) {
         const Piece p = piece_at(a, i);
         const Piece q = piece_at(b, j);
-        if (const auto order = order_of(p, q); order != 0)
-            return order < 0;
+        if (const auto order = order_of(p, q); std::is_neq(order))
+            return std::is_lt(order);
         i += p.text.size();
         j += q.text.size();
     }

@@ -84,9 +84,12 @@ MatrixX2d places(const PathDescription& path, const MatrixX2d& default_track)
         const auto columns = static_cast<Eigen::Index>((*path.grid)[0]);
         const auto rows = static_cast<Eigen::Index>((*path.grid)[1]);
         MatrixX2d result(columns * rows, 2);
-        for (Eigen::Index i = 0; i < result.rows(); ++i)
-            result.row(i) << static_cast<double>(i % columns) / static_cast<double>(columns - 1),
-                static_cast<double>(i / columns) / static_cast<double>(rows - 1);
+        for (Eigen::Index i = 0; i < result.rows(); ++i) {
+            const Eigen::Index row = i / columns;
+            const Eigen::Index column = i - row * columns;
+            result.row(i) << static_cast<double>(column) / static_cast<double>(columns - 1),
+                static_cast<double>(row) / static_cast<double>(rows - 1);
+        }
         return result;
     }
     const MatrixX2d& track = path.track.rows() > 0 ? path.track : default_track;

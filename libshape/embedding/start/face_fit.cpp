@@ -40,7 +40,7 @@ struct Quaternions
         y[i] = sign_of_vector * from.y();
         z[i] = sign_of_vector * from.z();
     }
-    Quaterniond get(int i) const { return {w[i], x[i], y[i], z[i]}; }
+    [[nodiscard]] Quaterniond get(int i) const { return {w[i], x[i], y[i], z[i]}; }
 };
 
 /// Sums of w (x_b - x_a) u^T over edges a-b that lie along u: row by row.
@@ -48,7 +48,7 @@ struct Covariances
 {
     std::array<Row, 9> entries;
 
-    Matrix3d get(int i) const
+    [[nodiscard]] Matrix3d get(int i) const
     {
         Matrix3d m;
         for (int k = 0; k < 9; ++k)

@@ -75,7 +75,7 @@ public:
     Id(Id&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
     Id& operator=(Id&&) = delete;
 
-    operator hid_t() const { return id_; }
+    operator hid_t() const { return id_; } // NOLINT(google-explicit-constructor): as HDF5 takes it
 
     /// Closing may write, and fail.
     void close() { checked(close_(std::exchange(id_, -1))); }

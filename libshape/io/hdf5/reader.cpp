@@ -78,7 +78,7 @@ public:
 
     /// Runs `read`; what HDF5 refuses is the file's fault.
     template <class Read>
-    auto guarded(const Read& read) const
+    [[nodiscard]] auto guarded(const Read& read) const
     {
         const Silence silence;
         try {
@@ -200,7 +200,7 @@ public:
 
     /// Values of a numeric type, by HDF5.
     template <class Matrix>
-    Matrix read(const StoredDataset& stored, hid_t memory_type) const
+    [[nodiscard]] Matrix read(const StoredDataset& stored, hid_t memory_type) const
     {
         const Eigen::Index rows = stored.extents.empty() ? 1 : stored.extents.front();
         check_size(stored);

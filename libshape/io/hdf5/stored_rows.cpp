@@ -248,7 +248,7 @@ std::shared_ptr<StoredRows::Fetched> StoredRows::fetch(std::vector<Index> rows) 
 {
     const ChunkTable& table = state_->table;
     const Index in_a_slab = state_->across() * state_->deep();
-    const auto fetched = std::make_shared<Fetched>();
+    auto fetched = std::make_shared<Fetched>();
     Index slab = -1;
     for (const Index row : rows) {
         if (row / table.chunk_extents[0] == slab)
