@@ -5,6 +5,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/alignment.h"
 
 namespace shape::internal {
@@ -41,8 +42,8 @@ Quaterniond ReferencePatches::rotation(int patch, const Rotations& others) const
 {
     Matrix3d sum = Matrix3d::Zero();
     for (int i = patches.begin(patch); i < patches.begin(patch + 1); ++i) {
-        const int face = patches.faces[static_cast<std::size_t>(i)];
-        const auto f = static_cast<std::size_t>(face);
+        const int face = patches.faces[to_size(i)];
+        const auto f = to_size(face);
         sum += areas[face] * (others[f] * frames[f].conjugate()).toRotationMatrix();
     }
     return Quaterniond(nearest_rotation(sum));
@@ -66,17 +67,16 @@ VectorXd PatchTurns::of(const Points& mesh) const
         throw InvalidInput(join("turns: the mesh has ", mesh.rows(), " vertices, the reference ",
                                 topology.vertex_count()));
     const Rotations frames = face_frames(topology, renumbered(renumbering_, mesh));
-    Rotations rotations(static_cast<std::size_t>(reference_.patches.count()));
+    Rotations rotations(to_size(reference_.patches.count()));
     parallel_for(rotations.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p)
             rotations[p] = reference_.rotation(static_cast<int>(p), frames);
     });
     VectorXd turns(size());
     for (Index k = 0; k < turns.size() / 3; ++k) {
-        const FacePatches::Pair& pair = reference_.patches.pairs[static_cast<std::size_t>(k)];
-        turns.segment<3>(3 * k) =
-            rotation_vector(rotations[static_cast<std::size_t>(pair.lower)].conjugate() *
-                            rotations[static_cast<std::size_t>(pair.higher)]);
+        const FacePatches::Pair& pair = reference_.patches.pairs[to_size(k)];
+        turns.segment<3>(3 * k) = rotation_vector(rotations[to_size(pair.lower)].conjugate() *
+                                                  rotations[to_size(pair.higher)]);
     }
     return turns;
 }

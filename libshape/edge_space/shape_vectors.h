@@ -29,10 +29,10 @@ enum class Scale
 /// N meshes as points of edge-length space. Row i belongs to mesh i, column e to edge e.
 struct ShapeVectors
 {
-    RowMatrix edge_lengths;    ///< N by #E; unit sum, or [length] for Scale::None.
-    RowMatrix dihedral_angles; ///< N by #E [rad], on one branch per edge (unify_branches).
-    Eigen::VectorXd sizes;     ///< N sums of edge lengths [length].
-    RowMatrix patch_turns;     ///< N rows [rad], against the first mesh; see patch_turns.h.
+    RowMatrix edge_lengths;     ///< N by #E; unit sum, or [length] for Scale::None.
+    RowMatrix dihedral_angles;  ///< N by #E [rad], on one branch per edge (unify_branches).
+    Eigen::VectorXd sizes;      ///< N sums of edge lengths [length].
+    RowMatrix patch_turns = {}; ///< N rows [rad], against the first mesh; see patch_turns.h.
 };
 
 /// Encodes the meshes of a collection.
