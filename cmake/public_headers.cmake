@@ -4,6 +4,7 @@ set(public_headers
     libshape/shape.h
     libshape/base/error.h
     libshape/base/progress.h
+    libshape/base/ranks.h
     libshape/base/threads.h
     libshape/base/version.h
     libshape/conformal/certificate.h
@@ -18,6 +19,7 @@ set(public_headers
     libshape/edge_space/paths.h
     libshape/edge_space/procrustes.h
     libshape/edge_space/safe_range.h
+    libshape/edge_space/shape_prior.h
     libshape/edge_space/shape_space.h
     libshape/edge_space/shape_vectors.h
     libshape/edge_space/tagged_scaling.h
@@ -36,6 +38,7 @@ set(public_headers
     libshape/io/hdf5/untrusted_files.h
     libshape/io/label_file.h
     libshape/io/landmark_file.h
+    libshape/io/long_table.h
     libshape/io/mesh_file.h
     libshape/io/mesh_write_options.h
     libshape/io/model_file.h
@@ -63,15 +66,20 @@ set(public_headers
     libshape/model/difference.h
     libshape/model/group_means.h
     libshape/model/linearised_model.h
+    libshape/model/model_prior.h
     libshape/model/model_quality.h
     libshape/model/nuisance.h
     libshape/model/outlying_meshes.h
     libshape/model/shape_distances.h
     libshape/model/shape_model.h
+    libshape/model/streamed_distances.h
     libshape/model/streamed_fit.h
+    libshape/model/streamed_groups.h
     libshape/model/updated_model.h
+    libshape/registration/prior_fit.h
     libshape/registration/scan.h
     libshape/registration/scan_fit.h
+    libshape/registration/synthetic_scan.h
     libshape/statistics/bootstrap.h
     libshape/statistics/classical_scaling.h
     libshape/statistics/column_effects.h

@@ -31,6 +31,7 @@ using Run = std::function<void(const Session&)>;
 [[nodiscard]] Run set_up_groups(CLI::App& command);
 [[nodiscard]] Run set_up_info(CLI::App& command);
 [[nodiscard]] Run set_up_interpolate(CLI::App& command);
+[[nodiscard]] Run set_up_merge(CLI::App& command);
 [[nodiscard]] Run set_up_project(CLI::App& command);
 [[nodiscard]] Run set_up_quality(CLI::App& command);
 [[nodiscard]] Run set_up_reconstruct(CLI::App& command);

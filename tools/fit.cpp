@@ -13,18 +13,24 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/embedding/embedder.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/landmark_file.h"
 #include "libshape/io/mesh_file.h"
+#include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
+#include "libshape/model/model_prior.h"
+#include "libshape/registration/prior_fit.h"
 #include "libshape/registration/scan_fit.h"
 #include "libshape/report/picture.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
+#include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/shard.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/session.h"
@@ -43,9 +49,11 @@ struct Arguments
     std::vector<std::string> landmarks;
     FitOptions fit;
     std::string boundaries;
+    std::int64_t rounds = 0;
     bool no_search = false;
     bool keep_failed = false;
     bool resume = false;
+    Shard shard;
 };
 
 const char* name(FitStatus status)
@@ -97,6 +105,44 @@ std::vector<Landmark> read_all_landmarks(const Arguments& arguments,
     return all;
 }
 
+/// What is fitted: a mesh, or the mean of a model with what the model expects.
+struct Pattern
+{
+    std::string name; ///< Of its landmarks.
+    Topology topology;
+    Points points;
+    std::optional<ShapeModel> model;
+};
+
+Pattern read_pattern(const Arguments& arguments)
+{
+    const fs::path path = arguments.pattern;
+    if (is_collection_file(path)) {
+        if (file_kind(path) != FileKind::Model)
+            throw InvalidInput(join(path.string(),
+                                    ": TEMPLATE is one mesh file, or a model that "
+                                    "`shape stats` has made"));
+        ShapeModel model = read_model(path);
+        if (!std::holds_alternative<EdgeSpace>(model.space))
+            throw InvalidInput(join(path.string(),
+                                    ": is a model of positions; fitting needs one of edge "
+                                    "lengths (`shape stats` without --space procrustes)"));
+        const Embedder embedder(model.topology, std::vector<Points>{model.reference_points});
+        const ShapePoint mean = std::get<ShapePoint>(
+            model_point(model, Eigen::VectorXd::Zero(model.mode_count()), model.mean_size()));
+        Points points = embedder.embed(mean).points; // about the origin
+        points.rowwise() += model.reference_points.colwise().mean();
+        return {path.stem().string(), model.topology, std::move(points), std::move(model)};
+    }
+    NamedMesh mesh = read_mesh(path, {.triangulate = arguments.scans.triangulate});
+    try {
+        Topology topology(mesh.faces, static_cast<int>(mesh.points.rows()));
+        return {path.stem().string(), std::move(topology), std::move(mesh.points), std::nullopt};
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(join(path.string(), ": ", error.what()));
+    }
+}
+
 /// Those that a scan and the template share, by name.
 LandmarkPairs pairs_of(const std::vector<Landmark>& landmarks, const std::string& scan,
                        const std::string& pattern, const Points& points)
@@ -139,15 +185,16 @@ LandmarkPairs pairs_of(const std::vector<Landmark>& landmarks, const std::string
     return pairs;
 }
 
-Json figures_of(const std::string& scan, const ScanFit& fit, const Scan& cleaned)
+Json figures_of(const std::string& scan, const ScanFit& fit, const Json& ignored)
 {
     const auto summary = [](const DistanceSummary& d) {
         return Json{{"mean", d.mean}, {"p95", d.p95}, {"max", d.max}};
     };
     const Eigen::VectorXd& errors = fit.landmark_errors;
-    Json notes = cleaned.ignored;
-    if (fit.turned_faces > 0)
-        notes.push_back(join(counted(fit.turned_faces, "face"), " turned to face outwards"));
+    Json notes = ignored;
+    const std::string turned = join(counted(fit.turned_faces, "face"), " turned to face outwards");
+    if (fit.turned_faces > 0 && std::find(notes.begin(), notes.end(), turned) == notes.end())
+        notes.push_back(turned);
     return {{"scan", scan},
             {"status", name(fit.status)},
             {"reasons", fit.reasons},
@@ -162,6 +209,7 @@ Json figures_of(const std::string& scan, const ScanFit& fit, const Scan& cleaned
             {"growth_low", fit.growth_low},
             {"growth_high", fit.growth_high},
             {"folded_faces", fit.folded_faces},
+            {"crossing_pairs", fit.crossing_pairs},
             {"unseen_vertices", fit.unseen_vertices},
             {"scale", fit.scale}};
 }
@@ -174,10 +222,26 @@ Json failure(const std::string& scan, const std::string& reason)
 /// One row a scan; cells that a scan without a fit has no figure for are empty.
 Table table_of(const Json& scans)
 {
-    Table table{{"scan", "status", "reason", "scan_to_fit_mean", "scan_to_fit_p95",
-                 "scan_to_fit_max", "fit_to_scan_mean", "fit_to_scan_p95", "fit_to_scan_max",
-                 "diagonal", "landmark_mean", "landmark_max", "strain_rms", "growth_low",
-                 "growth_high", "folded_faces", "unseen_vertices", "scale", "ignored"},
+    Table table{{"scan",
+                 "status",
+                 "reason",
+                 "scan_to_fit_mean",
+                 "scan_to_fit_p95",
+                 "scan_to_fit_max",
+                 "fit_to_scan_mean",
+                 "fit_to_scan_p95",
+                 "fit_to_scan_max",
+                 "diagonal",
+                 "landmark_mean",
+                 "landmark_max",
+                 "strain_rms",
+                 "growth_low",
+                 "growth_high",
+                 "folded_faces",
+                 "crossing_pairs",
+                 "unseen_vertices",
+                 "scale",
+                 "ignored"},
                 {}};
     const auto sentence = [](const Json& scan, const char* key) {
         std::string text;
@@ -200,7 +264,7 @@ Table table_of(const Json& scans)
                 add(find(scan, way) != nullptr ? find(scan[way], figure) : nullptr);
         for (const char* key :
              {"diagonal", "landmark_mean", "landmark_max", "strain_rms", "growth_low",
-              "growth_high", "folded_faces", "unseen_vertices", "scale"})
+              "growth_high", "folded_faces", "crossing_pairs", "unseen_vertices", "scale"})
             add(find(scan, key));
         row.push_back(sentence(scan, "ignored"));
         table.rows.push_back(std::move(row));
@@ -221,6 +285,7 @@ struct Places
     [[nodiscard]] fs::path report() const { return directory / "fit.json"; }
     [[nodiscard]] fs::path table() const { return directory / "fit.csv"; }
     [[nodiscard]] fs::path sheet() const { return directory / "fit.svg"; }
+    [[nodiscard]] fs::path scores() const { return directory / "scores.csv"; }
 };
 
 Places places_of(const Session& session, const Arguments& arguments,
@@ -250,11 +315,11 @@ Places places_of(const Session& session, const Arguments& arguments,
     return places;
 }
 
-/// The rows of an earlier run with the same settings whose scans are done.
-Json earlier_scans(const Places& places, const Json& settings)
+/// The report of an earlier run with the same settings.
+Json earlier_report(const Places& places, const Json& settings)
 {
     if (!fs::exists(places.report()))
-        return Json::array();
+        return {{"scans", Json::array()}, {"rounds", Json::array()}};
     const std::string path = places.report().string();
     Json report;
     try {
@@ -263,7 +328,7 @@ Json earlier_scans(const Places& places, const Json& settings)
             throw InvalidInput(join(path,
                                     ": was made with other settings; remove it, or run "
                                     "without --resume"));
-        return report.at("scans");
+        return {{"scans", report.at("scans")}, {"rounds", report.at("rounds")}};
     } catch (const Json::exception&) {
         throw InvalidInput(join(path,
                                 ": is not the report of a run; remove it, or run without "
@@ -271,11 +336,56 @@ Json earlier_scans(const Places& places, const Json& settings)
     }
 }
 
-void write_report(const Places& places, const Json& settings, const Json& scans)
+void write_report(const Places& places, const Json& settings, const Json& scans, const Json& rounds)
 {
-    write_file_atomically(places.report(),
-                          Json{{"settings", settings}, {"scans", scans}}.dump(1) + "\n");
+    write_file_atomically(
+        places.report(),
+        Json{{"settings", settings}, {"scans", scans}, {"rounds", rounds}}.dump(1) + "\n");
     write_table(places.table(), table_of(scans));
+}
+
+void write_fit(const Places& places, const std::string& scan, const Topology& topology,
+               const ScanFit& fit)
+{
+    const Eigen::VectorXd seen =
+        Eigen::Matrix<char, Eigen::Dynamic, 1>::Map(fit.seen.data(), std::ssize(fit.seen))
+            .cast<double>();
+    write_vertex_scalars(places.mesh(scan), fit.points, topology.faces(),
+                         {{"distance", fit.distance}, {"growth", fit.growth}, {"seen", seen}});
+}
+
+/// What later rounds need of a fit that an earlier run has written.
+ScanFit read_fit(const Places& places, const Json& row)
+{
+    const fs::path path = places.mesh(row["scan"].get<std::string>());
+    ScanFit fit;
+    fit.points = read_mesh(path).points;
+    for (const double seen : read_vertex_scalar(path, "seen"))
+        fit.seen.push_back(seen != 0.0 ? 1 : 0);
+    fit.scale = row["scale"].get<double>();
+    fit.status = row["status"] == "good"    ? FitStatus::Good
+                 : row["status"] == "check" ? FitStatus::Check
+                                            : FitStatus::Failed;
+    return fit;
+}
+
+/// Scores of a model's fits as `shape generate --scores-file` takes them.
+void write_scores(const Places& places, const Json& rows, int modes)
+{
+    Table table{{"mesh", "size", "residual_rms"}, {}};
+    for (int k = 1; k <= modes; ++k)
+        table.columns.push_back(join("pc", k));
+    for (const Json& row : rows) {
+        if (!row.contains("scores"))
+            continue;
+        std::vector<std::string> cells{row["scan"].get<std::string>(),
+                                       print_number(row["model_size"].get<double>()),
+                                       print_number(row["model_residual_rms"].get<double>())};
+        for (const Json& score : row["scores"])
+            cells.push_back(print_number(score.get<double>()));
+        table.rows.push_back(std::move(cells));
+    }
+    write_table(places.scores(), table);
 }
 
 /// All fits side by side, coloured by their distance to the scan, the worst first.
@@ -316,6 +426,48 @@ void draw_sheet(const Session& session, const Places& places, const Topology& to
                           picture_svg(draw_collection(collection, options, session.progress())));
 }
 
+/// Fits the group again until its rounds are over or the fits move no more; writes what came out.
+void run_rounds(const Session& session, const Places& places, const Topology& topology,
+                const ScanFitter& fitter, const ScanSource& load, const Arguments& arguments,
+                const std::vector<std::string>& names, std::vector<std::optional<ScanFit>>& fits,
+                Json& rows, Json& rounds)
+{
+    std::vector<ScanFit> group;
+    std::vector<std::size_t> members;
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+        if (!fits[i] && fs::exists(places.mesh(names[i])) && rows[i].contains("scale"))
+            fits[i] = read_fit(places, rows[i]);
+        if (!fits[i] || fits[i]->status == FitStatus::Failed)
+            continue;
+        members.push_back(i);
+        group.push_back(std::move(*fits[i]));
+    }
+    const auto member = [&](std::size_t k) { return load(members[k]); };
+    rounds = Json::array();
+    constexpr double settled = 0.002; // of the mean edge
+    for (std::int64_t round = 1; round <= arguments.rounds; ++round) {
+        const GroupRound done =
+            fit_group_again(fitter, topology, member, group, session.progress());
+        rounds.push_back(
+            {{"fits", done.fits}, {"change", done.change}, {"unexpected", done.unexpected}});
+        session.message(join("round ", round, ": edges of ", counted(to_size(done.fits), "fit"),
+                             " changed by ", 100.0 * done.change, " %, were ",
+                             100.0 * done.unexpected, " % from what the others expect (RMS)"));
+        if (done.change < settled)
+            break;
+    }
+    while (std::ssize(rounds) < arguments.rounds) // settled: --resume has nothing left to do
+        rounds.push_back(rounds.back());
+    for (std::size_t k = 0; k < members.size(); ++k) {
+        const std::size_t i = members[k];
+        rows[i] = figures_of(names[i], group[k], rows[i]["ignored"]);
+        if (group[k].status != FitStatus::Failed || arguments.keep_failed)
+            write_fit(places, names[i], topology, group[k]);
+        else
+            fs::remove(places.mesh(names[i]));
+    }
+}
+
 void run(const Session& session, const Arguments& given)
 {
     Arguments arguments = given;
@@ -325,7 +477,17 @@ void run(const Session& session, const Arguments& given)
     if (!arguments.fit.boundaries.empty() && arguments.landmarks.empty())
         throw UsageError("--boundary names landmarks; give --landmarks");
     note_passed_over(notices_of(session), arguments.scans);
-    const std::vector<fs::path> scans = mesh_files(arguments.scans);
+    const std::vector<fs::path> all_scans = mesh_files(arguments.scans);
+    std::vector<fs::path> scans;
+    for (const std::size_t i : arguments.shard.own(all_scans.size()))
+        scans.push_back(all_scans[i]);
+    if (arguments.shard.is_given()) {
+        if (fs::path(arguments.output).extension() == ".h5")
+            throw UsageError(
+                "--shard needs a directory as -o; `shape collect` makes a collection of "
+                "what `shape merge` has put together");
+        arguments.output = arguments.shard.directory(arguments.output).string() + "/";
+    }
     std::vector<std::string> names;
     for (const fs::path& scan : scans) {
         if (is_collection_file(scan))
@@ -336,67 +498,82 @@ void run(const Session& session, const Arguments& given)
         if (std::count(names.begin(), names.end(), names.back()) > 1)
             throw InvalidInput(join(scan.string(), ": two scans are named '", names.back(), "'"));
     }
-    if (is_collection_file(arguments.pattern))
-        throw InvalidInput(join(arguments.pattern, ": TEMPLATE is one mesh file"));
     std::vector<fs::path> inputs = scans;
     inputs.emplace_back(arguments.pattern);
     const std::vector<Landmark> landmarks = arguments.landmarks.empty()
                                                 ? std::vector<Landmark>{}
                                                 : read_all_landmarks(arguments, scans);
 
-    NamedMesh mesh = read_mesh(arguments.pattern, {.triangulate = arguments.scans.triangulate});
-    std::optional<Topology> topology;
-    try {
-        topology.emplace(mesh.faces, static_cast<int>(mesh.points.rows()));
-    } catch (const InvalidInput& error) {
-        throw InvalidInput(join(arguments.pattern, ": ", error.what()));
-    }
-    const ScanFitter fitter(*topology, mesh.points, arguments.fit);
-    const std::string pattern = fs::path(arguments.pattern).stem().string();
+    const Pattern pattern = read_pattern(arguments);
+    const Topology& topology = pattern.topology;
+    if (pattern.model && arguments.rounds > 0)
+        throw UsageError(
+            "--rounds makes a model of the fits of a template; a model is there "
+            "already");
+    std::optional<ShapePrior> prior;
+    if (pattern.model)
+        prior = prior_of(*pattern.model);
+    const ScanFitter fitter(topology, pattern.points, arguments.fit);
     const Places places = places_of(session, arguments, inputs, names);
     const Json settings{{"template", arguments.pattern},
-                        {"vertices", topology->vertex_count()},
+                        {"vertices", topology.vertex_count()},
                         {"landmarks", arguments.landmarks},
                         {"landmark_tolerance", arguments.fit.landmark_tolerance},
                         {"smoothness", arguments.fit.smoothness},
                         {"growth_smoothness", arguments.fit.growth_smoothness},
                         {"boundaries", arguments.fit.boundaries},
                         {"search", arguments.fit.search_start},
+                        {"rounds", arguments.rounds},
                         {"keep_failed", arguments.keep_failed}};
-    const Json earlier = arguments.resume ? earlier_scans(places, settings) : Json::array();
+    const Json earlier = arguments.resume
+                             ? earlier_report(places, settings)
+                             : Json{{"scans", Json::array()}, {"rounds", Json::array()}};
+    Json rounds = earlier["rounds"];
 
+    const auto load = [&](std::size_t i) {
+        const NamedMesh raw = read_mesh(scans[i], {.triangulate = true});
+        return std::pair(clean_scan(raw.points, raw.faces),
+                         pairs_of(landmarks, names[i], pattern.name, pattern.points));
+    };
     Json rows = Json::array();
     const Progress progress = session.progress();
+    std::vector<std::optional<ScanFit>> fits(scans.size());
     std::size_t fitted = 0;
     for (std::size_t i = 0; i < scans.size(); ++i) {
         if (progress)
             progress("fit", i, scans.size());
-        const auto done = std::find_if(earlier.begin(), earlier.end(), [&](const Json& row) {
-            return row.value("scan", "") == names[i];
-        });
-        if (done != earlier.end() &&
+        const auto done =
+            std::find_if(earlier["scans"].begin(), earlier["scans"].end(),
+                         [&](const Json& row) { return row.value("scan", "") == names[i]; });
+        if (done != earlier["scans"].end() &&
             (done->value("status", "") == "failed" || fs::exists(places.mesh(names[i])))) {
             fitted += fs::exists(places.mesh(names[i])) ? 1 : 0;
             rows.push_back(*done);
             continue;
         }
         try {
-            const NamedMesh raw = read_mesh(scans[i], {.triangulate = true});
-            const Scan scan = clean_scan(raw.points, raw.faces);
-            const ScanFit fit =
-                fitter.fit(scan, pairs_of(landmarks, names[i], pattern, mesh.points));
-            rows.push_back(figures_of(names[i], fit, scan));
+            const auto [scan, marks] = load(i);
+            ScanFit fit;
+            if (prior) {
+                PriorFit held = fit_by_prior(fitter, topology, *prior, scan, marks);
+                fit = std::move(held.fit);
+                rows.push_back(figures_of(names[i], fit, scan.ignored));
+                const Eigen::VectorXd scores =
+                    held.expected.scores.cwiseProduct(pattern.model->variances.cwiseSqrt());
+                rows.back()["scores"] = std::vector<double>(scores.begin(), scores.end());
+                rows.back()["model_size"] = held.expected.point.edge_lengths.sum();
+                rows.back()["model_residual_rms"] = held.expected.residual;
+            } else {
+                fit = fitter.fit(scan, marks);
+                rows.push_back(figures_of(names[i], fit, scan.ignored));
+            }
             if (fit.status != FitStatus::Failed || arguments.keep_failed) {
-                const Eigen::VectorXd seen = Eigen::Matrix<char, Eigen::Dynamic, 1>::Map(
-                                                 fit.seen.data(), std::ssize(fit.seen))
-                                                 .cast<double>();
-                write_vertex_scalars(
-                    places.mesh(names[i]), fit.points, topology->faces(),
-                    {{"distance", fit.distance}, {"growth", fit.growth}, {"seen", seen}});
+                write_fit(places, names[i], topology, fit);
                 ++fitted;
             }
+            fits[i] = std::move(fit);
         } catch (const InvalidInput& error) {
-            if (scans.size() == 1) {
+            if (all_scans.size() == 1) {
                 const std::string said = error.what();
                 const std::string path = scans[i].string();
                 throw InvalidInput(said.starts_with(path) ? said : join(path, ": ", said));
@@ -408,15 +585,21 @@ void run(const Session& session, const Arguments& given)
         for (const auto& reason : row["reasons"])
             line += "; " + reason.get<std::string>();
         session.message(line);
-        write_report(places, settings, rows);
+        if (arguments.rounds == 0)
+            fits[i].reset(); // nobody asks for it again
+        write_report(places, settings, rows, rounds);
     }
     if (progress)
         progress("fit", scans.size(), scans.size());
-    write_report(places, settings, rows);
+    if (std::ssize(rounds) < arguments.rounds)
+        run_rounds(session, places, topology, fitter, load, arguments, names, fits, rows, rounds);
+    write_report(places, settings, rows, rounds);
+    if (pattern.model)
+        write_scores(places, rows, pattern.model->mode_count());
 
     std::vector<std::string> outputs;
     if (fitted > 0)
-        draw_sheet(session, places, *topology, rows);
+        draw_sheet(session, places, topology, rows);
     if (fitted > 0 && !places.collection.empty()) {
         std::vector<NamedMesh> members;
         for (const std::string& scan : names)
@@ -424,6 +607,16 @@ void run(const Session& session, const Arguments& given)
                 members.push_back(read_mesh(places.mesh(scan)));
         write_collection(places.collection, collect(std::move(members)));
         outputs.push_back(places.collection.string());
+    }
+    if (arguments.shard.is_given()) {
+        std::vector<std::string> files;
+        for (const std::string& scan : names)
+            if (fs::exists(places.mesh(scan)))
+                files.push_back(places.mesh(scan).filename().string());
+        Json all = settings;
+        for (const fs::path& scan : all_scans)
+            all["scans"].push_back(scan.string());
+        write_shard_manifest(places.directory, arguments.shard, all_scans.size(), all, files);
     }
     outputs.push_back(places.directory.string());
     const auto count = [&](const char* status) {
@@ -439,6 +632,7 @@ void run(const Session& session, const Arguments& given)
                            {"check", count("check")},
                            {"failed", count("failed")},
                            {"settings", settings},
+                           {"rounds", rounds},
                            {"scans", rows}});
     if (fitted == 0)
         throw NumericalError(join("no scan could be fitted; ", places.table().string(),
@@ -452,14 +646,17 @@ Run set_up_fit(CLI::App& command)
     command.description(
         "Fit a template to raw scans of any triangulation: meshes with the template's vertices\n"
         "and faces, each on its scan, in the scan's place and unit; a report and a picture say\n"
-        "which to look at. Scans may have holes, noise, several parts, any pose in space.");
+        "which to look at. Scans may have holes, noise, several parts, any pose in space.\n"
+        "A model in the place of the template gives its scores too (scores.csv), and what a scan\n"
+        "does not show as the model expects it.");
     command.footer(
         "Example:\n  shape fit template.ply scans/ -o fitted/ --landmarks marks.csv\n"
         "  shape stats fitted/ -o model.h5");
     const auto arguments = std::make_shared<Arguments>();
     command
-        .add_option("TEMPLATE", arguments->pattern,
-                    "Mesh whose vertices and faces all fits get: one connected surface")
+        .add_option(
+            "TEMPLATE", arguments->pattern,
+            "Mesh whose vertices and faces all fits get: one connected surface; or a model (.h5)")
         ->required();
     add_mesh_input(command, arguments->scans, "SCANS");
     command
@@ -486,12 +683,17 @@ Run set_up_fit(CLI::App& command)
                "Weight of dihedral angles beside lengths, > 0 (default: 1)", Sign::Positive);
     add_number(command, "--growth-smoothness", arguments->fit.growth_smoothness,
                "Weight that lets neighbours grow alike, > 0 (default: 50)", Sign::Positive);
+    add_integer(command, "--rounds", arguments->rounds,
+                "Fit all again so often, each held to what the others' fits expect of it, so that\n"
+                "vertices slide less along the surface; four fits at least (default: 0)",
+                0, 100);
     command.add_flag("--no-search", arguments->no_search,
                      "The template lies on the scans already: start there");
     command.add_flag("--keep-failed", arguments->keep_failed,
                      "Write meshes of failed fits too, and take them into the collection");
     command.add_flag("--resume", arguments->resume,
                      "Go on with an interrupted run: scans in its report are not fitted again");
+    add_shard(command, arguments->shard);
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

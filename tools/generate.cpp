@@ -16,7 +16,10 @@
 #include "libshape/model/shape_model.h"
 #include "tools/commands.h"
 #include "tools/output/embedding_run.h"
+#include "tools/output/embedding_settings.h"
+#include "tools/output/frame_store.h"
 #include "tools/output/mesh_output.h"
+#include "tools/output/shard.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -40,6 +43,7 @@ struct Arguments
     std::optional<double> size;
     MeshOutputArguments output;
     EmbeddingArguments embedding;
+    Shard shard;
 };
 
 /// A point of the model and the name of its mesh.
@@ -237,23 +241,52 @@ std::vector<ModelPoint> wanted_points(const Session& session, const ShapeModel& 
     return {{"mean", Eigen::VectorXd(), size_of(model, arguments)}};
 }
 
+/// What the meshes of all shards depend on.
+Json settings_of(const Session& session, const Arguments& arguments, const ShapeModel& model,
+                 const std::vector<ModelPoint>& points)
+{
+    Json settings = embedding_settings(session, arguments.embedding.options);
+    const auto hash = [](const auto& array, const std::string& before) {
+        return hash_text(array.data(), to_size(array.size()) * sizeof(double), before);
+    };
+    std::string all = hash(model.modes, hash(model.mean, ""));
+    for (const ModelPoint& point : points) {
+        all = hash_text(point.name.data(), point.name.size(), hash(point.scores, all));
+        all = hash_text(&point.size, sizeof point.size, all);
+    }
+    settings["points"] = all;
+    settings["--format"] = arguments.output.format;
+    return settings;
+}
+
 void run(const Session& session, const Arguments& arguments)
 {
     const ShapeModel model = read_model(arguments.model);
     if (arguments.size && scale_of(model.space) == Scale::None)
         throw UsageError(join("--size: ", arguments.model,
                               " was made with --scale none, size is part of its modes"));
+    const std::vector<ModelPoint> points = wanted_points(session, model, arguments);
     std::vector<EmbeddingTarget> targets;
-    for (const ModelPoint& point : wanted_points(session, model, arguments))
-        targets.push_back(
-            {point.name, [&model, point] { return model_point(model, point.scores, point.size); }});
+    for (const std::size_t i : arguments.shard.own(points.size()))
+        targets.push_back({points[i].name, [&model, &point = points[i]] {
+                               return model_point(model, point.scores, point.size);
+                           }});
     std::vector<std::filesystem::path> inputs{arguments.model};
     if (!arguments.scores_file.empty())
         inputs.emplace_back(arguments.scores_file);
-    MeshOutput output(session, arguments.output, names(targets), inputs);
-    session.print_figures(embed_and_write(
-        session, arguments.embedding, model.topology, {model.reference_points}, targets, output,
-        arguments.mode > 0 ? TargetOrder::Sequence : TargetOrder::Any));
+    MeshOutputArguments place = arguments.output;
+    if (arguments.shard.is_given())
+        place.path = arguments.shard.directory(place.path).string() + "/";
+    MeshOutput output(session, place, names(targets), inputs);
+    // The meshes of a shard are not neighbours.
+    const bool is_sequence = arguments.mode > 0 && !arguments.shard.is_given();
+    session.print_figures(embed_and_write(session, arguments.embedding, model.topology,
+                                          {model.reference_points}, targets, output,
+                                          is_sequence ? TargetOrder::Sequence : TargetOrder::Any));
+    if (arguments.shard.is_given())
+        write_shard_manifest(place.path, arguments.shard, points.size(),
+                             settings_of(session, arguments, model, points),
+                             relative_to(place.path, output.paths()));
 }
 
 } // namespace
@@ -313,6 +346,7 @@ Run set_up_generate(CLI::App& command)
                "Sum of the edge lengths of the model's mean, in Procrustes space the centroid\n"
                "size [unit of the input], > 0 (default: the mean size of the model's meshes)",
                Sign::Positive);
+    add_shard(command, arguments->shard);
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

@@ -9,10 +9,12 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/group_means.h"
+#include "libshape/model/streamed_groups.h"
 #include "libshape/statistics/group_comparison.h"
 #include "libshape/statistics/group_spread.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
+#include "tools/input/mesh_stream_input.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
 #include "tools/output/output_rules.h"
@@ -37,6 +39,7 @@ struct Arguments
     MeshOutputArguments means;
     SpaceOptions space;
     EmbeddingArguments embedding;
+    MemoryArgument memory;
 };
 
 /// What is known of the groups and of the differences between them.
@@ -44,18 +47,19 @@ struct Findings
 {
     Grouping groups;
     std::vector<std::vector<int>> members;
+    GroupedShapes shapes; ///< Without inner products.
     GroupComparison comparison;
     GroupSpread spread;
     LinearModelTest spread_test;
 };
 
-Json group_figures(const Findings& findings, const GroupedShapes& shapes)
+Json group_figures(const Findings& findings)
 {
     Json groups = Json::array();
     for (std::size_t g = 0; g < findings.members.size(); ++g)
         groups.push_back({{"name", findings.groups.names[g]},
                           {"meshes", findings.members[g].size()},
-                          {"mean_size", shapes.mean_sizes[static_cast<Eigen::Index>(g)]},
+                          {"mean_size", findings.shapes.mean_sizes[static_cast<Eigen::Index>(g)]},
                           {"variance", findings.spread.variances[g]},
                           {"variance_low", findings.spread.variance_intervals[g].low},
                           {"variance_high", findings.spread.variance_intervals[g].high}});
@@ -123,15 +127,118 @@ std::string summary(const Findings& findings)
 }
 
 /// Embeds the means of the groups.
-Json write_means(const Session& session, const Arguments& arguments, const Collection& collection,
-                 const Grouping& groups, const GroupedShapes& shapes, MeshOutput& output)
+Json write_means(const Session& session, const Arguments& arguments, const Topology& topology,
+                 const Points& reference, const Findings& findings, MeshOutput& output)
 {
     std::vector<EmbeddingTarget> targets;
-    for (int g = 0; g < groups.group_count(); ++g)
-        targets.push_back(
-            {groups.names[to_size(g)], [&shapes, g] { return mean_shape(shapes, g); }});
-    return embed_and_write(session, arguments.embedding, collection.topology,
-                           {collection.points.front()}, targets, output);
+    for (int g = 0; g < findings.groups.group_count(); ++g)
+        targets.push_back({findings.groups.names[to_size(g)],
+                           [&findings, g] { return mean_shape(findings.shapes, g); }});
+    return embed_and_write(session, arguments.embedding, topology, {reference}, targets, output);
+}
+
+PermutationOptions permutation_options(const Session& session, const Arguments& arguments)
+{
+    return {.permutations = static_cast<int>(arguments.permutations),
+            .seed = static_cast<std::uint64_t>(session.seed)};
+}
+
+BootstrapOptions bootstrap_options(const Session& session, const Arguments& arguments)
+{
+    return {.replicates = static_cast<int>(arguments.replicates),
+            .seed = static_cast<std::uint64_t>(session.seed)};
+}
+
+/// The groups, the blocks, and where the means go if they are asked for.
+struct Setting
+{
+    Grouping groups;
+    Grouping blocks;
+    std::unique_ptr<MeshOutput> means;
+};
+
+Setting prepare(const Session& session, const Arguments& arguments, const MeshLabels& meshes,
+                const std::vector<std::filesystem::path>& inputs)
+{
+    Setting setting{group_by_label(meshes, arguments.by),
+                    group_by_label_or_each(meshes, arguments.within), nullptr};
+    if (!arguments.means.path.empty())
+        setting.means =
+            std::make_unique<MeshOutput>(session, arguments.means, setting.groups.names, inputs);
+    if (arguments.within.empty())
+        warn_of_repeated_rows(session, meshes, codes(setting.groups), {arguments.by}, "--within");
+    return setting;
+}
+
+void report(const Session& session, const Arguments& arguments, const Findings& findings,
+            Json figures)
+{
+    write_table(arguments.output, comparison_table(findings));
+    figures["outputs"].push_back(arguments.output);
+    figures["meshes"] = findings.groups.size();
+    figures.update(space_figures(findings.shapes.space));
+    figures["design"] = findings.comparison.design == BlockDesign::Crossed ? "crossed" : "nested";
+    figures["groups"] = group_figures(findings);
+    figures["overall"] = test_figures(findings.comparison.overall);
+    figures["spread"] = test_figures(findings.spread_test);
+    figures["pairs"] = pair_figures(findings);
+    session.message(summary(findings));
+    session.print_figures(figures);
+}
+
+void compare_in_memory(const Session& session, const Arguments& arguments,
+                       const std::vector<std::filesystem::path>& inputs)
+{
+    const Collection collection = read_labelled(session, arguments.input);
+    const Setting setting = prepare(session, arguments, collection, inputs);
+    const Grouping& groups = setting.groups;
+    Findings findings{
+        groups, members(groups), group_shapes(collection, groups, arguments.space), {}, {}, {}};
+    const Eigen::MatrixXd products = std::move(findings.shapes.products);
+    warn_of_alignment(session, findings.shapes.space);
+    throw_if_interrupted();
+    const PermutationOptions permutations = permutation_options(session, arguments);
+    findings.comparison = compare_groups(
+        products, groups, setting.blocks,
+        covariates_of(collection, findings.shapes.sizes, arguments.covariates), permutations);
+    throw_if_interrupted();
+    findings.spread =
+        group_spread(products, groups, setting.blocks, bootstrap_options(session, arguments));
+    findings.spread_test = test_spread(products, groups, setting.blocks, permutations);
+    throw_if_interrupted();
+    Json figures{{"outputs", Json::array()}};
+    if (setting.means)
+        figures = write_means(session, arguments, collection.topology, collection.points.front(),
+                              findings, *setting.means);
+    report(session, arguments, findings, std::move(figures));
+}
+
+void compare_in_passes(const Session& session, const Arguments& arguments,
+                       const std::vector<std::filesystem::path>& inputs, const MeshStream& meshes)
+{
+    const Setting setting = prepare(session, arguments, meshes, inputs);
+    StreamedGroups found =
+        compare_groups(meshes, setting.groups, setting.blocks,
+                       {.space = arguments.space,
+                        .permutations = permutation_options(session, arguments),
+                        .bootstrap = bootstrap_options(session, arguments),
+                        .covariates =
+                            [&](const Eigen::VectorXd& sizes) {
+                                return covariates_of(meshes, sizes, arguments.covariates);
+                            },
+                        .with_companions = setting.means != nullptr,
+                        .memory = arguments.memory.bytes,
+                        .progress = session.progress()});
+    const Findings findings{setting.groups,          members(setting.groups),
+                            std::move(found.shapes), std::move(found.comparison),
+                            std::move(found.spread), found.spread_test};
+    throw_if_interrupted();
+    Json figures{{"outputs", Json::array()}};
+    if (setting.means)
+        figures = write_means(session, arguments, meshes.topology, found.reference_points, findings,
+                              *setting.means);
+    figures["passes"] = found.passes;
+    report(session, arguments, findings, std::move(figures));
 }
 
 void run(const Session& session, const Arguments& arguments)
@@ -140,50 +247,11 @@ void run(const Session& session, const Arguments& arguments)
     check_ending("-o", arguments.output, ".csv");
     const std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     check_output(session, arguments.output, inputs);
-    const Collection collection = read_labelled(session, arguments.input);
-    Findings findings;
-    findings.groups = group_by_label(collection, arguments.by);
-    findings.members = members(findings.groups);
-    std::unique_ptr<MeshOutput> output;
-    if (!arguments.means.path.empty())
-        output =
-            std::make_unique<MeshOutput>(session, arguments.means, findings.groups.names, inputs);
-
-    const GroupedShapes shapes = group_shapes(collection, findings.groups, arguments.space);
-    warn_of_alignment(session, shapes.space);
-    throw_if_interrupted();
-    const Grouping blocks = group_by_label_or_each(collection, arguments.within);
-    if (arguments.within.empty())
-        warn_of_repeated_rows(session, collection, codes(findings.groups), {arguments.by},
-                              "--within");
-    const auto seed = static_cast<std::uint64_t>(session.seed);
-    findings.comparison =
-        compare_groups(shapes.products, findings.groups, blocks,
-                       covariates_of(collection, shapes.sizes, arguments.covariates),
-                       {.permutations = static_cast<int>(arguments.permutations), .seed = seed});
-    throw_if_interrupted();
-    findings.spread =
-        group_spread(shapes.products, findings.groups, blocks,
-                     {.replicates = static_cast<int>(arguments.replicates), .seed = seed});
-    findings.spread_test =
-        test_spread(shapes.products, findings.groups, blocks,
-                    {.permutations = static_cast<int>(arguments.permutations), .seed = seed});
-    throw_if_interrupted();
-
-    Json figures{{"outputs", Json::array()}};
-    if (output)
-        figures = write_means(session, arguments, collection, findings.groups, shapes, *output);
-    write_table(arguments.output, comparison_table(findings));
-    figures["outputs"].push_back(arguments.output);
-    figures["meshes"] = collection.size();
-    figures.update(space_figures(shapes.space));
-    figures["design"] = findings.comparison.design == BlockDesign::Crossed ? "crossed" : "nested";
-    figures["groups"] = group_figures(findings, shapes);
-    figures["overall"] = test_figures(findings.comparison.overall);
-    figures["spread"] = test_figures(findings.spread_test);
-    figures["pairs"] = pair_figures(findings);
-    session.message(summary(findings));
-    session.print_figures(figures);
+    if (const auto meshes =
+            open_for_passes(session, arguments.input, arguments.space, arguments.memory))
+        compare_in_passes(session, arguments, inputs, *meshes);
+    else
+        compare_in_memory(session, arguments, inputs);
 }
 
 } // namespace
@@ -225,6 +293,7 @@ Run set_up_groups(CLI::App& command)
         ->option_text("DIR");
     add_mesh_format(command, arguments->means);
     add_space_options(command, arguments->space);
+    add_memory(command, arguments->memory);
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/safe_range.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "tools/commands.h"
@@ -14,8 +15,11 @@
 #include "tools/input/path_arguments.h"
 #include "tools/input/tagged_part.h"
 #include "tools/output/embedding_run.h"
+#include "tools/output/embedding_settings.h"
+#include "tools/output/frame_store.h"
 #include "tools/output/mesh_output.h"
 #include "tools/output/sequence_run.h"
+#include "tools/output/shard.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -30,6 +34,7 @@ struct Arguments
     LengthBlend lengths = LengthBlend::Plain;
     TaggedPartArguments part;
     SequenceArguments sequence;
+    Shard shard;
     MeshOutputArguments output;
     EmbeddingArguments embedding;
 };
@@ -123,6 +128,21 @@ std::vector<std::filesystem::path> all_inputs(const Arguments& arguments)
     return files;
 }
 
+/// What the meshes of all shards depend on.
+Json settings_of(const Session& session, const Arguments& arguments, const Collection& collection,
+                 const Blends& blends)
+{
+    Json settings = embedding_settings(session, arguments.embedding.options);
+    std::string all;
+    for (const Points& points : collection.points)
+        all = hash_text(points.data(), to_size(points.size()) * sizeof(double), all);
+    settings["meshes"] = all;
+    settings["weights"] = weight_figures(blends);
+    settings["--lengths"] = static_cast<int>(arguments.lengths);
+    settings["--format"] = arguments.output.format;
+    return settings;
+}
+
 void run(const Session& session, const Arguments& arguments)
 {
     const Collection collection = read_meshes(session, arguments.meshes);
@@ -134,17 +154,29 @@ void run(const Session& session, const Arguments& arguments)
     const TaggedPart part = read_tagged_part(arguments.part, topology, collection.size());
     const ShapeVectors vectors = shape_vectors(collection, Scale::None);
 
+    const Shard& shard = arguments.shard;
+    if (shard.is_given() && blends.is_sequence)
+        throw UsageError(
+            "--shard is for blends that are no path: a frame of a path is placed as "
+            "the one before it");
     Sequence sequence{topology, collection.points, {}, blends.is_sequence};
-    for (const Eigen::VectorXd& weights : blends.weights)
-        sequence.targets.push_back({numbered_name("frame", sequence.targets.size()),
-                                    [&vectors, &arguments, &part, weights] {
+    for (const std::size_t i : shard.own(blends.weights.size()))
+        sequence.targets.push_back({numbered_name("frame", i),
+                                    [&vectors, &arguments, &part, &weights = blends.weights[i]] {
                                         return part.scale(
                                             blend(vectors, weights, arguments.lengths), weights);
                                     }});
-    MeshOutput output(session, arguments.output, names(sequence.targets), all_inputs(arguments));
+    MeshOutputArguments place = arguments.output;
+    if (shard.is_given())
+        place.path = shard.directory(place.path).string() + "/";
+    MeshOutput output(session, place, names(sequence.targets), all_inputs(arguments));
     Json figures = check_safe_range(session, arguments, blends, topology, vectors);
     figures.update(embed_sequence(session, arguments.embedding, arguments.sequence, sequence,
-                                  arguments.output.path, output));
+                                  place.path, output));
+    if (shard.is_given())
+        write_shard_manifest(place.path, shard, blends.weights.size(),
+                             settings_of(session, arguments, collection, blends),
+                             relative_to(place.path, output.paths()));
     figures["weights"] = weight_figures(blends);
     session.print_figures(figures);
 }
@@ -177,6 +209,7 @@ Run set_up_interpolate(CLI::App& command)
         {{"plain", LengthBlend::Plain}, {"squared", LengthBlend::Squared}});
     add_tagged_part_options(command, arguments->part);
     add_sequence_options(command, arguments->sequence);
+    add_shard(command, arguments->shard);
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

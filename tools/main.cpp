@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,10 @@
 #include "tools/program/help.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/library_start.h"
+#include "tools/program/manual.h"
 #include "tools/program/memory.h"
+#include "tools/program/ranks.h"
+#include "tools/program/report.h"
 #include "tools/program/session.h"
 #include "tools/program/spelling.h"
 #include "tools/program/standard_streams.h"
@@ -33,7 +37,8 @@ struct Command
 {
     const char* name;
     Run (*set_up)(CLI::App&);
-    const char* ending; ///< What `-o -` prints ends in this.
+    const char* ending;     ///< What `-o -` prints ends in this.
+    bool is_shared = false; ///< Processes that mpirun starts share its work.
 };
 
 /// In the order of the work: put together, look, model, compare, make, draw.
@@ -42,9 +47,9 @@ constexpr Command commands[] = {
     {"collect", set_up_collect, ".h5"},
     {"check", set_up_check, ""},
     {"info", set_up_info, ""},
-    {"stats", set_up_stats, ".h5"},
-    {"project", set_up_project, ".csv"},
-    {"distance", set_up_distance, ".csv"},
+    {"stats", set_up_stats, ".h5", true},
+    {"project", set_up_project, ".csv", true},
+    {"distance", set_up_distance, ".csv", true},
     {"quality", set_up_quality, ".csv"},
     {"generate", set_up_generate, ".ply"},
     {"groups", set_up_groups, ".csv"},
@@ -55,6 +60,7 @@ constexpr Command commands[] = {
     {"interpolate", set_up_interpolate, ".ply"},
     {"reconstruct", set_up_reconstruct, ".ply"},
     {"conformal", set_up_conformal, ".ply"},
+    {"merge", set_up_merge, ""},
     {"draw", set_up_draw, ".svg"},
     {"explore", set_up_explore, ".html"},
     {"report", set_up_explore, ".html"},
@@ -81,7 +87,9 @@ constexpr const char* program_footer =
     "input, and after -o standard output.\n"
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 4 numerical failure,\n"
     "5 input/output, 6 over a limit, 130 interrupted.\n"
-    "`shape COMMAND --help` explains a command and gives an example.";
+    "`shape COMMAND --help` explains a command and gives an example; `shape help --write DIR` "
+    "writes\n"
+    "manual pages, and completions of bash, zsh and fish, into DIR/man, DIR/bash-completion, ...";
 
 void add_common_options(CLI::App& command, Session& session)
 {
@@ -120,13 +128,10 @@ std::vector<std::string> command_names()
 std::vector<std::string> option_names(const CLI::App& app)
 {
     std::vector<std::string> names;
-    for (const CLI::Option* option : app.get_options())
-        for (const std::string& name : option->get_lnames())
-            names.push_back("--" + name);
-    const auto is_group = [](const CLI::App* part) { return part->get_name().empty(); };
-    for (const CLI::App* group : app.get_subcommands(is_group)) // of which one is to be given
-        for (std::string& name : option_names(*group))
-            names.push_back(std::move(name));
+    for (const OptionSection& section : option_sections(app))
+        for (const CLI::Option* option : section.options)
+            for (const std::string& name : option->get_lnames())
+                names.push_back("--" + name);
     return names;
 }
 
@@ -185,9 +190,19 @@ std::string explain(const CLI::ParseError& error, const CLI::App& command,
     return error.what();
 }
 
-int run(std::vector<std::string> arguments, std::optional<StandardStreams>& streams)
+/// `shape help --write DIR`; other words after help are commands.
+std::optional<std::filesystem::path> place_of_manual(const std::vector<std::string>& arguments)
 {
-    Session session;
+    if (arguments.size() < 2 || arguments[0] != "help" || arguments[1] != "--write")
+        return std::nullopt;
+    if (arguments.size() != 3 || arguments[2].empty())
+        throw UsageError("`shape help --write` takes the directory to write to");
+    return arguments[2];
+}
+
+void run(std::vector<std::string> arguments, std::optional<StandardStreams>& streams,
+         Session& session)
+{
     CLI::App program("Statistical shape analysis of triangle meshes in edge-length space.",
                      "shape");
     program.set_version_flag("--version", join("shape ", version()));
@@ -201,10 +216,15 @@ int run(std::vector<std::string> arguments, std::optional<StandardStreams>& stre
         add_common_options(*command, session);
     }
     try {
+        if (const auto directory = place_of_manual(arguments))
+            return write_manual(program, *directory);
         read_first_words(program, arguments);
         const auto command = std::ranges::find_if(
             commands, [&](const Command& entry) { return entry.name == arguments.front(); });
+        if (command != std::end(commands))
+            session.command = command->name;
         streams.emplace(std::move(arguments), command == std::end(commands) ? "" : command->ending);
+        session.readable = [&streams](const std::string& text) { return streams->readable(text); };
         std::vector<std::string> reversed(streams->arguments().rbegin(),
                                           streams->arguments().rend());
         try {
@@ -217,56 +237,116 @@ int run(std::vector<std::string> arguments, std::optional<StandardStreams>& stre
             throw UsageError(
                 explain(error, *program.get_subcommand(command->name), streams->arguments()));
         }
-        session.readable = [&streams](const std::string& text) { return streams->readable(text); };
         if (session.threads > 0)
             set_thread_count(static_cast<int>(session.threads));
         const CLI::App* chosen = program.get_subcommands().front();
-        session.command = chosen->get_name();
+        if (ranks().count > 1 && !command->is_shared)
+            throw UsageError(join("`shape ", session.command,
+                                  "` runs in one process; mpirun is for "
+                                  "stats, project and distance"));
+        if (!ranks().speaks()) {
+            session.quiet = true;
+            session.json = false;
+        }
         refuse_pipes(*chosen);
         runs.at(chosen)(session);
-        if (const std::string output = streams->output(); !output.empty())
+        if (const std::string output = streams->output(); !output.empty() && ranks().speaks())
             session.print(output);
-        return Done;
     } catch (const CLI::CallForVersion& version) {
+        session.json = false;
         session.print(std::string(version.what()) + "\n");
-        return Done;
     } catch (const CLI::CallForHelp&) {
+        session.json = false;
         const std::vector<CLI::App*> chosen = program.get_subcommands();
         session.print(chosen.empty() ? program.help() : chosen.front()->help("shape"));
-        return Done;
     }
 }
 
-/// Runs the program and turns what it throws into one line on stderr and an exit code.
+struct Failure
+{
+    ExitCode code;
+    std::string message;
+};
+
+/// What the work throws as one of the exit codes.
+template <class Work>
+std::optional<Failure> failure_of(const Work& work)
+{
+    try {
+        work();
+        return std::nullopt;
+    } catch (const UsageError& error) {
+        return Failure{UsageFailure, error.what()};
+    } catch (const CLI::ParseError& error) {
+        return Failure{UsageFailure, error.what()};
+    } catch (const InvalidInput& error) {
+        return Failure{BadInput, error.what()};
+    } catch (const NumericalError& error) {
+        return Failure{NumericalFailure, error.what()};
+    } catch (const FileError& error) {
+        return Failure{InputOutputFailure, error.what()};
+    } catch (const std::filesystem::filesystem_error& error) {
+        return Failure{InputOutputFailure, error.what()};
+    } catch (const LimitExceeded& error) {
+        return Failure{OverLimit, error.what()};
+    } catch (const std::bad_alloc&) {
+        return Failure{OverLimit, "out of memory"};
+    } catch (const Interrupted& error) {
+        return Failure{Stopped, error.what()};
+    } catch (const std::exception& error) {
+        return Failure{InternalError, std::string("internal error: ") + error.what()};
+    }
+}
+
+/// The word of --json for an exit code.
+const char* kind_of(ExitCode code)
+{
+    switch (code) {
+        case UsageFailure:
+            return "usage";
+        case BadInput:
+            return "input";
+        case NumericalFailure:
+            return "numerical";
+        case InputOutputFailure:
+            return "file";
+        case OverLimit:
+            return "limit";
+        case Stopped:
+            return "interrupted";
+        default:
+            return "internal";
+    }
+}
+
+/// Runs the program and turns what it throws into one line on stderr, the `error` of --json and an exit
+/// code.
 int guarded_run(std::vector<std::string> arguments)
 {
     std::optional<StandardStreams> streams;
-    const auto report_error = [&](const std::string& text) {
-        tools::report_error(streams ? streams->readable(text) : text);
-    };
-    try {
-        return run(std::move(arguments), streams);
-    } catch (const UsageError& error) {
-        return report_error(error.what()), UsageFailure;
-    } catch (const CLI::ParseError& error) {
-        return report_error(error.what()), UsageFailure;
-    } catch (const InvalidInput& error) {
-        return report_error(error.what()), BadInput;
-    } catch (const NumericalError& error) {
-        return report_error(error.what()), NumericalFailure;
-    } catch (const FileError& error) {
-        return report_error(error.what()), InputOutputFailure;
-    } catch (const std::filesystem::filesystem_error& error) {
-        return report_error(error.what()), InputOutputFailure;
-    } catch (const LimitExceeded& error) {
-        return report_error(error.what()), OverLimit;
-    } catch (const std::bad_alloc&) {
-        return report_error("out of memory"), OverLimit;
-    } catch (const Interrupted& error) {
-        return report_error(error.what()), Stopped;
-    } catch (const std::exception& error) {
-        return report_error(std::string("internal error: ") + error.what()), InternalError;
+    Session session;
+    // Arguments that cannot be read are reported in the form that they ask for.
+    const auto files = std::ranges::find(arguments, "--");
+    session.json = std::find(arguments.begin(), files, "--json") != files;
+    std::optional<Failure> failure = failure_of([&] {
+        join_ranks();
+        run(std::move(arguments), streams, session);
+    });
+    if (failure) {
+        let_first_rank_speak();
+        report_error(session.readable(failure->message));
     }
+    const std::optional<Failure> unprinted = failure_of([&] {
+        print_report(session, failure ? Json{{"kind", kind_of(failure->code)},
+                                             {"exit_code", static_cast<int>(failure->code)},
+                                             {"message", failure->message}}
+                                      : Json());
+    });
+    if (unprinted && !failure) {
+        report_error(unprinted->message);
+        failure = unprinted;
+    }
+    return failure ? failure->code : Done;
 }
 
 } // namespace
@@ -278,5 +358,6 @@ int main(int argc, char** argv)
     shape::rehearse_hdf5_files(true);
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
-    return shape::tools::guarded_run({argv + std::min(argc, 1), argv + argc});
+    return shape::tools::leave_ranks(
+        shape::tools::guarded_run({argv + std::min(argc, 1), argv + argc}));
 }

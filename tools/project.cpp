@@ -20,6 +20,7 @@
 #include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/ranks.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -95,12 +96,18 @@ Projection project_in_blocks(const Session& session, const ShapeModel& model,
     const Eigen::Index count = meshes.size();
     Projection all{.names = meshes.names,
                    .labels = meshes.labels,
-                   .scores = RowMatrix(count, model.mode_count()),
-                   .sizes = Eigen::VectorXd(count),
-                   .residuals = Eigen::VectorXd(count)};
+                   .scores = RowMatrix::Zero(count, model.mode_count()),
+                   .sizes = Eigen::VectorXd::Zero(count),
+                   .residuals = Eigen::VectorXd::Zero(count)};
     const Progress progress = session.progress();
     constexpr Eigen::Index block = 32; // as project() goes about it: the same bits
-    for_each_block(meshes, 0, count, block, [&](Eigen::Index first, const Collection& part) {
+    const Eigen::Index blocks = (count + block - 1) / block;
+    const auto border = [&](int rank) { // each process has as many blocks
+        return std::min(blocks * rank / ranks().count * block, count);
+    };
+    const Eigen::Index begin = border(ranks().number);
+    const Eigen::Index end = border(ranks().number + 1);
+    for_each_block(meshes, begin, end, block, [&](Eigen::Index first, const Collection& part) {
         Collection named = part;
         named.names.assign(meshes.names.begin() + first,
                            meshes.names.begin() + first + static_cast<Eigen::Index>(part.size()));
@@ -108,15 +115,20 @@ Projection project_in_blocks(const Session& session, const ShapeModel& model,
         all.scores.middleRows(first, some.scores.rows()) = some.scores;
         all.sizes.segment(first, some.sizes.size()) = some.sizes;
         all.residuals.segment(first, some.sizes.size()) = some.residuals;
-        progress("projecting", to_size(first) + part.size(), to_size(count));
+        progress("projecting", to_size(first - begin) + part.size(), to_size(end - begin));
     });
+    ranks().add_up({all.scores.data(), to_size(all.scores.size())});
+    ranks().add_up({all.sizes.data(), to_size(all.sizes.size())});
+    ranks().add_up({all.residuals.data(), to_size(all.residuals.size())});
     return all;
 }
 
 Projection project_all(const Session& session, const Arguments& arguments, const ShapeModel& model)
 {
-    if (const auto meshes = open_labelled(session, arguments.input, false))
+    if (const auto meshes = open_labelled(session, arguments.input, ranks().lots > 1))
         return project_in_blocks(session, model, *meshes);
+    if (ranks().lots > 1)
+        throw UsageError("mpirun is for one collection file (.h5); `shape collect` makes one");
     return project(model, read_labelled(session, arguments.input));
 }
 
@@ -125,6 +137,8 @@ void run(const Session& session, const Arguments& arguments)
     check_outputs(session, arguments);
     const ShapeModel model = read_model(arguments.model);
     const Projection projection = project_all(session, arguments, model);
+    if (!ranks().speaks())
+        return;
     const Table table = score_table(projection);
     std::vector<std::string> outputs{arguments.output};
     const std::string plot =

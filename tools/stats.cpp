@@ -25,6 +25,7 @@
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/memory.h"
+#include "tools/program/ranks.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -169,6 +170,7 @@ Json identity_of(const Session& session, const Arguments& arguments)
     identity["tolerance"] = arguments.tolerance;
     identity["memory"] = arguments.memory.bytes;
     identity["seed"] = session.seed;
+    identity["lots"] = ranks().lots;
     return identity;
 }
 
@@ -182,11 +184,18 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
                                      .tolerance = arguments.tolerance,
                                      .seed = static_cast<std::uint64_t>(session.seed),
                                      .progress = session.progress(),
-                                     .save = [&](const PassState& state) { store.save(state); },
+                                     .save =
+                                         [&](const PassState& state) {
+                                             if (ranks().speaks())
+                                                 store.save(state);
+                                         },
+                                     .ranks = ranks(),
                                      .state = store.state()}),
                    .in_memory = false,
                    .modes = {}};
     found.modes = mode_figures(found.fit.model);
+    if (!ranks().speaks())
+        return found;
     return_freed_memory();
     write_model(arguments.output, found.fit.model);
     store.finish();
@@ -231,7 +240,7 @@ Findings fit_and_write(const Session& session, const Arguments& arguments)
 {
     if (!arguments.update.empty())
         return update(session, arguments);
-    const bool asks = arguments.memory.bytes > 0 || arguments.resume ||
+    const bool asks = arguments.memory.bytes > 0 || arguments.resume || ranks().lots > 1 ||
                       arguments.algorithm != FitAlgorithm::Automatic;
     const bool can = arguments.replicates == 0 && arguments.space.kind == SpaceKind::Edge;
     if (can)
@@ -239,7 +248,7 @@ Findings fit_and_write(const Session& session, const Arguments& arguments)
             return fit_in_passes(session, arguments, *meshes);
     if (asks)
         throw UsageError(
-            "--memory, --algorithm and --resume are for one collection file (.h5) in edge "
+            "--memory, --algorithm, --resume and mpirun are for one collection file (.h5) in edge "
             "space without --bootstrap; `shape collect` makes one");
     Findings found = fit_in_memory(session, arguments);
     return_freed_memory();

@@ -12,7 +12,8 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/line_reader.h"
-#include "libshape/io/file/output_file.h"
+#include "libshape/io/file/long_output.h"
+#include "libshape/io/long_table.h"
 #include "libshape/io/mesh_formats.h"
 
 namespace shape {
@@ -169,17 +170,34 @@ Table read_table(const std::filesystem::path& path)
 
 void write_table(const std::filesystem::path& path, const Table& table)
 {
-    check_columns(table.columns, "table: ");
-    std::string text;
-    append_row(text, table.columns);
-    for (std::size_t r = 0; r < table.rows.size(); ++r) {
-        if (table.rows[r].size() != table.columns.size())
-            throw InvalidInput(join("table: row ", r, " has ",
-                                    counted(table.rows[r].size(), "cell"), ", must have ",
-                                    table.columns.size()));
-        append_row(text, table.rows[r]);
-    }
-    write_file_atomically(path, text);
+    write_long_table(path, table.columns, [&](const auto& add) {
+        for (const Row& row : table.rows)
+            add(row);
+    });
+}
+
+void write_long_table(const std::filesystem::path& path, const std::vector<std::string>& columns,
+                      const std::function<void(const std::function<void(const Row&)>&)>& make_rows)
+{
+    check_columns(columns, "table: ");
+    constexpr std::size_t piece = std::size_t{1} << 20;
+    write_pieces_atomically(path, [&](const AppendText& append) {
+        std::string text;
+        append_row(text, columns);
+        std::size_t count = 0;
+        make_rows([&](const Row& row) {
+            if (row.size() != columns.size())
+                throw InvalidInput(join("table: row ", count, " has ", counted(row.size(), "cell"),
+                                        ", must have ", columns.size()));
+            ++count;
+            append_row(text, row);
+            if (text.size() < piece)
+                return;
+            append(text);
+            text.clear();
+        });
+        append(text);
+    });
 }
 
 std::string print_number(double value)

@@ -12,6 +12,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/mesh/joined_labels.h"
 
 namespace shape {
 using namespace internal;
@@ -60,18 +61,7 @@ MeshStream joined(const MeshStream& first, const MeshStream& second)
                                     "differ"));
     MeshStream result = first;
     result.names.insert(result.names.end(), second.names.begin(), second.names.end());
-    for (const LabelColumn& column : second.labels)
-        if (std::none_of(first.labels.begin(), first.labels.end(),
-                         [&](const LabelColumn& c) { return c.name == column.name; }))
-            result.labels.push_back({column.name, std::vector<std::string>(first.names.size())});
-    for (LabelColumn& column : result.labels) {
-        const auto added =
-            std::find_if(second.labels.begin(), second.labels.end(),
-                         [&](const LabelColumn& c) { return c.name == column.name; });
-        if (added != second.labels.end())
-            column.values.insert(column.values.end(), added->values.begin(), added->values.end());
-        column.values.resize(result.names.size());
-    }
+    append_labels(result.labels, first.names.size(), second.labels, second.names.size());
     result.fetch = [count = first.size(), a = first.fetch,
                     b = second.fetch](std::vector<Index> meshes) -> MeshStream::Unpack {
         const auto border = std::lower_bound(meshes.begin(), meshes.end(), count);

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <span>
 #include <utility>
 
 #include "libshape/base/counted.h"
@@ -14,10 +16,11 @@
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
-#include "libshape/base/vector_math.h"
 #include "libshape/edge_space/streamed_space.h"
 #include "libshape/linalg/block_products.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/model/mesh_passes.h"
+#include "libshape/model/streamed_angles.h"
 #include "libshape/statistics/block_krylov.h"
 #include "libshape/statistics/component_steps.h"
 #include "libshape/statistics/tiled_gram.h"
@@ -39,69 +42,6 @@ void for_strips(Index total, const std::function<void(Index, Index)>& body)
     });
 }
 
-/// Dihedral angles of the meshes of a block, a row each.
-void measure_angles(const Collection& block, RowMatrix& angles)
-{
-    angles.resize(static_cast<Index>(block.size()), block.topology.edge_count());
-    parallel_for(block.size(), 1, [&](std::size_t mesh, std::size_t) {
-        angles.row(static_cast<Index>(mesh)) =
-            dihedral_angles(block.topology, block.points[mesh]).transpose();
-    });
-}
-
-/// Finds, from angles that come by once, the branch that each edge's lie on (unify_branches()).
-class BranchSums
-{
-public:
-    explicit BranchSums(Index edges)
-        : sharpest_(Eigen::VectorXd::Zero(edges)), cosines_(sharpest_), sines_(sharpest_)
-    {
-    }
-
-    void add(const RowMatrix& angles)
-    {
-        for_strips(angles.cols(), [&](Index first, Index count) {
-            Eigen::VectorXd sines(count), cosines(count);
-            for (Index i = 0; i < angles.rows(); ++i) {
-                const auto row = angles.row(i).segment(first, count).transpose();
-                sines_cosines(row.data(), to_size(count), sines.data(), cosines.data());
-                sharpest_.segment(first, count) =
-                    sharpest_.segment(first, count).cwiseMax(row.cwiseAbs());
-                cosines_.segment(first, count) += cosines;
-                sines_.segment(first, count) += sines;
-            }
-        });
-    }
-
-    /// Around which angles near the fold are measured [rad]; 0, where on_branch() changes nothing, of
-    /// edges whose angles keep away from it.
-    [[nodiscard]] Eigen::VectorXd means(Index count) const
-    {
-        constexpr double near = 2.0; // [rad]; the fold begins at 2 pi / 3
-        Eigen::VectorXd means = Eigen::VectorXd::Zero(sharpest_.size());
-        for (Index e = 0; e < means.size(); ++e)
-            if (sharpest_[e] > near)
-                means[e] = circular_mean(cosines_[e], sines_[e], static_cast<double>(count));
-        return means;
-    }
-
-    void save(PassState& state) const
-    {
-        for (const Eigen::VectorXd* sums : {&sharpest_, &cosines_, &sines_})
-            state.arrays.emplace_back(sums->transpose());
-    }
-    void restore(PassStateReader& state)
-    {
-        for (Eigen::VectorXd* sums : {&sharpest_, &cosines_, &sines_})
-            *sums = state.vector(sums->size());
-    }
-
-private:
-    Eigen::VectorXd sharpest_;
-    Eigen::VectorXd cosines_;
-    Eigen::VectorXd sines_;
-};
-
 /// The modes and what stands beside them as the passes find it.
 class Fit
 {
@@ -110,11 +50,11 @@ public:
         : meshes_(meshes),
           options_(options),
           stream_(stream),
-          space_(make_space(meshes, options.space, 8)),
-          dimension_(internal::dimension(space_, meshes.topology)),
-          sizes_(meshes.size()),
-          branches_(has_companions(space_) ? meshes.topology.edge_count() : 0),
-          memory_(stream.memory > 0 ? stream.memory : usual_memory())
+          passes_(meshes, options.space, stream.memory, stream.progress, stream.ranks),
+          dimension_(passes_.dimension()),
+          sizes_(Eigen::VectorXd::Zero(meshes.size())),
+          branches_(has_companions(passes_.space()) ? meshes.topology.edge_count() : 0),
+          memory_(passes_.memory())
     {
         algorithm_ = choose();
     }
@@ -131,7 +71,7 @@ public:
         PrincipalComponents& found = components_;
         return {.model = {.topology = meshes_.topology,
                           .reference_points = std::move(reference_),
-                          .space = std::move(space_),
+                          .space = passes_.space(),
                           .mean = std::move(found.mean),
                           .mean_dihedral_angles = std::move(mean_angles_),
                           .modes = std::move(found.modes),
@@ -143,7 +83,7 @@ public:
                           .names = meshes_.names,
                           .labels = meshes_.labels},
                 .algorithm = algorithm_,
-                .passes = passes_,
+                .passes = passes_.count(),
                 .error = error_};
     }
 
@@ -190,34 +130,50 @@ private:
                                                                           : FitAlgorithm::Krylov;
     }
 
-    /// A pass over the meshes from `begin` on: visit(first, block).
-    void pass(const std::string& name, Index begin, Index block,
-              const std::function<void(Index, const Collection&)>& visit)
+    /// The first mesh, and the mean of the first tile, about which sums round little.
+    Eigen::VectorXd look_at_first(Index tile)
     {
-        const auto kilobytes = [&](Index count) {
-            return to_size(count) * to_size(meshes_.bytes_per_mesh) / 1000;
-        };
-        const std::string stage = join("pass ", passes_ + 1, ", ", name, ", kB");
-        for_each_block(
-            meshes_, begin, meshes_.size(), block, [&](Index first, const Collection& part) {
-                visit(first, part);
-                const Index done = first + static_cast<Index>(part.size()) - begin;
-                if (stream_.progress)
-                    stream_.progress(stage, kilobytes(done), kilobytes(meshes_.size() - begin));
-            });
-        ++passes_;
+        Eigen::VectorXd origin;
+        passes_.show({0, std::min(tile, meshes_.size()), tile},
+                     [&](Index, const Collection& block, RowMatrix& rows) {
+                         reference_ = block.points.front();
+                         passes_.encode(block, rows);
+                         origin = rows.colwise().mean().transpose();
+                     });
+        return origin;
     }
 
-    /// What the first pass learns besides: sizes, branches, the first mesh.
-    void learn(Index first, const Collection& block, const Eigen::VectorXd& sizes)
+    /// What the first pass learns besides: sizes and branches.
+    void learn(Index first, const Collection& block, const Eigen::VectorXd& sizes, RowMatrix& rows)
     {
         sizes_.segment(first, sizes.size()) = sizes;
-        if (first == 0)
-            reference_ = block.points.front();
-        if (!has_companions(space_))
+        if (!has_companions(passes_.space()))
             return;
-        measure_angles(block, rows_); // what stood there is used up
-        branches_.add(rows_);
+        measure_angles(block, rows); // what stood there is used up
+        branches_.add(rows);
+    }
+
+    /// A pass that adds to a solver, the first of which learns.
+    template <class Solver>
+    void pass(const std::string& name, const PassRange& range, bool is_first, Solver& solver)
+    {
+        std::vector<std::span<double>> sums = solver.sums();
+        if (is_first)
+            std::ranges::copy(branches_.sums(), std::back_inserter(sums));
+        passes_.run(
+            name, range,
+            [&](Index first, const Collection& block, RowMatrix& rows) {
+                Eigen::VectorXd sizes(static_cast<Index>(block.size()));
+                passes_.encode(block, rows, sizes);
+                solver.add(first, rows);
+                if (is_first)
+                    learn(first, block, sizes, rows);
+            },
+            sums);
+        if (!is_first)
+            return;
+        passes_.gather(numbers_of(sizes_));
+        stream_.ranks.take_largest(branches_.largest());
     }
 
     /// Hands over the state, and takes it back: it may be as large as what is left of the memory.
@@ -227,7 +183,7 @@ private:
         if (!stream_.save)
             return;
         PassState state;
-        state.numbers.push_back(passes_);
+        state.numbers.push_back(passes_.count());
         state.arrays.emplace_back(sizes_.transpose());
         state.arrays.emplace_back(reference_);
         branches_.save(state);
@@ -240,7 +196,7 @@ private:
     void restore(Solver& solver, PassState state)
     {
         PassStateReader reader(std::move(state));
-        passes_ = static_cast<int>(reader.number());
+        passes_.set_count(static_cast<int>(reader.number()));
         sizes_ = reader.vector(meshes_.size());
         reference_ = reader.array(meshes_.topology.vertex_count(), 3);
         branches_.restore(reader);
@@ -253,15 +209,18 @@ private:
         TiledGram gram(meshes_.size(), dimension_, held_rows(tile));
         if (stream_.state)
             restore(gram, *stream_.state);
+        else
+            gram.start_at(look_at_first(tile));
         while (!gram.is_complete()) {
-            const bool is_first = gram.begin() == 0;
-            pass("inner products", gram.begin(), tile, [&](Index first, const Collection& block) {
-                Eigen::VectorXd sizes;
-                encode(space_, block, rows_, sizes);
-                gram.add(first, rows_);
-                if (is_first)
-                    learn(first, block, sizes);
-            });
+            if (stream_.ranks.lots > 1)
+                passes_.show({gram.begin(), gram.held_end(), tile},
+                             [&](Index first, const Collection& block, RowMatrix& rows) {
+                                 passes_.encode(block, rows);
+                                 gram.hold(first, rows);
+                             });
+            pass("inner products", {gram.begin(), meshes_.size(), tile}, gram.begin() == 0, gram);
+            if (stream_.ranks.count > 1)
+                gram.gather([&](std::span<double> numbers) { passes_.gather(numbers); });
             gram.end_pass();
             save(gram);
         }
@@ -281,16 +240,17 @@ private:
             fail_for_memory(counted(weights.cols(), "mode"), model);
         RowMatrix& modes = components_.modes;
         modes = RowMatrix::Zero(weights.cols(), dimension_);
-        pass("modes", 0, tile, [&](Index first, const Collection& block) {
-            Eigen::VectorXd sizes;
-            encode(space_, block, rows_, sizes);
-            centre_rows(rows_, components_.mean);
-            const auto shares = weights.middleRows(first, rows_.rows());
-            for_strips(dimension_, [&](Index begin, Index count) {
-                add_product_of_columns(shares, rows_.middleCols(begin, count),
-                                       modes.middleCols(begin, count));
-            });
-        });
+        passes_.run("modes", passes_.all(tile),
+                    [&](Index first, const Collection& block, RowMatrix& rows) {
+                        passes_.encode(block, rows);
+                        centre_rows(rows, components_.mean);
+                        const auto shares = weights.middleRows(first, rows.rows());
+                        for_strips(dimension_, [&](Index begin, Index count) {
+                            add_product_of_columns(shares, rows.middleCols(begin, count),
+                                                   modes.middleCols(begin, count));
+                        });
+                    },
+                    {numbers_of(modes)});
         orthonormalise(modes, weights);
     }
 
@@ -321,15 +281,11 @@ private:
                             .memory = memory_ > busy ? memory_ - busy : 0});
         if (stream_.state)
             restore(krylov, *stream_.state);
+        else
+            krylov.start_at(look_at_first(block));
         while (!krylov.is_complete()) {
             const bool is_first = krylov.passes() == 0;
-            pass("block Krylov", 0, block, [&](Index first, const Collection& part) {
-                Eigen::VectorXd sizes;
-                encode(space_, part, rows_, sizes);
-                krylov.add(first, rows_);
-                if (is_first)
-                    learn(first, part, sizes);
-            });
+            pass("block Krylov", passes_.all(block), is_first, krylov);
             krylov.end_pass();
             if (is_first) {
                 components_.mean = krylov.mean();
@@ -359,41 +315,39 @@ private:
     void measure_scores()
     {
         const Index modes = components_.modes.rows();
-        const Index edges = has_companions(space_) ? meshes_.topology.edge_count() : 0;
+        const Index edges = has_companions(passes_.space()) ? meshes_.topology.edge_count() : 0;
         const Eigen::VectorXd branches = branches_.means(meshes_.size());
         RowMatrix& scores = components_.scores;
         scores = RowMatrix::Zero(meshes_.size(), modes);
         mode_angles_ = RowMatrix::Zero(modes, edges);
-        Eigen::VectorXd first_angles;
+        const Eigen::VectorXd first_angles =
+            edges > 0 ? Eigen::VectorXd(dihedral_angles(meshes_.topology, reference_)
+                                            .binaryExpr(branches, &on_branch))
+                      : Eigen::VectorXd();
         Eigen::VectorXd sums = Eigen::VectorXd::Zero(edges);
         // Of small blocks: both kinds of modes are in memory now.
-        pass("scores and angles", 0, std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4),
-             [&](Index first, const Collection& block) {
-                 RowMatrix& rows = rows_;
-                 Eigen::VectorXd sizes;
-                 encode(space_, block, rows, sizes);
-                 centre_rows(rows, components_.mean);
-                 auto own = scores.middleRows(first, rows.rows());
-                 own = coordinates(rows);
-                 if (edges == 0)
-                     return;
-                 measure_angles(block, rows);
-                 parallel_for(block.size(), 1, [&](std::size_t i, std::size_t) {
-                     auto row = rows.row(static_cast<Index>(i));
-                     for (Index e = 0; e < edges; ++e)
-                         row[e] = on_branch(row[e], branches[e]);
-                 });
-                 if (first == 0)
-                     first_angles = rows.row(0).transpose();
-                 centre_rows(rows, first_angles, &sums); // scores sum to 0: rounding stays small
-                 for_strips(edges, [&](Index begin, Index count) {
-                     add_product_of_columns(own, rows.middleCols(begin, count),
-                                            mode_angles_.middleCols(begin, count));
-                 });
-             });
+        passes_.run("scores and angles",
+                    passes_.all(std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4)),
+                    [&](Index first, const Collection& block, RowMatrix& rows) {
+                        passes_.encode(block, rows);
+                        centre_rows(rows, components_.mean);
+                        auto own = scores.middleRows(first, rows.rows());
+                        own = coordinates(rows);
+                        if (edges == 0)
+                            return;
+                        measure_angles(block, rows);
+                        internal::unify_branches(rows, branches);
+                        centre_rows(rows, first_angles,
+                                    &sums); // scores sum to 0: rounding stays small
+                        for_strips(edges, [&](Index begin, Index count) {
+                            add_product_of_columns(own, rows.middleCols(begin, count),
+                                                   mode_angles_.middleCols(begin, count));
+                        });
+                    },
+                    {numbers_of(mode_angles_), numbers_of(sums)});
+        passes_.gather(numbers_of(scores));
         if (edges > 0)
             mean_angles_ = first_angles + sums / static_cast<double>(meshes_.size());
-        rows_.resize(0, 0);
         turn();
     }
 
@@ -446,17 +400,14 @@ private:
     const MeshStream& meshes_;
     const ModelOptions& options_;
     const StreamOptions& stream_;
-    ShapeSpace space_;
+    MeshPasses passes_;
     Index dimension_;
     Eigen::VectorXd sizes_;
     BranchSums branches_;
     std::uint64_t memory_;
     FitAlgorithm algorithm_ = FitAlgorithm::Gram;
-    int passes_ = 0;
     double error_ = 0.0;
     Points reference_;
-    RowMatrix
-        rows_; ///< Of a block, worked on; kept, for fresh memory costs more than what is done in it.
     PrincipalComponents components_;
     Eigen::VectorXd mean_angles_;
     RowMatrix mode_angles_;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "libshape/base/progress.h"
+#include "libshape/base/ranks.h"
 #include "libshape/mesh/mesh_stream.h"
 #include "libshape/model/shape_model.h"
 #include "libshape/statistics/pass_state.h"
@@ -35,6 +36,8 @@ struct StreamOptions
     Progress progress = {};
     /// Called after a pass with what a later run needs to go on from there.
     std::function<void(const PassState&)> save = {};
+    /// Other processes that share the passes.
+    Ranks ranks = {};
     /// Such a state, of the same meshes and options.
     std::optional<PassState> state = {};
 };

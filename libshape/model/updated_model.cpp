@@ -2,7 +2,6 @@
 
 #include "libshape/model/updated_model.h"
 
-#include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/joined_labels.h"
 #include "libshape/model/model_frame.h"
 
 namespace shape {
@@ -53,26 +53,6 @@ RowMatrix stacked(const RowMatrix& above, const RowMatrix& below)
     return all;
 }
 
-/// Labels of both; where one lacks a label of the other its values are empty.
-Labels joined(const Labels& first, std::size_t first_count, const Labels& second,
-              std::size_t second_count)
-{
-    Labels all = first;
-    for (const LabelColumn& column : second)
-        if (std::none_of(all.begin(), all.end(),
-                         [&](const LabelColumn& c) { return c.name == column.name; }))
-            all.push_back({column.name, std::vector<std::string>(first_count)});
-    for (LabelColumn& column : all) {
-        const auto found = std::find_if(second.begin(), second.end(), [&](const LabelColumn& c) {
-            return c.name == column.name;
-        });
-        if (found != second.end())
-            column.values.insert(column.values.end(), found->values.begin(), found->values.end());
-        column.values.resize(first_count + second_count);
-    }
-    return all;
-}
-
 } // namespace
 
 ShapeModel update_model(const ShapeModel& model, const Collection& added,
@@ -93,15 +73,16 @@ ShapeModel update_model(const ShapeModel& model, const Collection& added,
     };
     Eigen::VectorXd all_sizes(coordinates.rows());
     all_sizes << model.sizes, sizes(model.space, added);
+    Labels labels = model.labels;
+    append_labels(labels, model.names.size(), added.labels, added.size());
     std::vector<std::string> names = model.names;
     names.insert(names.end(), added.names.begin(), added.names.end());
-    return model_of(
-        {.topology = model.topology,
-         .reference_points = model.reference_points,
-         .space = model.space,
-         .names = std::move(names),
-         .labels = joined(model.labels, model.names.size(), added.labels, added.size())},
-        std::move(coordinates), angles, std::move(all_sizes), options);
+    return model_of({.topology = model.topology,
+                     .reference_points = model.reference_points,
+                     .space = model.space,
+                     .names = std::move(names),
+                     .labels = std::move(labels)},
+                    std::move(coordinates), angles, std::move(all_sizes), options);
 }
 
 } // namespace shape

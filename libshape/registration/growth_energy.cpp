@@ -10,7 +10,6 @@
 #include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/linalg/sparse_cholesky.h"
-#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape::internal {
@@ -54,19 +53,18 @@ void check(const GrowthOptions& options)
     require_positive(options.stiffness, "GrowthOptions.stiffness");
 }
 
-GrowthEnergy::GrowthEnergy(const Topology& topology, const Points& rest,
-                           const GrowthOptions& options)
+GrowthEnergy::GrowthEnergy(const Topology& topology, ShapePoint rest, const GrowthOptions& options)
     : topology_(topology),
       options_((check(options), options)),
-      rest_lengths_(edge_lengths(topology, rest)),
+      rest_lengths_(rest.edge_lengths),
       unit_(rest_lengths_.mean()),
-      energy_(topology, {rest_lengths_, dihedral_angles(topology, rest)}, options.smoothness),
+      energy_(topology, std::move(rest), options.smoothness),
       operator_(energy_),
       directions_(4, topology.edge_count()),
       growth_slopes_(to_size(topology.edge_count()))
 {
     energy_.stiffen(options.stiffness);
-    clear_pulls(rest);
+    clear_pulls(Points::Zero(topology.vertex_count(), 3));
 }
 
 void GrowthEnergy::clear_pulls(const Points& points)

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "libshape/edge_space/shape_vectors.h"
 #include "libshape/embedding/energy/gauss_newton_operator.h"
 #include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/linalg/lanes.h"
@@ -33,14 +34,14 @@ void check(const GrowthOptions& options);
 ///     E(x, u) = sum_e phi(l_e / (l*_e g_e) - 1) + mu (theta_e - theta*_e)^2 + gamma (u_i - u_j)^2
 ///               + sum_pulls w (a . (x_v - y_v) - r)^2,       g_e = exp((u_i + u_j) / 2),
 ///
-/// l*, theta* those of the mesh at rest. The first terms are a LengthDihedralEnergy; to its Gauss-Newton
+/// l*, theta* those at rest. The first terms are a LengthDihedralEnergy; to its Gauss-Newton
 /// operator this class adds the columns of u, which ride in the fourth lane of every vector, and the
 /// pulls, three by three numbers a vertex. Same bits for any number of threads.
 class GrowthEnergy
 {
 public:
-    /// @throws InvalidInput if an option breaks its rule, or the mesh at rest has a length of 0.
-    GrowthEnergy(const Topology& topology, const Points& rest, const GrowthOptions& options);
+    /// @throws InvalidInput if an option breaks its rule, or a length at rest is not > 0.
+    GrowthEnergy(const Topology& topology, ShapePoint rest, const GrowthOptions& options);
 
     [[nodiscard]] double unit() const { return unit_; } ///< Mean edge at rest [length].
 

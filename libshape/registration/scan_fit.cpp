@@ -18,6 +18,8 @@
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/face_crossings.h"
 #include "libshape/registration/growth_energy.h"
 #include "libshape/registration/rigid_start.h"
 #include "libshape/registration/scan_surface.h"
@@ -41,13 +43,33 @@ constexpr double coarse_share = 0.4;                    // of the way, which the
 constexpr double rim_weight = 10.0;                     // beside that of the surface
 constexpr int least_vertices = 450;                     // of the coarsest level
 
+/// Rounds of closest points on one level: the part of the way they go, from the first weight to the last.
 struct LevelRounds
 {
     int rounds;
     int linear_steps;
+    double from, to;
+    bool landmarks_first;
+    double growth_smoothness; // times that of the options
 };
-constexpr LevelRounds coarsest_rounds{30, 60}, finer_rounds{8, 15};
+constexpr int coarsest_rounds = 30, finer_rounds = 8;
+constexpr int coarsest_steps = 60, finer_steps = 15;
+
+/// What level `number` of `count` does when the coarsest comes first.
+constexpr LevelRounds rounds_of(std::size_t number, std::size_t count)
+{
+    const bool is_coarsest = number + 1 == count, is_finest = number == 0;
+    return {is_coarsest ? coarsest_rounds + (is_finest ? finer_rounds : 0) : finer_rounds,
+            is_coarsest ? coarsest_steps : finer_steps,
+            is_coarsest ? 0.0 : coarse_share,
+            is_finest ? 1.0 : coarse_share,
+            is_coarsest,
+            1.0};
+}
+/// From an earlier fit, held to what is expected of it, growth too.
+constexpr LevelRounds rounds_again{12, finer_steps, 0.7, 1.0, false, 100.0};
 constexpr int rounds_between_factors = 5;
+constexpr double doubtful_start = 0.04; // ChosenStart::score
 constexpr int tried_starts = 4, trial_rounds = 12;
 constexpr int landmark_rounds = 12; // by landmarks alone, before the surface pulls
 
@@ -110,6 +132,12 @@ DistanceSummary summary_of(const std::vector<double>& distances)
     return summary;
 }
 
+/// Lengths and angles of a level at rest.
+ShapePoint shape_of(const TemplateLevel& level)
+{
+    return {edge_lengths(level.topology, level.rest), dihedral_angles(level.topology, level.rest)};
+}
+
 std::string percent(double share)
 {
     return join(std::round(share * 1000.0) / 10.0, " %");
@@ -131,13 +159,17 @@ struct ScanFitter::State
     Surface surface; // of the template
     VectorXd dihedral_angles_at_rest;
     double own_diagonal;
+    FaceTree face_tree;
+    int own_crossings; // of the template
 
     State(const Topology& topology, const Points& points, const FitOptions& with)
         : options(with),
           levels(template_levels(topology, points, least_vertices)),
           surface(points, topology.faces()),
           dihedral_angles_at_rest(dihedral_angles(topology, points)),
-          own_diagonal(bounding_box_diagonal(points))
+          own_diagonal(bounding_box_diagonal(points)),
+          face_tree(topology, points),
+          own_crossings(static_cast<int>(face_tree.crossings(points).size()))
     {
     }
 
@@ -156,11 +188,23 @@ struct ScanFitter::State
     void add_landmark_pulls(const TemplateLevel& level, const std::vector<SurfacePoint>& marks,
                             const Target& target, const Points& points, double weight,
                             GrowthEnergy& energy) const;
-    void run_level(std::size_t number, const Target& target, int rounds, LevelMesh& mesh) const;
-    [[nodiscard]] Similarity choose_start(const std::vector<Similarity>& starts,
-                                          const Target& target) const;
-    void finish_landmarks(const Target& target, LevelMesh& mesh) const;
-    void judge(const Target& target, const LevelMesh& mesh, ScanFit& fit) const;
+    [[nodiscard]] GrowthEnergy energy_of(const TemplateLevel& level, const ShapePoint& rest,
+                                         double growth_smoothness = 1.0) const;
+    [[nodiscard]] Target target_of(Surface scan, const LandmarkPairs& landmarks,
+                                   double scale) const;
+    void run_level(std::size_t number, const Target& target, const ShapePoint& rest,
+                   const LevelRounds& schedule, LevelMesh& mesh) const;
+    void finish(const Target& target, const ShapePoint& rest, LevelMesh& mesh, ScanFit& fit) const;
+    struct ChosenStart
+    {
+        Similarity start;
+        double score = 0.0; // 0 where there was nothing to choose
+    };
+    [[nodiscard]] ChosenStart choose_start(const std::vector<Similarity>& starts,
+                                           const Target& target) const;
+    void finish_landmarks(const Target& target, const ShapePoint& rest, LevelMesh& mesh) const;
+    void judge(const Target& target, const ShapePoint& rest, const LevelMesh& mesh,
+               ScanFit& fit) const;
 };
 
 void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
@@ -179,14 +223,21 @@ void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
     }
 }
 
-void ScanFitter::State::run_level(std::size_t number, const Target& target, int rounds,
-                                  LevelMesh& mesh) const
+GrowthEnergy ScanFitter::State::energy_of(const TemplateLevel& level, const ShapePoint& rest,
+                                          double growth_smoothness) const
+{
+    return {level.topology,
+            rest,
+            {.smoothness = options.smoothness,
+             .growth_smoothness = growth_smoothness * options.growth_smoothness}};
+}
+
+/// The rounds of closest points on one level of the template.
+void ScanFitter::State::run_level(std::size_t number, const Target& target, const ShapePoint& rest,
+                                  const LevelRounds& schedule, LevelMesh& mesh) const
 {
     const TemplateLevel& level = target.levels[number];
-    const bool is_coarsest = number + 1 == levels.size();
-    GrowthEnergy energy(
-        level.topology, level.rest,
-        {.smoothness = options.smoothness, .growth_smoothness = options.growth_smoothness});
+    GrowthEnergy energy = energy_of(level, rest, schedule.growth_smoothness);
     const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
     const Rims rims = find_rims(level.topology.faces());
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
@@ -204,22 +255,19 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, int 
     const double blur = target.landmark_tolerance / (0.003 * target.diagonal);
     const double landmark_weight = 30.0 / (1.0 + blur * blur);
 
-    if (is_coarsest && !marks.empty())
+    if (schedule.landmarks_first && !marks.empty())
         for (int round = 0; round < landmark_rounds; ++round) {
             energy.clear_pulls(mesh.points);
             add_landmark_pulls(level, marks, target, mesh.points, 0.1 * landmark_weight, energy);
             energy.prepare();
-            (void)energy.step(mesh.points, mesh.growth, coarsest_rounds.linear_steps);
+            (void)energy.step(mesh.points, mesh.growth, schedule.linear_steps);
         }
 
-    const bool is_finest = number == 0;
-    const double from = is_coarsest ? 0.0 : coarse_share;
-    const double to = is_finest ? 1.0 : coarse_share;
-    const int linear_steps = is_coarsest ? coarsest_rounds.linear_steps : finer_rounds.linear_steps;
-    const int last_changing = std::max(1, is_finest ? rounds - 3 : rounds - 1);
-    for (int round = 0; round < rounds; ++round) {
+    const int last_changing = std::max(1, schedule.rounds - (schedule.to == 1.0 ? 3 : 1));
+    for (int round = 0; round < schedule.rounds; ++round) {
         const double done =
-            from + (to - from) * std::min(1.0, static_cast<double>(round) / last_changing);
+            schedule.from + (schedule.to - schedule.from) *
+                                std::min(1.0, static_cast<double>(round) / last_changing);
         const PullRule rule{
             .weight = first_weight * std::pow(last_weight / first_weight, done) * in_edges,
             .scale = target.diagonal * first_scale * std::pow(last_scale / first_scale, done)};
@@ -231,24 +279,27 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, int 
                            landmark_weight * std::max(rule.weight, 0.1), energy);
         if (round % rounds_between_factors == 0)
             energy.prepare();
-        (void)energy.step(mesh.points, mesh.growth, linear_steps);
+        (void)energy.step(mesh.points, mesh.growth, schedule.linear_steps);
     }
 }
 
 /// The best start after a few rounds on the coarsest level from each: where the template bends least and comes nearest.
 /// A start that a pose has moved far from the best rigid one wins by that.
-Similarity ScanFitter::State::choose_start(const std::vector<Similarity>& starts,
-                                           const Target& target) const
+ScanFitter::State::ChosenStart ScanFitter::State::choose_start(
+    const std::vector<Similarity>& starts, const Target& target) const
 {
     if (starts.size() == 1)
-        return starts.front();
+        return {starts.front()};
     const TemplateLevel& level = target.levels.back();
-    const GrowthEnergy energy(level.topology, level.rest, {});
+    const ShapePoint rest = shape_of(level);
+    const GrowthEnergy energy = energy_of(level, rest);
+    LevelRounds trial = rounds_of(levels.size() - 1, levels.size());
+    trial.rounds = trial_rounds;
     std::size_t best = 0;
     double least = 0.0;
     for (std::size_t i = 0; i < starts.size(); ++i) {
         LevelMesh mesh{starts[i].motion(level.rest), VectorXd::Zero(level.rest.rows())};
-        run_level(levels.size() - 1, target, trial_rounds, mesh);
+        run_level(levels.size() - 1, target, rest, trial, mesh);
         const VectorXd strains = energy.strains(mesh.points, mesh.growth);
         const VectorXd bends = dihedral_angles(level.topology, mesh.points) -
                                dihedral_angles(level.topology, level.rest);
@@ -276,10 +327,11 @@ Similarity ScanFitter::State::choose_start(const std::vector<Similarity>& starts
         if (i == 0 && is_meant && score < surely)
             break;
     }
-    return starts[best];
+    return {starts[best], least};
 }
 
-void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanFit& fit) const
+void ScanFitter::State::judge(const Target& target, const ShapePoint& rest, const LevelMesh& mesh,
+                              ScanFit& fit) const
 {
     const Topology& topology = levels.front().topology;
     const Points normals = vertex_normals(mesh.points, topology.faces());
@@ -323,7 +375,7 @@ void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanF
     });
     fit.scan_to_fit = summary_of(distances);
 
-    const GrowthEnergy energy(topology, target.levels.front().rest, {});
+    const GrowthEnergy energy = energy_of(target.levels.front(), rest);
     const VectorXd strains = energy.strains(mesh.points, mesh.growth);
     fit.strain_rms = std::sqrt(strains.squaredNorm() / static_cast<double>(strains.size()));
     fit.growth = mesh.growth.array().exp();
@@ -339,6 +391,8 @@ void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanF
                 if (h >= 0)
                     folded[to_size(Topology::face(h))] = 1;
     fit.folded_faces = static_cast<int>(std::count(folded.begin(), folded.end(), 1));
+    fit.crossing_pairs =
+        std::max(0, static_cast<int>(face_tree.crossings(mesh.points).size()) - own_crossings);
     fit.diagonal = bounding_box_diagonal(mesh.points);
 
     const auto marks = on_level(target.levels.front(), target.landmarks_here);
@@ -371,6 +425,8 @@ void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanF
     if (fit.growth_high > 3.0 * fit.growth_low)
         say(FitStatus::Check,
             join("parts grew by factors from ", fit.growth_low, " to ", fit.growth_high));
+    if (fit.crossing_pairs > 0.02 * topology.face_count())
+        say(FitStatus::Check, join(counted(fit.crossing_pairs, "pair"), " of faces cross"));
     if (fit.folded_faces > 0.02 * topology.face_count())
         say(FitStatus::Check, join(counted(fit.folded_faces, "face"), " folded"));
     for (std::size_t i = 0; i < marks.size(); ++i) {
@@ -385,15 +441,14 @@ void ScanFitter::State::judge(const Target& target, const LevelMesh& mesh, ScanF
 
 /// Landmarks to be met exactly are: what is still missing is spread over the mesh by a few steps in which
 /// nothing else moves far.
-void ScanFitter::State::finish_landmarks(const Target& target, LevelMesh& mesh) const
+void ScanFitter::State::finish_landmarks(const Target& target, const ShapePoint& rest,
+                                         LevelMesh& mesh) const
 {
     if (target.landmarks_here.rows() == 0 || target.landmark_tolerance > 0.0)
         return;
     const TemplateLevel& level = target.levels.front();
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
-    GrowthEnergy energy(
-        level.topology, level.rest,
-        {.smoothness = options.smoothness, .growth_smoothness = options.growth_smoothness});
+    GrowthEnergy energy = energy_of(level, rest);
     const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
     for (int round = 0; round < 4; ++round) {
         energy.clear_pulls(mesh.points);
@@ -402,7 +457,7 @@ void ScanFitter::State::finish_landmarks(const Target& target, LevelMesh& mesh) 
                           energy);
         add_landmark_pulls(level, marks, target, mesh.points, 3e3, energy);
         energy.prepare();
-        (void)energy.step(mesh.points, mesh.growth, 2 * finer_rounds.linear_steps);
+        (void)energy.step(mesh.points, mesh.growth, 2 * finer_steps);
     }
 }
 
@@ -418,51 +473,78 @@ ScanFitter::~ScanFitter() = default;
 ScanFitter::ScanFitter(ScanFitter&&) noexcept = default;
 ScanFitter& ScanFitter::operator=(ScanFitter&&) noexcept = default;
 
-ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
+namespace {
+
+/// The scan as it is, or all of it turned over if it is inside out as a whole.
+std::pair<Faces, int> turned_outwards(const Scan& scan, const Surface& pattern)
 {
-    const State& s = *state_;
-    const auto mark_count = std::ssize(landmarks.names);
-    if (landmarks.on_template.rows() != mark_count || landmarks.on_scan.rows() != mark_count)
-        throw InvalidInput(join("landmarks: ", mark_count, " names, ", landmarks.on_template.rows(),
+    constexpr double surely = 0.01;
+    std::pair<Faces, int> result{scan.faces, 0};
+    if (outwardness(pattern.points, pattern.faces) * outwardness(scan.points, scan.faces) <
+        -surely) {
+        result.first.col(1).swap(result.first.col(2));
+        result.second = static_cast<int>(scan.faces.rows());
+    }
+    return result;
+}
+
+void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::string>& boundaries)
+{
+    const auto count = std::ssize(landmarks.names);
+    if (landmarks.on_template.rows() != count || landmarks.on_scan.rows() != count)
+        throw InvalidInput(join("landmarks: ", count, " names, ", landmarks.on_template.rows(),
                                 " points on the template and ", landmarks.on_scan.rows(),
                                 " on the scan"));
-    for (const std::string& name : s.options.boundaries)
+    for (const std::string& name : boundaries)
         if (std::find(landmarks.names.begin(), landmarks.names.end(), name) ==
             landmarks.names.end())
             throw InvalidInput(join("boundary '", name, "' is not the name of a landmark"));
-
-    Faces faces = scan.faces;
-    int turned = 0;
-    constexpr double surely = 0.01;
-    if (outwardness(s.surface.points, s.surface.faces) * outwardness(scan.points, faces) <
-        -surely) { // all of it is inside out
-        faces.col(1).swap(faces.col(2));
-        turned = static_cast<int>(faces.rows());
+    if (count < 3)
+        return;
+    for (const Points* points : {&landmarks.on_template, &landmarks.on_scan}) {
+        const Points centred = points->rowwise() - points->colwise().mean();
+        const Eigen::VectorXd spread = Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
+        if (!(spread[1] > 1e-3 * spread[0]))
+            throw InvalidInput("landmarks: they lie on a line, which leaves a turn about it open");
     }
+}
+
+} // namespace
+
+ScanFitter::State::Target ScanFitter::State::target_of(Surface scan, const LandmarkPairs& landmarks,
+                                                       double scale) const
+{
+    std::vector<TemplateLevel> scaled = levels;
+    for (TemplateLevel& level : scaled)
+        level.rest *= scale;
+    return {std::move(scaled),         scale * own_diagonal,
+            std::move(scan),           scale * landmarks.on_template,
+            landmarks.on_scan,         landmarks.names,
+            options.landmark_tolerance};
+}
+
+void ScanFitter::State::finish(const Target& target, const ShapePoint& rest, LevelMesh& mesh,
+                               ScanFit& fit) const
+{
+    finish_landmarks(target, rest, mesh);
+    judge(target, rest, mesh, fit);
+    fit.points = mesh.points;
+}
+
+ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
+{
+    const State& s = *state_;
+    check_landmarks(landmarks, s.options.boundaries);
+    const auto [faces, turned] = turned_outwards(scan, s.surface);
     Surface surface(scan.points, faces);
     std::vector<Similarity> starts{Similarity{}};
-    if (mark_count >= 3) {
-        for (const Points* points : {&landmarks.on_template, &landmarks.on_scan}) {
-            const Points centred = points->rowwise() - points->colwise().mean();
-            const Eigen::VectorXd spread =
-                Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
-            if (!(spread[1] > 1e-3 * spread[0]))
-                throw InvalidInput(
-                    "landmarks: they lie on a line, which leaves a turn about it open");
-        }
+    if (landmarks.names.size() >= 3)
         starts = {landmark_start(landmarks.on_template, landmarks.on_scan)};
-    } else if (s.options.search_start) {
+    else if (s.options.search_start)
         starts = rigid_starts(s.surface, surface, tried_starts);
-    }
     const double scale = starts.front().scale;
-    std::vector<TemplateLevel> levels = s.levels;
-    for (TemplateLevel& level : levels)
-        level.rest *= scale;
-    State::Target target{std::move(levels),           scale * s.own_diagonal,
-                         std::move(surface),          scale * landmarks.on_template,
-                         landmarks.on_scan,           landmarks.names,
-                         s.options.landmark_tolerance};
-    const Similarity start = s.choose_start(starts, target);
+    State::Target target = s.target_of(std::move(surface), landmarks, scale);
+    const auto [start, score] = s.choose_start(starts, target);
     auto [oriented, more_turned] =
         oriented_like(scan.points, faces, Surface(start(s.surface.points), s.surface.faces));
     if (more_turned > 0)
@@ -475,16 +557,39 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
     LevelMesh mesh{start.motion(target.levels.back().rest),
                    VectorXd::Zero(target.levels.back().rest.rows())};
     for (std::size_t number = count; number-- > 0;) {
-        const bool is_coarsest = number + 1 == count;
-        if (!is_coarsest)
+        if (number + 1 < count)
             mesh = carried_to_finer(target.levels[number + 1], mesh, target.levels[number]);
-        const int rounds = (is_coarsest ? coarsest_rounds.rounds : 0) +
-                           (number == 0 || !is_coarsest ? finer_rounds.rounds : 0);
-        s.run_level(number, target, rounds, mesh);
+        s.run_level(number, target, shape_of(target.levels[number]), rounds_of(number, count),
+                    mesh);
     }
-    s.finish_landmarks(target, mesh);
-    s.judge(target, mesh, fit);
-    fit.points = mesh.points;
+    s.finish(target, shape_of(target.levels.front()), mesh, fit);
+    if (score > doubtful_start) {
+        fit.status = std::max(fit.status, FitStatus::Check);
+        fit.reasons.emplace_back(
+            "from no start did the template come near without bending much: "
+            "it may lie the wrong way round; give landmarks");
+    }
+    return fit;
+}
+
+ScanFit ScanFitter::fit_again(const Scan& scan, const LandmarkPairs& landmarks, const ScanFit& from,
+                              const ShapePoint& rest) const
+{
+    const State& s = *state_;
+    check_landmarks(landmarks, s.options.boundaries);
+    const Topology& topology = s.levels.front().topology;
+    if (from.points.rows() != topology.vertex_count())
+        throw InvalidInput(join("fit_again: the earlier fit has ", from.points.rows(),
+                                " vertices, the template ", topology.vertex_count()));
+    const auto [faces, turned] =
+        oriented_like(scan.points, scan.faces, Surface(from.points, topology.faces()));
+    const State::Target target = s.target_of(Surface(scan.points, faces), landmarks, from.scale);
+    ScanFit fit;
+    fit.scale = from.scale;
+    fit.turned_faces = turned;
+    LevelMesh mesh{from.points, VectorXd::Zero(from.points.rows())};
+    s.run_level(0, target, rest, rounds_again, mesh);
+    s.finish(target, rest, mesh, fit);
     return fit;
 }
 

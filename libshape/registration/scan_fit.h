@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "libshape/edge_space/shape_vectors.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 #include "libshape/registration/scan.h"
@@ -75,6 +76,7 @@ struct ScanFit
     double growth_high = 1.0;        ///< 99 % quantile.
     int folded_faces =
         0; ///< With an edge that bends by > 120 degrees more or less than the template's.
+    int crossing_pairs = 0; ///< Of faces that pass through each other, beyond the template's own.
     int unseen_vertices = 0;
     int turned_faces = 0; ///< Of the scan: they faced inwards.
     FitStatus status = FitStatus::Good;
@@ -99,6 +101,14 @@ public:
     /// A scan that the template does not fit throws nothing: see ScanFit::status.
     /// Cost: about 3 s for 13,000 vertices. Same bits for any number of threads. Safe to call concurrently.
     [[nodiscard]] ScanFit fit(const Scan& scan, const LandmarkPairs& landmarks = {}) const;
+
+    /// Fits again from an earlier fit of the same scan, by the finest level alone, with other lengths and
+    /// angles in place of the template's: what a model expects of it (shape_prior.h).
+    /// @param rest  #E lengths > 0 [length of the scan] and #E angles.
+    /// @throws InvalidInput as fit(), or if `from` or `rest` is of another triangulation.
+    /// Cost: about half of fit().
+    [[nodiscard]] ScanFit fit_again(const Scan& scan, const LandmarkPairs& landmarks,
+                                    const ScanFit& from, const ShapePoint& rest) const;
 
 private:
     struct State;

@@ -139,6 +139,21 @@ BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& op
     product_ = RowMatrix::Zero(columns_, basis_.front().cols());
 }
 
+void BlockKrylov::start_at(const Eigen::VectorXd& origin)
+{
+    mean_ = origin;
+}
+
+std::vector<std::span<double>> BlockKrylov::sums()
+{
+    std::vector<std::span<double>> arrays{{product_.data(), to_size(product_.size())}};
+    if (passes_ == 0) {
+        arrays.emplace_back(sums_.data(), to_size(sums_.size()));
+        arrays.emplace_back(&squares_, 1);
+    }
+    return arrays;
+}
+
 void BlockKrylov::add(Index, RowMatrix& rows)
 {
     if (mean_.size() == 0)

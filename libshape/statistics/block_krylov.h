@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "libshape/linalg/dense.h"
@@ -44,8 +45,13 @@ public:
     /// Rows that a pass takes at a time: a power of two in [4, 256], of about 64 MiB if it can be.
     [[nodiscard]] static Eigen::Index tile_rows(Eigen::Index columns);
 
+    /// The point about which the rows of the first pass are taken; else the mean of its first rows.
+    void start_at(const Eigen::VectorXd& origin);
     /// Takes the next rows of a pass, which it centres in place.
     void add(Eigen::Index first, RowMatrix& rows);
+    /// What add() sums in this pass, 0 before it: where several processes have rows, the arrays of all of
+    /// them must be added before it ends.
+    [[nodiscard]] std::vector<std::span<double>> sums();
     /// @throws LimitExceeded if the memory cannot hold what the share of variance needs.
     void end_pass();
 

@@ -8,10 +8,10 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/random.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/statistics/bootstrap_draws.h"
 
 namespace shape {
 using namespace internal;
@@ -54,32 +54,47 @@ void check(const BootstrapOptions& options)
             options.confidence, "in (0, 1)");
 }
 
-RowMatrix bootstrap(const Resampling& resampling,
-                    const std::function<VectorXd(const VectorXd& times)>& statistic,
-                    const BootstrapOptions& options)
+namespace internal {
+
+BootstrapDraws::BootstrapDraws(const Resampling& resampling, const BootstrapOptions& options)
+    : count_(resampling.blocks.size())
 {
     check(options);
     if (resampling.blocks.size() != resampling.strata.size())
         throw InvalidInput(join("bootstrap: blocks are of ", resampling.blocks.size(),
                                 " observations, strata of ", resampling.strata.size(),
                                 "; sizes must agree"));
-    const std::vector<std::vector<int>> blocks = members(resampling.blocks);
-    const std::vector<std::vector<int>> strata = blocks_of_strata(blocks, resampling.strata);
+    blocks_ = members(resampling.blocks);
+    strata_ = blocks_of_strata(blocks_, resampling.strata);
     Random seeds(options.seed);
-    std::vector<Random> random;
-    random.reserve(to_size(options.replicates));
+    random_.reserve(to_size(options.replicates));
     for (int r = 0; r < options.replicates; ++r)
-        random.emplace_back(seeds.bits());
-    std::vector<VectorXd> rows(random.size());
+        random_.emplace_back(seeds.bits());
+}
+
+VectorXd BootstrapDraws::times(int replicate) const
+{
+    Random random = random_.at(to_size(replicate));
+    VectorXd times = VectorXd::Zero(count_);
+    for (const std::vector<int>& stratum : strata_)
+        for (std::size_t draw = 0; draw < stratum.size(); ++draw) {
+            const int block = stratum[random.index(stratum.size())];
+            for (const int i : blocks_[to_size(block)])
+                times[i] += 1.0;
+        }
+    return times;
+}
+
+} // namespace internal
+
+RowMatrix bootstrap(const Resampling& resampling,
+                    const std::function<VectorXd(const VectorXd& times)>& statistic,
+                    const BootstrapOptions& options)
+{
+    const BootstrapDraws draws(resampling, options);
+    std::vector<VectorXd> rows(to_size(options.replicates));
     parallel_for(rows.size(), 1, [&](std::size_t r, std::size_t) {
-        VectorXd times = VectorXd::Zero(resampling.blocks.size());
-        for (const std::vector<int>& stratum : strata)
-            for (std::size_t draw = 0; draw < stratum.size(); ++draw) {
-                const int block = stratum[random[r].index(stratum.size())];
-                for (const int i : blocks[to_size(block)])
-                    times[i] += 1.0;
-            }
-        rows[r] = statistic(times);
+        rows[r] = statistic(draws.times(static_cast<int>(r)));
     });
     RowMatrix result(options.replicates, rows.front().size());
     for (Index r = 0; r < result.rows(); ++r)

@@ -2,31 +2,15 @@
 
 #include "libshape/statistics/classical_scaling.h"
 
-#include <cmath>
-
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/linalg/symmetric_eigen.h"
+#include "libshape/statistics/column_signs.h"
 #include "libshape/statistics/distance_matrix.h"
 #include "libshape/statistics/inner_products.h"
 
 namespace shape {
 using namespace internal;
-namespace {
-
-void fix_sign(Eigen::Ref<Eigen::VectorXd> column)
-{
-    const double largest = column.cwiseAbs().maxCoeff();
-    for (const double entry : column)
-        if (std::abs(entry) >= (1.0 - 1e-9) * largest) {
-            if (entry < 0.0)
-                column *= -1.0;
-            return;
-        }
-}
-
-} // namespace
-
 ClassicalScaling classical_scaling(const Eigen::MatrixXd& distances, int dimensions)
 {
     check_distances(distances);

@@ -7,12 +7,13 @@
 #include <iterator>
 #include <numeric>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
-#include "libshape/statistics/covariate_blocks.h"
+#include "libshape/statistics/group_plans.h"
 
 namespace shape {
 using namespace internal;
@@ -24,16 +25,30 @@ using Eigen::MatrixXd;
 /// Observations with their groups, blocks and covariates.
 struct Design
 {
-    MatrixXd products;
+    Observations observations;
     Grouping groups;
     Grouping blocks;
     MatrixXd covariates;
 };
 
-Design subset(const Design& design, const std::vector<int>& observations)
+Design subset(const Design& design, const std::vector<int>& kept)
 {
-    return {design.products(observations, observations), subset(design.groups, observations),
-            subset(design.blocks, observations), design.covariates(observations, Eigen::all)};
+    std::vector<int> number(to_size(design.observations.count), -1);
+    for (std::size_t i = 0; i < kept.size(); ++i)
+        number[to_size(kept[i])] = static_cast<int>(i);
+    const Observations& all = design.observations;
+    Observations observations;
+    observations.count = static_cast<Index>(kept.size());
+    std::vector<Index> places;
+    for (std::size_t i = 0; i < all.points.size(); ++i)
+        if (const int row = number[to_size(all.row_of[i])]; row >= 0) {
+            observations.points.push_back(all.points[i]);
+            observations.row_of.push_back(row);
+            places.push_back(static_cast<Index>(i));
+        }
+    observations.shares = all.shares(places);
+    return {std::move(observations), subset(design.groups, kept), subset(design.blocks, kept),
+            design.covariates(kept, Eigen::all)};
 }
 
 /// How many groups each block has members of.
@@ -56,12 +71,22 @@ Design means_of_blocks(const Design& design)
     const auto count = static_cast<Index>(blocks.size());
     if (count == design.groups.size())
         return design;
-    const MatrixXd weights = mean_weights(design.blocks);
+    Observations means = design.observations;
+    means.count = count;
+    MatrixXd covariates = MatrixXd::Zero(count, design.covariates.cols());
+    for (std::size_t i = 0; i < means.row_of.size(); ++i) {
+        const int block = design.blocks.group_of[to_size(means.row_of[i])];
+        means.row_of[i] = block;
+        means.shares[static_cast<Index>(i)] /= static_cast<double>(blocks[to_size(block)].size());
+    }
     std::vector<int> representatives;
-    for (const std::vector<int>& block : blocks)
-        representatives.push_back(block.front());
-    return {weights.transpose() * design.products * weights, subset(design.groups, representatives),
-            groups_of_one(count), weights.transpose() * design.covariates};
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        representatives.push_back(blocks[b].front());
+        covariates.row(static_cast<Index>(b)) =
+            design.covariates(blocks[b], Eigen::all).colwise().mean();
+    }
+    return {std::move(means), subset(design.groups, representatives), groups_of_one(count),
+            std::move(covariates)};
 }
 
 /// Without the blocks that have one group alone: they say nothing of differences between groups.
@@ -85,10 +110,10 @@ Design exchangeable(const Design& design)
     return means;
 }
 
-LinearModelTest test(const Design& design, const PermutationOptions& options)
+LinearModelPlan plan_test(Design design, const PermutationOptions& options)
 {
-    return test_linear_model(design.products, indicators(design.groups), design.covariates,
-                             design.blocks, options);
+    const MatrixXd tested = indicators(design.groups);
+    return {std::move(design.observations), tested, design.covariates, design.blocks, options};
 }
 
 /// Whether anything is left over to measure the difference of two groups by.
@@ -97,51 +122,27 @@ bool is_testable_pair(const Design& design)
     return design.groups.size() - design.blocks.group_count() - design.covariates.cols() >= 2;
 }
 
-double distance_of_means(const MatrixXd& products, const std::vector<int>& a,
-                         const std::vector<int>& b)
-{
-    const double square = products(a, a).mean() + products(b, b).mean() - 2 * products(a, b).mean();
-    return std::sqrt(std::max(square, 0.0));
-}
-
-PairComparison compare_pair(const Design& design, int first, int second,
-                            const PermutationOptions& options)
-{
-    const std::vector<std::vector<int>> lists = members(design.groups);
-    const std::vector<int>& a = lists[to_size(first)];
-    const std::vector<int>& b = lists[to_size(second)];
-    PairComparison pair;
-    pair.first = first;
-    pair.second = second;
-    pair.distance = distance_of_means(design.products, a, b);
-    std::vector<int> both;
-    std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-    try {
-        const Design compared = exchangeable(subset(design, both));
-        if (is_testable_pair(compared))
-            pair.test = test(compared, options);
-    } catch (const InvalidInput& error) {
-        throw InvalidInput(join("groups '", design.groups.names[to_size(first)], "' and '",
-                                design.groups.names[to_size(second)], "': ", error.what()));
-    }
-    return pair;
-}
-
 void check(const Design& design)
 {
-    const Index count = design.products.rows();
-    if (design.products.cols() != count || design.groups.size() != count ||
-        design.blocks.size() != count || design.covariates.rows() != count)
-        throw InvalidInput(join("groups: inner products are ", count, " by ",
-                                design.products.cols(), ", groups ", design.groups.size(),
-                                ", blocks ", design.blocks.size(), ", covariates ",
-                                design.covariates.rows(), " rows; all must agree"));
+    const Index count = design.observations.count;
     if (design.groups.group_count() < 2)
         throw InvalidInput(
             join("groups: all ", count, " observations are in one group; at least two are needed"));
     if (count <= design.groups.group_count())
         throw InvalidInput(join("groups: ", count, " observations in ", design.groups.group_count(),
                                 " groups; there must be more observations than groups"));
+}
+
+/// What body() gives; an error of it names the groups.
+template <class Body>
+auto of_pair(const Grouping& groups, int first, int second, const Body& body)
+{
+    try {
+        return body();
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(join("groups '", groups.names[to_size(first)], "' and '",
+                                groups.names[to_size(second)], "': ", error.what()));
+    }
 }
 
 } // namespace
@@ -156,22 +157,71 @@ BlockDesign block_design(const Grouping& groups, const Grouping& blocks)
     return is_nested ? BlockDesign::Nested : BlockDesign::Crossed;
 }
 
-GroupComparison compare_groups(const MatrixXd& products, const Grouping& groups,
-                               const Grouping& blocks, const MatrixXd& covariates,
-                               const PermutationOptions& options)
+namespace internal {
+
+GroupComparisonPlan::GroupComparisonPlan(const Grouping& groups, const Grouping& blocks,
+                                         const MatrixXd& covariates,
+                                         const PermutationOptions& options)
+    : groups_(groups), design_(block_design(groups, blocks))
 {
-    const Design design{products, groups, blocks, covariates};
+    const Design design{all_points(groups.size()), groups, blocks, covariates};
     check(design);
-    GroupComparison result;
-    result.design = block_design(design.groups, design.blocks);
-    if (result.design == BlockDesign::Nested && blocks.group_count() <= groups.group_count())
+    if (design_ == BlockDesign::Nested && blocks.group_count() <= groups.group_count())
         throw InvalidInput(join("groups: ", blocks.group_count(), " blocks in ",
                                 groups.group_count(),
                                 " groups; there must be more blocks than groups"));
-    result.overall = test(exchangeable(design), options);
-    for (int first = 0; first < groups.group_count(); ++first)
-        for (int second = first + 1; second < groups.group_count(); ++second)
-            result.pairs.push_back(compare_pair(design, first, second, options));
+    overall_ = plan_test(exchangeable(design), options);
+    const std::vector<std::vector<int>> lists = members(groups);
+    const int count = groups.group_count();
+    for (int first = 0; count > 2 && first < count; ++first)
+        for (int second = first + 1; second < count; ++second)
+            pairs_.push_back(of_pair(groups, first, second, [&]() -> Pair {
+                std::vector<int> both;
+                std::ranges::merge(lists[to_size(first)], lists[to_size(second)],
+                                   std::back_inserter(both));
+                Design compared = exchangeable(subset(design, both));
+                if (!is_testable_pair(compared))
+                    return {first, second, std::nullopt};
+                return {first, second, plan_test(std::move(compared), options)};
+            }));
+}
+
+void GroupComparisonPlan::ask_overall(SumQuestions& questions)
+{
+    overall_->ask(questions);
+}
+
+LinearModelTest GroupComparisonPlan::conclude_overall(const SumAnswers& answers) const
+{
+    return overall_->conclude(answers);
+}
+
+void GroupComparisonPlan::ask(SumQuestions& questions)
+{
+    ask_overall(questions);
+    means_ = questions.families.size();
+    questions.families.push_back(means_of(members(groups_)));
+    for (Pair& pair : pairs_)
+        if (pair.test)
+            pair.test->ask(questions);
+}
+
+GroupComparison GroupComparisonPlan::conclude(const SumAnswers& answers) const
+{
+    const MatrixXd& means = answers.families[means_].front();
+    const auto distance = [&](int a, int b) {
+        return std::sqrt(std::max(means(a, a) + means(b, b) - 2.0 * means(a, b), 0.0));
+    };
+    GroupComparison result;
+    result.design = design_;
+    result.overall = conclude_overall(answers);
+    if (groups_.group_count() == 2)
+        result.pairs.push_back({0, 1, distance(0, 1), result.overall, 1.0});
+    for (const Pair& pair : pairs_)
+        result.pairs.push_back(of_pair(groups_, pair.first, pair.second, [&]() -> PairComparison {
+            return {pair.first, pair.second, distance(pair.first, pair.second),
+                    pair.test ? pair.test->conclude(answers) : LinearModelTest{}, 1.0};
+        }));
     Eigen::VectorXd p_values(static_cast<Index>(result.pairs.size()));
     for (Index k = 0; k < p_values.size(); ++k)
         p_values[k] = result.pairs[to_size(k)].test.p_value;
@@ -179,6 +229,26 @@ GroupComparison compare_groups(const MatrixXd& products, const Grouping& groups,
     for (Index k = 0; k < p_values.size(); ++k)
         result.pairs[to_size(k)].adjusted_p = adjusted[k];
     return result;
+}
+
+} // namespace internal
+
+GroupComparison compare_groups(const MatrixXd& products, const Grouping& groups,
+                               const Grouping& blocks, const MatrixXd& covariates,
+                               const PermutationOptions& options)
+{
+    const Index count = products.rows();
+    if (products.cols() != count || groups.size() != count || blocks.size() != count ||
+        covariates.rows() != count)
+        throw InvalidInput(join("groups: inner products are ", count, " by ", products.cols(),
+                                ", groups ", groups.size(), ", blocks ", blocks.size(),
+                                ", covariates ", covariates.rows(), " rows; all must agree"));
+    if (!products.allFinite())
+        throw InvalidInput("groups: an inner product is not finite");
+    GroupComparisonPlan plan(groups, blocks, covariates, options);
+    SumQuestions questions;
+    plan.ask(questions);
+    return plan.conclude(answer(products, questions));
 }
 
 Eigen::VectorXd holm_adjusted(const Eigen::VectorXd& p_values)

@@ -5,10 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/statistics/group_comparison.h"
+#include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
+#include "libshape/statistics/bootstrap_draws.h"
+#include "libshape/statistics/group_plans.h"
+#include "libshape/statistics/streamed_sums.h"
 
 namespace shape {
 using namespace internal;
@@ -28,38 +33,137 @@ MatrixXd distances_of(const MatrixXd& products)
     return result.cwiseMax(0.0).cwiseSqrt();
 }
 
-/// Groups of which every observation counts several times.
-class WeightedGroups
+} // namespace
+
+struct internal::GroupSpreadPlan::Model
 {
-public:
-    WeightedGroups(const MatrixXd& products, const MatrixXd& indicators, const VectorXd& times)
-        : counts_(indicators.transpose() * times),
-          mean_weights_(times.asDiagonal() * indicators * counts_.cwiseInverse().asDiagonal()),
-          squares_(indicators.transpose() * times.cwiseProduct(products.diagonal()))
+    Grouping groups;
+    std::vector<std::vector<int>> members;
+    BootstrapOptions options;
+    BootstrapDraws draws;
+
+    /// How many members of each group a replicate draws, G.
+    [[nodiscard]] VectorXd drawn(const VectorXd& times) const
     {
+        VectorXd counts(groups.group_count());
+        for (std::size_t g = 0; g < members.size(); ++g)
+            counts[static_cast<Index>(g)] = times(members[g]).sum();
+        return counts;
     }
-
-    [[nodiscard]] bool all_have_members() const { return counts_.minCoeff() > 0.0; }
-
-    /// The weights of column g make the mean of group g.
-    [[nodiscard]] const MatrixXd& mean_weights() const { return mean_weights_; }
-
-    [[nodiscard]] VectorXd variances(const MatrixXd& products_of_means) const
-    {
-        VectorXd result(counts_.size());
-        for (Index g = 0; g < result.size(); ++g)
-            result[g] = std::max(squares_[g] - counts_[g] * products_of_means(g, g), 0.0) /
-                        std::max(counts_[g] - 1.0, 1.0);
-        return result;
-    }
-
-private:
-    VectorXd counts_;
-    MatrixXd mean_weights_;
-    VectorXd squares_;
 };
 
+namespace internal {
+namespace {
+
+Resampling resampling(const Grouping& groups, const Grouping& blocks)
+{
+    const bool is_nested = block_design(groups, blocks) == BlockDesign::Nested;
+    return {blocks, is_nested ? groups : one_group(groups.size())};
+}
+
 } // namespace
+
+GroupSpreadPlan::GroupSpreadPlan(const Grouping& groups, const Grouping& blocks,
+                                 const BootstrapOptions& options)
+    : model_(std::make_shared<const Model>(
+          Model{groups, members(groups), options, {resampling(groups, blocks), options}}))
+{
+}
+
+/// How far the mean of each group moves when its members are drawn anew; 0 if none is drawn.
+void GroupSpreadPlan::ask(SumQuestions& questions)
+{
+    questions.groups = model_->groups;
+    first_family_ = questions.families.size();
+    questions.families.push_back(means_of(model_->members));
+    SumFamily moves{model_->options.replicates, {}, {}, 0};
+    for (const std::vector<int>& group : model_->members)
+        moves.columns.push_back({1, group});
+    moves.bytes_per_member = 4 * to_size(model_->groups.size());
+    moves.prepare = [model = model_](Index begin, Index end) -> SumFamily::Fill {
+        std::vector<Eigen::VectorXf> times; // small whole numbers
+        std::vector<VectorXd> counts;
+        for (Index r = begin; r < end; ++r) {
+            const VectorXd drawn = model->draws.times(static_cast<int>(r));
+            times.emplace_back(drawn.cast<float>());
+            counts.push_back(model->drawn(drawn));
+        }
+        return [model, begin, times = std::move(times), counts = std::move(counts)](
+                   Index member, std::size_t set, std::size_t first, Block weights) {
+            const std::size_t r = to_size(member - begin);
+            const double count = counts[r][static_cast<Index>(set)];
+            const std::vector<int>& group = model->members[set];
+            const double share = 1.0 / static_cast<double>(group.size());
+            for (Index i = 0; i < weights.rows(); ++i)
+                weights(i, 0) =
+                    count > 0.0
+                        ? static_cast<double>(times[r][group[first + to_size(i)]]) / count - share
+                        : 0.0;
+        };
+    };
+    questions.families.push_back(std::move(moves));
+}
+
+GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
+{
+    const MatrixXd& means = answers.families[first_family_].front();
+    const std::vector<MatrixXd>& moves = answers.families[first_family_ + 1];
+    const Index group_count = model_->groups.group_count();
+    const auto variances = [&](const VectorXd& times, const VectorXd& moved) {
+        VectorXd result(group_count);
+        for (Index g = 0; g < group_count; ++g) {
+            const std::vector<int>& group = model_->members[to_size(g)];
+            const VectorXd own = times(group);
+            const double count = own.sum();
+            const double squares = own.dot(answers.squares_about_means(group));
+            result[g] = std::max(squares - count * moved[g], 0.0) / std::max(count - 1.0, 1.0);
+        }
+        return result;
+    };
+    RowMatrix replicates(static_cast<Index>(moves.size()), group_count + group_count * group_count);
+    parallel_for(moves.size(), 1, [&](std::size_t r, std::size_t) {
+        const VectorXd times = model_->draws.times(static_cast<int>(r));
+        auto row = replicates.row(static_cast<Index>(r));
+        if (model_->drawn(times).minCoeff() == 0.0) {
+            row.setConstant(std::numeric_limits<double>::quiet_NaN());
+            return;
+        }
+        row.head(group_count) = variances(times, moves[r].diagonal()).transpose();
+        row.tail(group_count * group_count) = distances_of(moves[r]).reshaped().transpose();
+    });
+
+    GroupSpread result;
+    result.distances = distances_of(means);
+    result.distance_radii = RowMatrix::Zero(group_count, group_count);
+    const VectorXd measured =
+        variances(VectorXd::Ones(model_->groups.size()), VectorXd::Zero(group_count));
+    const double confidence = model_->options.confidence;
+    for (Index g = 0; g < group_count; ++g) {
+        result.variances.push_back(measured[g]);
+        result.variance_intervals.push_back(percentile_interval(replicates.col(g), confidence));
+        for (Index h = 0; h < g; ++h)
+            result.distance_radii(g, h) = result.distance_radii(h, g) =
+                quantile(replicates.col(group_count + g + h * group_count), confidence);
+    }
+    return result;
+}
+
+LinearModelTest test_spread_of_distances(VectorXd distances, const Grouping& groups,
+                                         const Grouping& blocks, const PermutationOptions& options)
+{
+    for (const std::vector<int>& group : members(groups)) {
+        const auto count = static_cast<double>(group.size());
+        if (group.size() > 1)
+            distances(group) *= std::sqrt(count / (count - 1.0));
+    }
+    distances.array() -= distances.mean();
+    GroupComparisonPlan plan(groups, blocks, MatrixXd(distances.size(), 0), options);
+    SumQuestions questions;
+    plan.ask_overall(questions);
+    return plan.conclude_overall(answer_in_memory(distances, questions));
+}
+
+} // namespace internal
 
 GroupSpread group_spread(const MatrixXd& products, const Grouping& groups, const Grouping& blocks,
                          const BootstrapOptions& options)
@@ -69,62 +173,19 @@ GroupSpread group_spread(const MatrixXd& products, const Grouping& groups, const
         throw InvalidInput(join("groups: inner products are ", count, " by ", products.cols(),
                                 ", groups ", groups.size(), ", blocks ", blocks.size(),
                                 "; all must agree"));
-    const MatrixXd indicator = indicators(groups);
-    const WeightedGroups measured(products, indicator, VectorXd::Ones(count));
-    const MatrixXd& weights = measured.mean_weights();
-    const MatrixXd products_of_means = weights.transpose() * products * weights;
-    const VectorXd variances = measured.variances(products_of_means);
-
-    const Index group_count = groups.group_count();
-    const bool is_nested = block_design(groups, blocks) == BlockDesign::Nested;
-    const RowMatrix replicates = bootstrap(
-        {blocks, is_nested ? groups : one_group(count)},
-        [&](const VectorXd& times) {
-            const WeightedGroups drawn(products, indicator, times);
-            VectorXd values(group_count + group_count * group_count);
-            if (!drawn.all_have_members())
-                return values.setConstant(std::numeric_limits<double>::quiet_NaN()).eval();
-            const MatrixXd& drawn_weights = drawn.mean_weights();
-            const MatrixXd moves = drawn_weights - weights;
-            values.head(group_count) =
-                drawn.variances(drawn_weights.transpose() * products * drawn_weights);
-            values.tail(group_count * group_count) =
-                distances_of(moves.transpose() * products * moves).reshaped();
-            return values;
-        },
-        options);
-
-    GroupSpread result;
-    result.distances = distances_of(products_of_means);
-    result.distance_radii = RowMatrix::Zero(group_count, group_count);
-    for (Index g = 0; g < group_count; ++g) {
-        result.variances.push_back(variances[g]);
-        result.variance_intervals.push_back(
-            percentile_interval(replicates.col(g), options.confidence));
-        for (Index h = 0; h < g; ++h)
-            result.distance_radii(g, h) = result.distance_radii(h, g) =
-                quantile(replicates.col(group_count + g + h * group_count), options.confidence);
-    }
-    return result;
+    GroupSpreadPlan plan(groups, blocks, options);
+    SumQuestions questions;
+    plan.ask(questions);
+    return plan.conclude(answer(products, questions));
 }
 
-LinearModelTest test_spread(const Eigen::MatrixXd& products, const Grouping& groups,
+LinearModelTest test_spread(const MatrixXd& products, const Grouping& groups,
                             const Grouping& blocks, const PermutationOptions& options)
 {
-    Eigen::VectorXd distances = Eigen::VectorXd::Zero(products.rows());
-    for (const std::vector<int>& group : members(groups)) {
-        const auto count = static_cast<double>(group.size());
-        if (group.size() < 2)
-            continue; // a single point is its mean
-        const Eigen::MatrixXd own = products(group, group);
-        const Eigen::VectorXd squares =
-            own.diagonal() - 2.0 / count * own.rowwise().sum() +
-            Eigen::VectorXd::Constant(own.rows(), own.sum() / (count * count));
-        distances(group) = (count / (count - 1.0) * squares.cwiseMax(0.0)).cwiseSqrt();
-    }
-    distances.array() -= distances.mean();
-    const Eigen::MatrixXd none(products.rows(), 0);
-    return compare_groups(distances * distances.transpose(), groups, blocks, none, options).overall;
+    SumQuestions questions;
+    questions.groups = groups;
+    return test_spread_of_distances(answer(products, questions).squares_about_means.cwiseSqrt(),
+                                    groups, blocks, options);
 }
 
 } // namespace shape

@@ -49,6 +49,38 @@ int TiledGram::pass_count() const
     return static_cast<int>((rows_ + kept_rows_ - 1) / kept_rows_);
 }
 
+void TiledGram::start_at(const Eigen::VectorXd& origin)
+{
+    shift_ = origin;
+}
+
+Index TiledGram::held_end() const
+{
+    return std::min(rows_, begin_ + kept_rows_);
+}
+
+std::vector<std::span<double>> TiledGram::sums()
+{
+    if (begin_ > 0)
+        return {};
+    return {{sums_.data(), to_size(sums_.size())}};
+}
+
+void TiledGram::gather(const std::function<void(std::span<double>)>& gather)
+{
+    RowMatrix found = products_.middleCols(begin_, held_end() - begin_);
+    gather({found.data(), to_size(found.size())});
+    products_.middleCols(begin_, found.cols()) = found;
+}
+
+void TiledGram::hold(Index first, RowMatrix& tile)
+{
+    if (held_.rows() == 0)
+        held_.resize(kept_rows_, columns_);
+    centre_rows(tile, shift_);
+    held_.middleRows(first - begin_, tile.rows()) = tile;
+}
+
 void TiledGram::add(Index first, RowMatrix& tile)
 {
     if (held_.rows() == 0)
@@ -56,13 +88,12 @@ void TiledGram::add(Index first, RowMatrix& tile)
     if (shift_.size() == 0)
         shift_ = tile.colwise().mean().transpose();
     centre_rows(tile, shift_, begin_ == 0 ? &sums_ : nullptr);
-    const Index held_end = std::min(rows_, begin_ + kept_rows_);
-    if (first < held_end)
+    if (first < held_end())
         held_.middleRows(first - begin_, tile.rows()) = tile;
-    const Index partners = (std::min(first + 1, held_end) - begin_ + tile_ - 1) / tile_;
+    const Index partners = (std::min(first + 1, held_end()) - begin_ + tile_ - 1) / tile_;
     parallel_for(to_size(partners), 1, [&](std::size_t p, std::size_t) {
         const Index column = begin_ + static_cast<Index>(p) * tile_;
-        const Index columns = std::min(tile_, held_end - column);
+        const Index columns = std::min(tile_, held_end() - column);
         add_product_with_rows(tile, held_.middleRows(column - begin_, columns),
                               products_.block(first, column, tile.rows(), columns));
     });

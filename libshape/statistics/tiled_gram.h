@@ -3,6 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <vector>
 
 #include "libshape/linalg/dense.h"
 #include "libshape/statistics/pass_state_reader.h"
@@ -31,9 +34,20 @@ public:
     [[nodiscard]] Eigen::Index begin() const { return begin_; } ///< Where the next pass begins.
     [[nodiscard]] bool is_complete() const { return begin_ >= rows_; }
 
+    /// The point about which the rows are taken; else the mean of the first tile.
+    void start_at(const Eigen::VectorXd& origin);
     /// Takes the next tile of a pass, which it centres in place.
     void add(Eigen::Index first, RowMatrix& tile);
     void end_pass();
+
+    // Where several processes share the tiles, each holds all that are held in a pass before it adds its own.
+    [[nodiscard]] Eigen::Index held_end() const; ///< Rows [begin(), held_end()) are held.
+    void hold(Eigen::Index first, RowMatrix& tile);
+    /// What add() sums in this pass, 0 before it.
+    [[nodiscard]] std::vector<std::span<double>> sums();
+    /// Puts together what the processes have found in this pass.
+    /// @param gather  Adds the numbers of all of them, of which all but one are 0.
+    void gather(const std::function<void(std::span<double>)>& gather);
 
     // When complete.
     [[nodiscard]] Eigen::VectorXd mean() const;     ///< E.

@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: MIT
 """Prints the tables of docs/scale.md and draws its picture.
 
-scale.py SHAPE WORK [--large] [--picture FILE.svg]
+scale.py SHAPE WORK [--large] [--planted PROGRAM] [--picture FILE.svg]
 
 SHAPE is the program, WORK a folder for the collections, which are made there and removed: up to 0.5 GB,
 with --large 5 GB. Needs a Python with h5py. CPU seconds are user and system together, memory is the largest
 resident set; numpy measures lengths and angles of the same meshes in the same run, one coordinate of all
-vertices at a time, reading not counted.
+vertices at a time, reading not counted. PROGRAM is planted_benchmark, whose collections are made as they are
+read: with it the largest ones are run too, which takes ten minutes of two cores.
 """
 import argparse
 import json
@@ -131,6 +132,25 @@ def one_size(shape, work, name, meshes, vertices, picture):
     file.unlink()
 
 
+def others(shape, work):
+    """CPU seconds and memory of the other commands that go in passes."""
+    table(["meshes", "vertices", "command", "CPU s", "MB"])
+    for meshes, vertices in [(1000, 2000), (4000, 2000), (300, 20000)]:
+        file, count, _ = make(shape, work, "others", meshes, vertices)
+        labels = work / "labels.csv"
+        labels.write_text("mesh,side\n" + "".join(f"m{i},{'ab'[i * 7 % 5 < 2]}\n" for i in range(meshes)))
+        output = work / "output.csv"
+        for title, command in [
+                ("groups, 999 permutations, 1000 replicates",
+                 ["groups", file, "--labels", labels, "--by", "side", "-o", output]),
+                ("distance, the plane", ["distance", file, "--mds", output]),
+                ("distance, the matrix", ["distance", file, "-o", output])]:
+            _, seconds, memory = run(shape, *command, "--memory", "500M", "--force")
+            row(meshes, count, title, f"{seconds:.1f}", f"{memory:.0f}")
+            output.unlink()
+        file.unlink()
+
+
 def series(points):
     """[(title, index of what grows, points)]: along the meshes of the fewest edges, and along the edges of
     the fewest meshes."""
@@ -195,6 +215,7 @@ def main():
     options.add_argument("shape", type=Path)
     options.add_argument("work", type=Path)
     options.add_argument("--large", action="store_true")
+    options.add_argument("--planted", type=Path)
     options.add_argument("--picture")
     chosen = options.parse_args()
     shape, work = chosen.shape.resolve(), chosen.work.resolve()
@@ -209,6 +230,14 @@ def main():
         one_size(shape, work, f"s{k}", meshes, vertices, points)
     print()
     slopes(points)
+    print()
+    others(shape, work)
+    if chosen.planted:
+        print()
+        for arguments in (["stats", 10000, 259, 50, 900], ["groups", 100000, 45, 999, 800]):
+            run_text = subprocess.run([chosen.planted, *map(str, arguments)], check=True,
+                                      capture_output=True, text=True).stdout
+            print("*", run_text.strip())
     if chosen.picture:
         draw(points, chosen.picture)
 

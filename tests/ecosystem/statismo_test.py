@@ -16,7 +16,17 @@ def check_statismo(folder: Path, space: str) -> None:
         faces = f["topology/faces"][...]
         names = [name for name in f["names"].asstr()[...]]
         sizes = f["sizes"][...]
+    # The oldest form of HDF5, which readers that are not the HDF Group's know best; and nothing but the layout.
+    assert (folder / "statismo.h5").read_bytes()[:9] == b"\x89HDF\r\n\x1a\n\0"
     with h5py.File(folder / "statismo.h5") as f:
+        found = set()
+        f.visititems(lambda path, item: found.add(path) if isinstance(item, h5py.Dataset) else None)
+        builder = "modelinfo/modelBuilder-0"
+        assert found == {
+            "version/majorVersion", "version/minorVersion", "model/mean", "model/pcaBasis", "model/pcaVariance",
+            "model/noiseVariance", "representer/points", "representer/cells", "modelinfo/scores",
+            "modelinfo/build-time", f"{builder}/builderName", f"{builder}/buildTime", f"{builder}/parameters/basis",
+        } | {f"{builder}/dataInfo/URI_{i}" for i in range(len(names))}, found
         version = [f["version/majorVersion"], f["version/minorVersion"]]
         assert [(v.shape, v.dtype, int(v[()])) for v in version] == [((), "<i4", 0), ((), "<i4", 9)]
         mean, basis, variance = f["model/mean"], f["model/pcaBasis"], f["model/pcaVariance"]

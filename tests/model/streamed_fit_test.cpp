@@ -7,13 +7,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "tests/support/collections.h"
 #include "tests/support/files.h"
-#include "tests/support/meshes.h"
+#include "tests/support/folded.h"
+#include "tests/support/thread_ranks.h"
 #include "tests/support/thread_scope.h"
 
 namespace shape {
@@ -21,18 +23,6 @@ using namespace internal;
 namespace {
 
 using Eigen::Index;
-
-/// Flattened spheres, half of them turned inside out: angles near pi on both sides of it.
-Collection folded(int count)
-{
-    Collection collection = test::bumpy_spheres(count, 4);
-    for (int i = 0; i < count; ++i) {
-        Points& points = collection.points[static_cast<std::size_t>(i)];
-        points = test::bumpy_sphere(1, 0.1, static_cast<unsigned>(i)).points;
-        points.col(2) *= i % 2 == 0 ? 0.02 : -0.02;
-    }
-    return collection;
-}
 
 /// Every array of the models, relative to what it holds at most.
 void expect_near(const ShapeModel& a, const ShapeModel& b, double tolerance)
@@ -66,7 +56,7 @@ std::vector<SpaceOptions> spaces()
 
 TEST(StreamedFit, GivesTheModelOfTheCollectionInMemory)
 {
-    for (const Collection& collection : {test::bumpy_spheres(30, 1), folded(30)})
+    for (const Collection& collection : {test::bumpy_spheres(30, 1), test::folded_spheres(30)})
         for (const SpaceOptions& space : spaces()) {
             const ModelOptions options{.modes = 6, .space = space};
             const ShapeModel expected = fit_model(collection, options);
@@ -87,7 +77,7 @@ TEST(StreamedFit, GivesTheModelOfTheCollectionInMemory)
 
 TEST(StreamedFit, TheFoldedMeshesNeedTheBranchRuleIndeed)
 {
-    const Collection collection = folded(30);
+    const Collection collection = test::folded_spheres(30);
     double sharpest = 0.0;
     for (const Points& points : collection.points)
         sharpest =
@@ -144,7 +134,7 @@ void expect_same_bits(const ShapeModel& a, const ShapeModel& b)
 
 TEST(StreamedFit, HasTheSameBitsForAnyThreadCountAndWhenItIsResumedAfterAnyPass)
 {
-    const Collection collection = folded(40);
+    const Collection collection = test::folded_spheres(40);
     for (const FitAlgorithm algorithm : {FitAlgorithm::Gram, FitAlgorithm::Krylov}) {
         const ModelOptions options{.modes = 4};
         std::vector<PassState> states;
@@ -167,6 +157,46 @@ TEST(StreamedFit, HasTheSameBitsForAnyThreadCountAndWhenItIsResumedAfterAnyPass)
         EXPECT_THROW((void)fit_model(stream_of(test::bumpy_spheres(39, 1)), options,
                                      {.algorithm = algorithm, .state = states.front()}),
                      InvalidInput);
+    }
+}
+
+TEST(StreamedFit, HasTheSameBitsForOneTwoAndFourProcesses)
+{
+    const Collection collection = test::folded_spheres(150);
+    for (const FitAlgorithm algorithm : {FitAlgorithm::Gram, FitAlgorithm::Krylov}) {
+        // So little that Gram cannot hold all meshes in one pass.
+        const std::uint64_t memory = algorithm == FitAlgorithm::Gram ? 900'000 : 2'000'000;
+        const auto fits = [&](int count, const std::optional<PassState>& state,
+                              std::vector<PassState>* states) {
+            std::vector<std::optional<StreamedFit>> found(static_cast<std::size_t>(count));
+            test::run_as_ranks(count, [&](const Ranks& ranks) {
+                StreamOptions stream{.memory = memory, .algorithm = algorithm, .tolerance = 1e-9};
+                stream.ranks = ranks;
+                stream.state = state;
+                if (states != nullptr && ranks.speaks())
+                    stream.save = [states](const PassState& s) { states->push_back(s); };
+                found[static_cast<std::size_t>(ranks.number)] =
+                    fit_model(stream_of(collection), {.modes = 4}, stream);
+            });
+            return found;
+        };
+        std::vector<PassState> states;
+        const StreamedFit alone = *fits(1, {}, &states).front();
+        EXPECT_GT(states.size(), algorithm == FitAlgorithm::Gram ? 1U : 0U);
+        for (const int count : {2, 4})
+            for (const std::optional<StreamedFit>& fit : fits(count, {}, nullptr)) {
+                expect_same_bits(fit->model, alone.model);
+                EXPECT_EQ(fit->model.reference_points, alone.model.reference_points);
+                EXPECT_EQ(fit->model.total_variance, alone.model.total_variance);
+                EXPECT_EQ(fit->passes, alone.passes);
+                EXPECT_EQ(fit->error, alone.error);
+            }
+        expect_same_bits(fits(2, states[states.size() / 2], nullptr)[1]->model, alone.model);
+        expect_near(alone.model,
+                    fit_model(stream_of(collection), {.modes = 4},
+                              {.memory = memory, .algorithm = algorithm, .tolerance = 1e-9})
+                        .model,
+                    1e-7);
     }
 }
 

@@ -9,22 +9,10 @@
 #include "libshape/base/error.h"
 #include "tests/support/collections.h"
 #include "tests/support/files.h"
-#include "tests/support/meshes.h"
+#include "tests/support/folded.h"
 
 namespace shape {
 namespace {
-
-/// Flattened spheres, half of them turned inside out: angles near pi on both sides of it.
-Collection folded(int count)
-{
-    Collection collection = test::bumpy_spheres(count, 4);
-    for (int i = 0; i < count; ++i) {
-        Points& points = collection.points[static_cast<std::size_t>(i)];
-        points = test::bumpy_sphere(1, 0.1, static_cast<unsigned>(i)).points;
-        points.col(2) *= i % 2 == 0 ? 0.02 : -0.02;
-    }
-    return collection;
-}
 
 Collection part(const Collection& collection, std::size_t begin, std::size_t end)
 {
@@ -35,7 +23,7 @@ Collection part(const Collection& collection, std::size_t begin, std::size_t end
 
 TEST(UpdatedModel, IsTheModelOfAllMeshes)
 {
-    for (Collection collection : {test::bumpy_spheres(30, 1), folded(30)}) {
+    for (Collection collection : {test::bumpy_spheres(30, 1), test::folded_spheres(30)}) {
         collection.labels = {{"number", {}}};
         for (std::size_t i = 0; i < 30; ++i)
             collection.labels[0].values.push_back(std::to_string(i));

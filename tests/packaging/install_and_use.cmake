@@ -36,6 +36,16 @@ foreach(file IN LISTS configuration)
     endif()
 endforeach()
 
+# So are manual pages and completions, with the program.
+if(EXISTS ${work}/prefix/bin/shape)
+    foreach(file man/man1/shape.1 man/man1/shape-stats.1 bash-completion/completions/shape
+            zsh/site-functions/_shape fish/vendor_completions.d/shape.fish)
+        if(NOT EXISTS ${work}/prefix/share/${file})
+            message(FATAL_ERROR "share/${file} was not installed")
+        endif()
+    endforeach()
+endif()
+
 # Public headers are installed, and no others.
 include(${SOURCE}/cmake/public_headers.cmake)
 file(GLOB_RECURSE installed RELATIVE ${work}/prefix/include ${work}/prefix/include/*)

@@ -2,6 +2,7 @@
 """The Python package against the program, and by itself."""
 import csv
 import gc
+import json
 import signal
 import subprocess
 import sys
@@ -135,6 +136,42 @@ class SameBitsAsTheProgram(WithFaces):
         )
         self.assertEqual(len(smile.pairs), 4)
 
+    def test_fits(self) -> None:
+        template = self.faces["s000_neutral"]
+        scan = ls.synthetic("faces", count=1, vertices=700, seed=9)["s000_happy"]
+        scan.write(self.folder / "raw.ply")
+        template.write(self.folder / "template.ply")
+        # Landmarks by vertex and by place, those of the program's table.
+        nearest = [int(np.argmin(np.linalg.norm(scan.V - template.V[v], axis=1))) for v in (20, 90, 200, 310)]
+        rows = [f"raw,mark{i},{x!r},{y!r},{z!r}" for i, (x, y, z) in enumerate(scan.V[nearest].tolist())]
+        rows += [f"template,mark{i},{x!r},{y!r},{z!r}"
+                 for i, (x, y, z) in enumerate(template.V[[20, 90, 200, 310]].tolist())]
+        (self.folder / "marks.csv").write_text("scan,name,x,y,z\n" + "\n".join(rows) + "\n")
+        marks = {f"mark{i}": (v, scan.V[n]) for i, (v, n) in enumerate(zip((20, 90, 200, 310), nearest))}
+        for options, landmarks, more in (
+            ([], None, {}),
+            (["--landmarks", "marks.csv", "--smoothness", "2", "--landmark-tolerance", "0.5"], marks,
+             {"smoothness": 2.0, "landmark_tolerance": 0.5}),
+        ):
+            printed = json.loads(shape(self.folder, "fit", "template.ply", "raw.ply", "-o", "fits", "--force",
+                                       "--json", *options))["scans"][0]
+            wanted = ls.read_mesh(self.folder / "fits/raw.ply").V
+            for given in (scan, self.folder / "raw.ply"):
+                mesh, report = ls.fit(template, given, landmarks, **more)
+                np.testing.assert_array_equal(mesh.V, wanted)
+                np.testing.assert_array_equal(mesh.F, template.F)
+                self.assertEqual(report.status, printed["status"])
+                self.assertEqual(report.reasons, printed["reasons"])
+                self.assertEqual(report.scan_to_fit.mean, printed["scan_to_fit"]["mean"])
+                self.assertEqual(report.fit_to_scan.max, printed["fit_to_scan"]["max"])
+                self.assertEqual(report.growth_high, printed["growth_high"])
+                self.assertEqual(int((~report.seen).sum()), printed["unseen_vertices"])
+                self.assertEqual(len(report.landmark_errors), printed["landmarks"])
+                self.assertEqual(report.landmarks, list(landmarks or {}))
+                self.assertEqual(report.distance.shape, (len(template.V),))
+        self.assertIn("FitReport(good: scan to fit ", repr(report))
+        self.assertEqual(ls.fit(template, scan)[0].name, "s000_happy")
+
     def test_groups_and_distances(self) -> None:
         shape(self.folder, "groups", "faces.h5", "--by", "expression", "--within", "subject", "-o",
               "groups.csv", "--force", "--quiet")
@@ -194,6 +231,9 @@ class Arguments(WithFaces):
             (lambda: ls.Mesh(V, F.astype(float)), "F: must hold integers, holds float64"),
             (lambda: ls.Mesh("abc", F), "V: must be an array of numbers, is str"),
             (lambda: ls.Mesh([[0, 0, 0], [1, 2]], F), "V: must be an array of numbers, is list"),
+            (lambda: ls.fit((V, F), (V, F), {"nose": (0, [1, 2])}),
+             r"landmarks\['nose'\]: shape must be \(3,\), is \(2,\)"),
+            (lambda: ls.fit((V, F), (V, F[0])), r"scan.F: shape must be"),
             (lambda: ls.edges(3), r"mesh: must be a Mesh or a pair \(V, F\), is int"),
             (lambda: ls.collection([(V, F), (V.T, F)]), r"meshes\[1\].V: shape must be"),
             (lambda: ls.collection([V, V[0]], F), r"meshes\[1\]: shape must be \(n, 3\), is \(3,\)"),
@@ -222,6 +262,11 @@ class Arguments(WithFaces):
             (lambda: self.model.scores(V * np.nan), ls.InvalidInput, "not finite"),
             (lambda: ls.distance(self.faces, "city"), ls.InvalidInput, "metric"),
             (lambda: ls.groups(self.faces, "age"), ls.InvalidInput, "age"),
+            (lambda: ls.fit((V, F), (V, F), {"nose": (len(V), V[0])}), ls.InvalidInput,
+             r"landmarks\['nose'\]: vertex \d+ is not among the template's"),
+            (lambda: ls.fit((V, F), (V, F), smoothness=0.0), ls.InvalidInput, "smoothness"),
+            (lambda: ls.fit((V, F), (V, F), boundaries=["mouth"]), ls.InvalidInput, "mouth"),
+            (lambda: ls.fit((V, F), "missing.ply"), ls.FileError, "missing.ply"),
             (lambda: ls.Mesh(V, F + 10**9).write("x.ply"), ls.InvalidInput, "faces"),
             (lambda: ls.Mesh(V, F - 10**9).write("x.ply"), ls.InvalidInput, "F: row 0"),
         ):

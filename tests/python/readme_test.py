@@ -15,6 +15,8 @@ for page in ("README.md", "docs/python.md"):
         folder = Path(name)
         shape(folder, "synth", "faces", "-o", "faces", "--count", "12", "--vertices", "400")
         (folder / "faces/labels.csv").rename(folder / "labels.csv")
+        shape(folder, "synth", "faces", "-o", "scans", "--count", "1", "--vertices", "700", "--seed", "5")
+        (folder / "scans/s000_happy.ply").rename(folder / "scan.ply")
         # A build without the page is a build: its line alone may fail, and says why.
         program = "\n".join(blocks).replace(
             'm.explorer("page.html")',

@@ -127,6 +127,98 @@ TEST(ScanFitter, FailsOnAnotherThingAltogether)
     EXPECT_FALSE(triangle.reasons.empty());
 }
 
+LandmarkPairs marks_at(const std::vector<int>& vertices, const Points& here, const Points& there)
+{
+    LandmarkPairs marks;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+        marks.names.push_back(std::string(1, static_cast<char>('a' + i)));
+    marks.on_template = here(vertices, Eigen::all);
+    marks.on_scan = there(vertices, Eigen::all);
+    return marks;
+}
+
+TEST(ScanFitter, SaysWhichLandmarksWereSwappedOrLieOffTheSurface)
+{
+    const TestMesh mesh = pattern();
+    const Points truth = widened(mesh.points);
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    const std::vector<int> vertices{0, 100, 200, 300, 400, 500};
+    LandmarkPairs swapped = marks_at(vertices, mesh.points, truth);
+    swapped.on_scan.row(0).swap(swapped.on_scan.row(3));
+    EXPECT_NE(fitter.fit(scan_of(wide_scan()), swapped).status, FitStatus::Good);
+    LandmarkPairs off = marks_at(vertices, mesh.points, truth);
+    off.on_scan.row(2) *= 1.3;
+    const ScanFit fit = fitter.fit(scan_of(wide_scan()), off);
+    EXPECT_NE(fit.status, FitStatus::Good);
+    bool named = false;
+    for (const std::string& reason : fit.reasons)
+        named = named || reason.find("'c'") != std::string::npos;
+    EXPECT_TRUE(named);
+}
+
+TEST(ScanFitter, TakesOneOrTwoLandmarksToo)
+{
+    const TestMesh mesh = pattern();
+    const Points truth = widened(mesh.points);
+    for (const std::vector<int>& vertices : {std::vector<int>{50}, std::vector<int>{50, 400}}) {
+        const ScanFit fit = ScanFitter(mesh.topology, mesh.points)
+                                .fit(scan_of(wide_scan()), marks_at(vertices, mesh.points, truth));
+        EXPECT_EQ(fit.status, FitStatus::Good);
+        EXPECT_LT(fit.landmark_errors.maxCoeff(), 1e-3 * fit.diagonal);
+    }
+}
+
+TEST(ScanFitter, NeverCallsAnotherThingGood)
+{
+    const TestMesh mesh = pattern();
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    for (const TestMesh& other : {torus(40, 60), open_patch(30, 2), open_cylinder(40, 40)}) {
+        const ScanFit fit = fitter.fit(scan_of(other));
+        EXPECT_NE(fit.status, FitStatus::Good) << other.name;
+        EXPECT_FALSE(fit.reasons.empty());
+    }
+}
+
+TEST(ScanFitter, CountsPairsOfFacesThatCrossBeyondThoseOfTheTemplate)
+{
+    const TestMesh mesh = pattern();
+    EXPECT_EQ(ScanFitter(mesh.topology, mesh.points).fit(scan_of(wide_scan())).crossing_pairs, 0);
+    const FoldedPatch folded = folded_patch();
+    const ScanFitter fitter(folded.mesh.topology, folded.folded, {.search_start = false});
+    const ScanFit fit = fitter.fit(clean_scan(folded.folded, folded.mesh.topology.faces()));
+    EXPECT_LE(fit.crossing_pairs, 2); // its own do not count
+}
+
+TEST(ScanFitter, FitsAgainWhatItIsToldToExpect)
+{
+    const TestMesh mesh = pattern();
+    const Points truth = widened(mesh.points);
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    const Scan scan = scan_of(wide_scan());
+    const ScanFit first = fitter.fit(scan);
+    const ShapePoint rest = shape_of(mesh.topology, truth);
+    const ScanFit again = fitter.fit_again(scan, {}, first, rest);
+    // Who knows the true lengths finds the true vertices.
+    EXPECT_LT(rms(again.points, truth), 0.5 * rms(first.points, truth));
+    EXPECT_LT(again.strain_rms, 0.3 * first.strain_rms + 0.01);
+    ScanFit other = first;
+    other.points.conservativeResize(5, 3);
+    EXPECT_THROW((void)fitter.fit_again(scan, {}, other, rest), InvalidInput);
+    EXPECT_THROW((void)fitter.fit_again(scan, {}, first,
+                                        {Eigen::VectorXd::Ones(3), Eigen::VectorXd::Zero(3)}),
+                 InvalidInput);
+}
+
+TEST(ScanFitterSlow, TakesAMillionVertices)
+{
+    const TestMesh mesh = pattern();
+    TestMesh scan = bumpy_sphere(8, 0.3, 5); // 655,362 vertices
+    scan.points = widened(scan.points);
+    const ScanFit fit = ScanFitter(mesh.topology, mesh.points).fit(scan_of(scan));
+    EXPECT_EQ(fit.status, FitStatus::Good);
+    EXPECT_LT(fit.scan_to_fit.mean, 0.002 * fit.diagonal);
+}
+
 TEST(ScanFitter, GivesTheSameBitsForAnyNumberOfThreads)
 {
     const TestMesh mesh = pattern();

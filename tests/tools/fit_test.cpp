@@ -76,6 +76,48 @@ TEST_F(Fit, WritesACollectionWithoutWhatFailed)
     EXPECT_EQ(run({"info", "c.h5"})["meshes"], 2);
 }
 
+TEST_F(Fit, FitsAGroupAgainAndAModelWithItsScores)
+{
+    const TestMesh scan = bumpy_sphere(4, 0.3, 5);
+    for (int i = 2; i < 5; ++i) {
+        Points points = scan.points;
+        points.col(i - 2) *= 1.0 + 0.05 * i;
+        write(join("scans/s", i, ".ply"), points, scan.topology.faces());
+    }
+    const Json first =
+        run({"fit", "pattern.ply", "scans", "-o", "group.h5", "--rounds", "2", "--no-search"});
+    ASSERT_EQ(first["rounds"].size(), 2U);
+    EXPECT_EQ(first["rounds"][0]["fits"], 5);
+    EXPECT_EQ(first["good"], 5);
+    const Arguments again{"fit",      "pattern.ply", "scans",       "-o",      "group.h5",
+                          "--rounds", "2",           "--no-search", "--resume"};
+    EXPECT_EQ(run(again)["rounds"], first["rounds"]); // nothing was left to do
+    run({"stats", "group.h5", "-o", "model.h5"});
+    const Json held = run({"fit", "model.h5", "scans/s3.ply", "-o", "held", "--no-search"});
+    EXPECT_EQ(held["good"], 1);
+    const Table scores = read_table(folder_ / "held/scores.csv");
+    ASSERT_EQ(scores.rows.size(), 1U);
+    EXPECT_EQ(scores.columns.size(), 3U + 4U); // mesh, size, residual and N - 1 modes
+    EXPECT_LT(held["scans"][0]["model_residual_rms"].get<double>(), 0.05);
+    run({"generate", "model.h5", "--scores-file", "held/scores.csv", "-o", "made.ply"});
+    EXPECT_EQ(outcome({"fit", "model.h5", "scans", "-o", "out", "--rounds", "1"}).exit_code, 2);
+    EXPECT_EQ(outcome({"fit", "group.h5", "scans", "-o", "out"}).exit_code, 3);
+}
+
+TEST_F(Fit, FitsScansThatWereMadeUp)
+{
+    run({"synth", "faces", "--count", "1", "--vertices", "400", "-o", "faces"});
+    const Json made = run({"synth", "scans", "--of", "faces", "--vertices", "600", "--noise", "0.1",
+                           "--holes", "1", "-o", "raw"});
+    EXPECT_EQ(made["scans"], 3);
+    const Json fits = run({"fit", "raw/template.ply", "raw/scans", "--landmarks",
+                           "raw/landmarks.csv", "-o", "fitted"});
+    EXPECT_EQ(fits["failed"], 0);
+    EXPECT_EQ(fits["scans"][0]["landmarks"], 8);
+    EXPECT_EQ(outcome({"synth", "torus", "--noise", "0.1", "-o", "t"}).exit_code, 2);
+    EXPECT_EQ(outcome({"synth", "scans", "--of", "faces", "--count", "3", "-o", "t"}).exit_code, 2);
+}
+
 TEST_F(Fit, SaysInOneLineWhatItCannotUse)
 {
     const auto expect = [&](const Arguments& arguments, int code, const std::string& part) {

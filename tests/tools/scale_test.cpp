@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <cmath>
+#include <filesystem>
 
 #include "libshape/io/collection_file.h"
 #include "libshape/io/model_file.h"
@@ -209,6 +210,140 @@ TEST_F(Scale, ADamagedBlockEndsEveryWayOfReadingInALine)
             << damaged.err;
         EXPECT_FALSE(folder_.has("m.h5"));
     }
+}
+
+/// The figures that two ways give alike, to rounding.
+void expect_near(const Json& a, const Json& b, const std::vector<std::string>& fields)
+{
+    for (const std::string& field : fields)
+        EXPECT_NEAR(a[field].get<double>(), b[field].get<double>(),
+                    1e-9 * std::abs(b[field].get<double>()))
+            << field;
+}
+
+TEST_F(Scale, GroupsInPassesAreThoseOfTheRunInMemory)
+{
+    std::string labels = "mesh,side,age\n";
+    int age = 0;
+    for (const std::string& name : bumpy_spheres(60, 3).names) {
+        ++age;
+        labels += name + (age % 3 == 0 ? ",left," : ",right,") + std::to_string(age % 7) + "\n";
+    }
+    folder_.write("l.csv", labels);
+    const Arguments groups{"groups",         "c.h5", "--labels",    "l.csv", "--by",         "side",
+                           "--permutations", "5",    "--bootstrap", "5",     "--adjust-for", "age",
+                           "--adjust-for",   "size"};
+    const Json memory = run(groups + Arguments{"-o", "a.csv", "--means", "a"});
+    const Json passes = run(groups + Arguments{"-o", "b.csv", "--means", "b", "--memory", "100M"});
+    EXPECT_GT(passes["passes"], 1);
+    for (const char* test : {"overall", "spread"})
+        expect_near(passes[test], memory[test],
+                    {"sum_of_squares", "residual_sum_of_squares", "f", "r_squared", "p_value"});
+    expect_near(passes["pairs"][0], memory["pairs"][0], {"distance", "radius", "p_adjusted"});
+    for (const char* mesh : {"left.ply", "right.ply"}) {
+        const Points a = points(std::string("a/") + mesh);
+        EXPECT_LE((a - points(std::string("b/") + mesh)).cwiseAbs().maxCoeff(),
+                  1e-7 * a.cwiseAbs().maxCoeff());
+    }
+    const Outcome mixed =
+        outcome(groups + Arguments{"-o", "c.csv", "--memory", "100M", "--space", "procrustes"});
+    EXPECT_EQ(mixed.exit_code, 2);
+    EXPECT_NE(mixed.err.find("one collection file"), std::string::npos) << mixed.err;
+}
+
+TEST_F(Scale, DistancesInPassesAreThoseOfTheRunInMemory)
+{
+    const Arguments files{"--mds", "mds.csv", "--cluster", "tree.csv"};
+    const Json memory = run(Arguments{"distance", "c.h5", "-o", "a.csv"} + files);
+    const std::string tree = folder_.read("tree.csv").substr(0, 40);
+    const Json passes =
+        run(Arguments{"distance", "c.h5", "-o", "b.csv", "--memory", "100M", "--force"} + files);
+    EXPECT_EQ(passes["outputs"].size(), 3U);
+    expect_near(passes, memory, {"mean", "largest", "mds_share"});
+    EXPECT_EQ(folder_.read("tree.csv").substr(0, 40).substr(0, 12), tree.substr(0, 12));
+    // Without the matrix there is nothing of N by N.
+    const Json plane = run({"distance", "c.h5", "--memory", "100M", "--mds", "mds.csv", "--force"});
+    EXPECT_EQ(plane["outputs"].size(), 1U);
+    EXPECT_FALSE(plane.contains("largest"));
+    EXPECT_NEAR(plane["mds_share"].get<double>(), memory["mds_share"].get<double>(), 1e-9);
+    EXPECT_EQ(outcome({"distance", "c.h5"}).exit_code, 2);
+}
+
+TEST_F(Scale, ShardsAreMergedToTheFilesOfOneRun)
+{
+    (void)run({"stats", "c.h5", "-o", "m.h5", "--modes", "3"});
+    const Arguments generate{"generate", "m.h5", "--sample", "5", "--feasible"};
+    (void)run(generate + Arguments{"-o", "whole"});
+    const auto shard = [&](const std::string& part) {
+        return generate + Arguments{"-o", "parts/", "--shard", part};
+    };
+    (void)run(shard("1/3"));
+    (void)run(shard("3/3"));
+    const Outcome early = outcome({"merge", "parts"});
+    EXPECT_EQ(early.exit_code, 3);
+    EXPECT_NE(early.err.find("of 3 shards these are missing: 2"), std::string::npos) << early.err;
+    (void)run(shard("2/3") + Arguments{"--seed", "7"});
+    const Outcome other = outcome({"merge", "parts"});
+    EXPECT_EQ(other.exit_code, 3);
+    EXPECT_NE(other.err.find("parts.shard-2-of-3: was made with other options"), std::string::npos)
+        << other.err;
+    (void)run(shard("2/3") + Arguments{"--force"});
+    const std::string kept = folder_.read("parts.shard-2-of-3/sample_0001.ply");
+    std::filesystem::remove(folder_ / "parts.shard-2-of-3/sample_0001.ply");
+    const Outcome lacking = outcome({"merge", "parts/"});
+    EXPECT_EQ(lacking.exit_code, 3);
+    EXPECT_NE(lacking.err.find("the file sample_0001.ply is missing"), std::string::npos)
+        << lacking.err;
+    EXPECT_FALSE(folder_.has("parts"));
+    folder_.write("parts.shard-2-of-3/sample_0001.ply", kept);
+    EXPECT_EQ(run({"merge", "parts/"})["meshes"], 5);
+    EXPECT_EQ(files_in(folder_ / "parts"), files_in(folder_ / "whole"));
+    for (const std::string& file : files_in(folder_ / "whole"))
+        EXPECT_EQ(folder_.read("parts/" + file), folder_.read("whole/" + file));
+    EXPECT_FALSE(folder_.has("parts.shard-1-of-3"));
+    EXPECT_EQ(outcome({"merge", "parts"}).exit_code, 5); // it is there already
+    EXPECT_EQ(outcome({"merge", "none"}).exit_code, 3);
+    for (const char* wrong : {"0/3", "4/3", "1", "1/3/5", "a/b", "1.5/2"})
+        EXPECT_EQ(outcome(shard(wrong)).exit_code, 2) << wrong;
+    EXPECT_EQ(outcome(shard("1/6")).exit_code, 3);
+}
+
+TEST_F(Scale, BlendsAndFitsComeInShardsToo)
+{
+    write_bumpy_spheres(folder_);
+    const Arguments blends{"interpolate", "a.ply",     "b.ply",     "--weights", "0.25,0.75",
+                           "--weights",   "0.75,0.25", "--weights", "0.5,0.5"};
+    (void)run(blends + Arguments{"-o", "whole"});
+    for (const char* part : {"1/2", "2/2"})
+        (void)run(blends + Arguments{"-o", "parts", "--shard", part});
+    (void)run({"merge", "parts"});
+    for (const std::string& file : files_in(folder_ / "whole"))
+        EXPECT_EQ(folder_.read("parts/" + file), folder_.read("whole/" + file)) << file;
+    const Outcome path =
+        outcome({"interpolate", "a.ply", "b.ply", "-o", "p", "--frames", "4", "--shard", "1/2"});
+    EXPECT_EQ(path.exit_code, 2);
+    EXPECT_NE(path.err.find("no path"), std::string::npos) << path.err;
+
+    const Arguments fit{"fit", "a.ply", "a.ply", "b.ply", "--keep-failed"};
+    (void)run(fit + Arguments{"-o", "fits"});
+    for (const char* part : {"1/2", "2/2"})
+        (void)run(fit + Arguments{"-o", "some", "--shard", part});
+    (void)run({"merge", "some"});
+    (void)run(fit + Arguments{"-o", "some", "--resume"}); // draws, and fits nothing again
+    for (const char* file : {"a.ply", "b.ply"})
+        EXPECT_EQ(folder_.read(std::string("some/") + file),
+                  folder_.read(std::string("fits/") + file));
+    EXPECT_TRUE(folder_.has("some/fit.svg"));
+}
+
+TEST_F(Scale, ProcessesOfAProgramWithoutThemAreRefused)
+{
+    const Outcome twice = run_shape(folder_.path(), {"stats", "c.h5", "-o", "m.h5"},
+                                    {.environment = {"OMPI_COMM_WORLD_SIZE=2"}});
+    if (twice.err.find("built without MPI") == std::string::npos)
+        GTEST_SKIP() << "the program was built with MPI";
+    EXPECT_EQ(twice.exit_code, 2);
+    EXPECT_FALSE(folder_.has("m.h5"));
 }
 
 } // namespace

@@ -7,10 +7,10 @@
 namespace shape::test {
 namespace {
 
-const Arguments commands{"collect",   "check",    "info",       "stats",       "project",
-                         "generate",  "distance", "quality",    "groups",      "classify",
-                         "regress",   "remove",   "difference", "interpolate", "reconstruct",
-                         "conformal", "draw",     "explore",    "report",      "synth"};
+const Arguments commands{
+    "collect",     "check",     "info",     "stats",   "project", "generate",   "distance",
+    "quality",     "groups",    "classify", "regress", "remove",  "difference", "interpolate",
+    "reconstruct", "conformal", "merge",    "draw",    "explore", "report",     "synth"};
 
 /// A wrong command line and what its error must name.
 struct WrongUsage

@@ -20,15 +20,15 @@ using namespace internal;
 namespace {
 
 /// The column of which every mesh has a value.
-const LabelColumn& complete_label(const Collection& collection, const std::string& label)
+const LabelColumn& complete_label(const MeshLabels& meshes, const std::string& label)
 {
-    const LabelColumn& column = find_label(collection.labels, label);
+    const LabelColumn& column = find_label(meshes.labels, label);
     const auto missing = std::find(column.values.begin(), column.values.end(), "");
     if (missing != column.values.end()) {
         const auto mesh = to_size(missing - column.values.begin());
         const auto count = std::count(missing, column.values.end(), "");
-        throw InvalidInput(join("mesh ", collection.names[mesh], " has no value of label '", label,
-                                "', in all ", count, " of ", collection.size(),
+        throw InvalidInput(join("mesh ", meshes.names[mesh], " has no value of label '", label,
+                                "', in all ", count, " of ", meshes.size(),
                                 " meshes; leave them out (--only ", label, ") or label them"));
     }
     return column;
@@ -115,23 +115,23 @@ std::pair<std::string, std::string> label_and_value(const std::string& option,
     return {label, value};
 }
 
-Grouping group_by_label(const Collection& collection, const std::string& label)
+Grouping group_by_label(const MeshLabels& meshes, const std::string& label)
 {
-    return group_by(complete_label(collection, label).values);
+    return group_by(complete_label(meshes, label).values);
 }
 
-Grouping group_by_label_or_all(const Collection& collection, const std::string& label)
+Grouping group_by_label_or_all(const MeshLabels& meshes, const std::string& label)
 {
-    return label.empty() ? one_group(static_cast<Eigen::Index>(collection.size()))
-                         : group_by_label(collection, label);
+    return label.empty() ? one_group(static_cast<Eigen::Index>(meshes.size()))
+                         : group_by_label(meshes, label);
 }
 
-Grouping group_by_label_or_each(const Collection& collection, const std::string& label)
+Grouping group_by_label_or_each(const MeshLabels& meshes, const std::string& label)
 {
-    return label.empty() ? group_by(collection.names) : group_by_label(collection, label);
+    return label.empty() ? group_by(meshes.names) : group_by_label(meshes, label);
 }
 
-Eigen::MatrixXd covariates_of(const Collection& collection, const Eigen::VectorXd& sizes,
+Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& sizes,
                               const std::vector<std::string>& columns)
 {
     Eigen::MatrixXd result(sizes.size(), static_cast<Eigen::Index>(columns.size()));
@@ -141,10 +141,10 @@ Eigen::MatrixXd covariates_of(const Collection& collection, const Eigen::VectorX
             result.col(column) = sizes;
             continue;
         }
-        const LabelColumn& label = complete_label(collection, columns[c]);
-        for (std::size_t i = 0; i < collection.size(); ++i)
+        const LabelColumn& label = complete_label(meshes, columns[c]);
+        for (std::size_t i = 0; i < meshes.size(); ++i)
             result(static_cast<Eigen::Index>(i), column) = parse_number(
-                label.values[i], join("label '", columns[c], "' of mesh ", collection.names[i]));
+                label.values[i], join("label '", columns[c], "' of mesh ", meshes.names[i]));
     }
     return result;
 }
@@ -157,7 +157,7 @@ Eigen::MatrixXd codes(const Grouping& groups)
     return column;
 }
 
-void warn_of_repeated_rows(const Session& session, const Collection& collection,
+void warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
                            const Eigen::MatrixXd& covariates,
                            const std::vector<std::string>& columns, const std::string& remedy)
 {
@@ -165,14 +165,14 @@ void warn_of_repeated_rows(const Session& session, const Collection& collection,
         return;
     constexpr std::size_t least_blocks = 5;
     constexpr std::size_t largest_blocks = 20;
-    for (const LabelColumn& column : collection.labels) {
+    for (const LabelColumn& column : meshes.labels) {
         if (std::find(columns.begin(), columns.end(), column.name) != columns.end() ||
             std::find(column.values.begin(), column.values.end(), "") != column.values.end())
             continue;
         const Grouping blocks = group_by(column.values);
         const auto count = to_size(blocks.group_count());
-        if (count < least_blocks || 2 * count > collection.size() ||
-            count * largest_blocks < collection.size())
+        if (count < least_blocks || 2 * count > meshes.size() ||
+            count * largest_blocks < meshes.size())
             continue;
         const std::vector<std::vector<int>> lists = members(blocks);
         const bool is_nested = std::all_of(lists.begin(), lists.end(), [&](const auto& block) {
@@ -182,7 +182,7 @@ void warn_of_repeated_rows(const Session& session, const Collection& collection,
         });
         if (!is_nested)
             continue;
-        session.warn(join("the ", collection.size(), " meshes are not independent if those of one ",
+        session.warn(join("the ", meshes.size(), " meshes are not independent if those of one ",
                           column.name, " (", count,
                           " of them) are repeated measurements: then chance "
                           "looks significant. Give ",

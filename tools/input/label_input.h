@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libshape/mesh/collection.h"
+#include "libshape/mesh/mesh_stream.h"
 #include "libshape/statistics/grouping.h"
 #include "tools/input/mesh_input.h"
 
@@ -48,23 +49,32 @@ CLI::Option* add_label(CLI::App& command, const std::string& option, std::string
 [[nodiscard]] std::pair<std::string, std::string> label_and_value(const std::string& option,
                                                                   const std::string& text);
 
+/// Names and labels of meshes, which are in memory or come in passes.
+struct MeshLabels
+{
+    MeshLabels(const Collection& meshes) : names(meshes.names), labels(meshes.labels) {} // NOLINT
+    MeshLabels(const MeshStream& meshes) : names(meshes.names), labels(meshes.labels) {} // NOLINT
+
+    const std::vector<std::string>& names;
+    const Labels& labels;
+
+    [[nodiscard]] std::size_t size() const { return names.size(); }
+};
+
 /// The meshes by the value of a label.
 /// @throws InvalidInput if there is no such label or a mesh has no value of it.
-[[nodiscard]] Grouping group_by_label(const Collection& collection, const std::string& label);
+[[nodiscard]] Grouping group_by_label(const MeshLabels& meshes, const std::string& label);
 
 /// As group_by_label(), or all meshes in one group if the label is empty.
-[[nodiscard]] Grouping group_by_label_or_all(const Collection& collection,
-                                             const std::string& label);
+[[nodiscard]] Grouping group_by_label_or_all(const MeshLabels& meshes, const std::string& label);
 
 /// As group_by_label(), or every mesh in a group of its own if the label is empty.
-[[nodiscard]] Grouping group_by_label_or_each(const Collection& collection,
-                                              const std::string& label);
+[[nodiscard]] Grouping group_by_label_or_each(const MeshLabels& meshes, const std::string& label);
 
 /// The numbers of labels, one column each; `size` stands for the sizes.
 /// @throws InvalidInput if there is no such label, or a mesh has no value of it or one that is not a
 ///     number.
-[[nodiscard]] Eigen::MatrixXd covariates_of(const Collection& collection,
-                                            const Eigen::VectorXd& sizes,
+[[nodiscard]] Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& sizes,
                                             const std::vector<std::string>& columns);
 
 /// The number of the group of each observation, as a covariate.
@@ -74,7 +84,7 @@ CLI::Option* add_label(CLI::App& command, const std::string& option, std::string
 /// average, at least 5 of them, within which all the covariates are the same.
 /// @param columns  Labels that the covariates come from.
 /// @param remedy  The option that takes the label.
-void warn_of_repeated_rows(const Session& session, const Collection& collection,
+void warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
                            const Eigen::MatrixXd& covariates,
                            const std::vector<std::string>& columns, const std::string& remedy);
 

@@ -15,6 +15,7 @@
 #include "libshape/io/label_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/mesh/defects.h"
+#include "libshape/mesh/joined_labels.h"
 #include "libshape/mesh/oddities.h"
 #include "tools/input/natural_order.h"
 #include "tools/program/session.h"
@@ -95,24 +96,6 @@ void number_repeated_names(std::vector<NamedMesh>& meshes)
         for (int number = 2; !taken.insert(mesh.name).second; ++number)
             mesh.name = join(name, " (", number, ")");
     }
-}
-
-/// Appends the labels of `count` meshes to those of the `before` meshes that stand already.
-void append_labels(Labels& all, std::size_t before, const Labels& labels, std::size_t count)
-{
-    const auto column_of = [&](const std::string& name) -> LabelColumn& {
-        const auto found = std::find_if(all.begin(), all.end(),
-                                        [&](const LabelColumn& c) { return c.name == name; });
-        if (found != all.end())
-            return *found;
-        return all.emplace_back(LabelColumn{name, std::vector<std::string>(before)});
-    };
-    for (const LabelColumn& column : labels) {
-        std::vector<std::string>& values = column_of(column.name).values;
-        values.insert(values.end(), column.values.begin(), column.values.end());
-    }
-    for (LabelColumn& column : all)
-        column.values.resize(before + count);
 }
 
 } // namespace

@@ -101,4 +101,19 @@ std::optional<MeshStream> open_labelled(const Session& session, const LabelledIn
     return subset(stream, chosen_meshes(input.only, stream.labels, stream.names.size()));
 }
 
+std::optional<MeshStream> open_for_passes(const Session& session, const LabelledInput& input,
+                                          const SpaceOptions& space, const MemoryArgument& memory,
+                                          bool shares)
+{
+    const bool asks = memory.bytes > 0 || shares;
+    if (space.kind == SpaceKind::Edge)
+        if (auto meshes = open_labelled(session, input, asks))
+            return meshes;
+    if (asks)
+        throw UsageError(
+            "--memory and mpirun are for one collection file (.h5) in edge space; "
+            "`shape collect` makes one");
+    return std::nullopt;
+}
+
 } // namespace shape::tools

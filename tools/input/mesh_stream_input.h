@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "libshape/edge_space/shape_space.h"
 #include "libshape/mesh/mesh_stream.h"
 #include "tools/input/label_input.h"
 
@@ -27,5 +28,15 @@ CLI::Option* add_memory(CLI::App& command, MemoryArgument& memory);
 /// @param always  Whatever it takes.
 [[nodiscard]] std::optional<MeshStream> open_labelled(const Session& session,
                                                       const LabelledInput& input, bool always);
+
+/// open_labelled() for a command that can go over its meshes in passes in edge space: none where they are
+/// to be read as a whole.
+/// @param shares  Whether several processes share the passes.
+/// @throws UsageError if that, or --memory, is asked for where passes cannot be taken.
+[[nodiscard]] std::optional<MeshStream> open_for_passes(const Session& session,
+                                                        const LabelledInput& input,
+                                                        const SpaceOptions& space,
+                                                        const MemoryArgument& memory,
+                                                        bool shares = false);
 
 } // namespace shape::tools

@@ -41,7 +41,7 @@ public:
     void finish() { write_all(hash_.data(), hash_.size()); }
 
 private:
-    void write_all(const void* bytes, std::size_t size)
+    void write_all(const void* bytes, std::size_t size) const
     {
         const auto* from = static_cast<const char*>(bytes);
         while (size > 0) {

@@ -10,10 +10,10 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
-#include "libshape/base/version.h"
 #include "libshape/embedding/in_betweens.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/alignment.h"
+#include "tools/output/embedding_settings.h"
 #include "tools/output/frame_store.h"
 #include "tools/program/arguments.h"
 
@@ -61,18 +61,12 @@ Json identity(const Session& session, const EmbeddingOptions& options,
         blends = hash_of(hash_of(hash_of(blends, point.edge_lengths), point.dihedral_angles),
                          point.patch_turns);
     }
-    return {{"program", version()},
-            {"meshes", inputs},
-            {"blends", blends},
-            {"--method", name(options.method)},
-            {"--quality", options.quality == EmbeddingQuality::Preview ? "preview" : "fine"},
-            {"--smoothness", print_number(options.smoothness.value_or(default_smoothness))},
-            {"--anchor", print_number(options.anchor.value_or(default_anchor))},
-            {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
-                                                                                 : "incremental"},
-            {"--seed", join(session.seed)},
-            {"--keyframes", join(arguments.keyframes)},
-            {"--between", between_name(arguments.between)}};
+    Json all = embedding_settings(session, options);
+    all.update({{"meshes", inputs},
+                {"blends", blends},
+                {"--keyframes", join(arguments.keyframes)},
+                {"--between", between_name(arguments.between)}});
+    return all;
 }
 
 /// The method that fills in, if one does.
@@ -171,7 +165,7 @@ public:
 
 private:
     template <class Make>
-    FinishedMesh taken_or_made(std::size_t i, const Make& make) const
+    [[nodiscard]] FinishedMesh taken_or_made(std::size_t i, const Make& make) const
     {
         std::optional<FinishedMesh> finished = store_.read(i);
         if (finished && finished->points.rows() == sequence_.topology.vertex_count())

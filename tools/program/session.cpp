@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -15,12 +16,16 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/report.h"
 
 namespace shape::tools {
 using namespace internal;
 namespace {
 
 bool bar_is_drawn = false;
+
+/// Printed when the run has ended, so that an error finds its place beside them.
+Json waiting_figures = Json::object();
 
 void clear_bar()
 {
@@ -41,7 +46,7 @@ std::string one_line(std::string text)
 std::string print_duration(double seconds)
 {
     char text[32];
-    const auto minutes = static_cast<long>(seconds / 60.0 + 0.5);
+    const auto minutes = std::lround(seconds / 60.0);
     if (seconds < 99.5)
         std::snprintf(text, sizeof text, "%.0f s", seconds);
     else if (minutes < 100)
@@ -93,7 +98,7 @@ private:
         if (now.done > before_.done) {
             const double seconds = std::chrono::duration<double>(now.time - before_.time).count();
             if (stage_.ends_with("kB")) // read or written: how fast
-                line << ", " << static_cast<double>((now.done - before_.done) / 1000) / seconds
+                line << ", " << static_cast<double>(now.done - before_.done) / 1000.0 / seconds
                      << " MB/s";
             line << ", "
                  << print_duration(seconds / static_cast<double>(now.done - before_.done) *
@@ -140,11 +145,21 @@ void Session::print(const std::string& text) const
 
 void Session::print_figures(const Json& figures) const
 {
-    if (!json)
+    if (json)
+        waiting_figures.update(figures);
+}
+
+void print_report(const Session& session, const Json& error)
+{
+    if (!session.json)
         return;
-    Json object{{"command", command}};
-    object.update(figures);
-    print(readable(object.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
+    Json object{{"command", session.command.empty() ? Json() : Json(session.command)},
+                {"schema", json_schema}};
+    object.update(waiting_figures);
+    if (!error.is_null())
+        object["error"] = error;
+    session.print(session.readable(object.dump(2, ' ', false, Json::error_handler_t::replace)) +
+                  "\n");
 }
 
 Progress Session::progress() const

@@ -10,6 +10,7 @@
 #include "tools/program/arguments.h"
 #include "tools/python/handles.h"
 #include "tools/python/jobs.h"
+#include "tools/python/registration.h"
 
 // libshape._core: what the Python files of the package stand on. Arguments have been checked there.
 
@@ -37,6 +38,7 @@ PYBIND11_MODULE(_core, module)
     });
     python::add_models(module);
     python::add_collections(module);
+    python::add_registration(module);
     module.def("version", &version);
     module.def("thread_count", &thread_count);
     module.def("set_thread_count", &set_thread_count);

@@ -14,6 +14,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/io/file/long_output.h"
 
 namespace shape::internal {
 namespace {
@@ -134,6 +135,14 @@ void write_file_atomically(const std::filesystem::path& path, const std::functio
     write(file.descriptor());
     if (check)
         check(file.path());
+    file.commit();
+}
+
+void write_pieces_atomically(const std::filesystem::path& path,
+                             const std::function<void(const AppendText&)>& make)
+{
+    TemporaryFile file(path);
+    make([&](std::string_view text) { file.write(text); });
     file.commit();
 }
 

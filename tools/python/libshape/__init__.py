@@ -38,6 +38,7 @@ from ._objects import (
     difference,
     distance,
     edges,
+    fit,
     groups,
     interpolate,
     read,
@@ -46,7 +47,18 @@ from ._objects import (
     read_model,
     synthetic,
 )
-from ._results import Distances, Edges, Frames, Groups, PairTest, Report, Scores, Test
+from ._results import (
+    Distance,
+    Distances,
+    Edges,
+    FitReport,
+    Frames,
+    Groups,
+    PairTest,
+    Report,
+    Scores,
+    Test,
+)
 from ._core import version as _version
 
 __version__ = _version()
@@ -54,10 +66,12 @@ __version__ = _version()
 __all__ = [
     "Collection",
     "Difference",
+    "Distance",
     "Distances",
     "Edges",
     "Error",
     "FileError",
+    "FitReport",
     "Frames",
     "Groups",
     "InvalidInput",
@@ -74,6 +88,7 @@ __all__ = [
     "difference",
     "distance",
     "edges",
+    "fit",
     "groups",
     "interpolate",
     "read",

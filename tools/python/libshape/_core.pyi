@@ -145,6 +145,27 @@ def groups(
     Dict[str, Any],
     List[Tuple[str, str, float, Dict[str, Any], float]],
 ]: ...
+class FitOptions:
+    def __init__(
+        self,
+        smoothness: float,
+        growth_smoothness: float,
+        landmark_tolerance: float,
+        search: bool,
+        boundaries: Sequence[str],
+    ) -> None: ...
+
+def fit_scan(
+    template: Array,
+    faces: Indices,
+    scan: Array,
+    scan_faces: Indices,
+    names: Sequence[str],
+    on_template: Array,
+    on_scan: Array,
+    options: FitOptions,
+) -> Embedding: ...
+def read_scan(path: str) -> Tuple[Array, Indices, str]: ...
 def command(name: str, arguments: Sequence[str], force: bool, progress: Callback) -> None: ...
 def version() -> str: ...
 def thread_count() -> int: ...

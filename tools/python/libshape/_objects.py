@@ -13,7 +13,18 @@ import numpy as np
 
 from . import _arrays, _core
 from ._arrays import Array, Columns, Indices, Path, Progress
-from ._results import Distances, Edges, Frames, Groups, PairTest, Report, Scores, Test
+from ._results import (
+    Distance,
+    Distances,
+    Edges,
+    FitReport,
+    Frames,
+    Groups,
+    PairTest,
+    Report,
+    Scores,
+    Test,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -491,6 +502,63 @@ def collection(
         if len(values) != len(vertices):
             raise TypeError(f"labels[{name!r}]: {len(values)} values for {len(vertices)} meshes")
     return Collection(_core.from_arrays(vertices, corners, chosen, columns))
+
+
+def fit(
+    template: MeshLike,
+    scan: Union[MeshLike, Path],
+    landmarks: Optional[Mapping[str, Tuple[Any, Any]]] = None,
+    *,
+    landmark_tolerance: float = 0.0,
+    boundaries: Sequence[str] = (),
+    smoothness: float = 1.0,
+    growth_smoothness: float = 50.0,
+    search: bool = True,
+) -> Tuple[Mesh, FitReport]:
+    """The template laid onto a raw scan of any triangulation, as `shape fit`, to the same bits.
+
+    scan: a mesh, or the path of a file; holes, several parts and odd faces are all right. landmarks: name
+    -> (on the template, on the scan), each (x, y, z), the first also a vertex of the template (from 0).
+    boundaries: names of landmarks at boundary loops that correspond from end to end. The mesh has the
+    template's faces and the scan's place and unit; look at `report.status`: a scan that the template
+    does not fit raises nothing.
+    """
+    vertices, corners = _arrays.mesh(template, "template")
+    if isinstance(scan, (str, os.PathLike)):
+        raw, raw_faces, name = _core.read_scan(os.fspath(scan))
+    else:
+        raw, raw_faces = _arrays.mesh(scan, "scan")
+        name = getattr(scan, "name", "") or "fit"
+    here: List[Array] = []
+    there: List[Array] = []
+    for mark, (on_template, on_scan) in (landmarks or {}).items():
+        if isinstance(on_template, (int, np.integer)):
+            if not 0 <= on_template < len(vertices):
+                raise _core.InvalidInput(
+                    f"landmarks[{mark!r}]: vertex {on_template} is not among the template's {len(vertices)}"
+                )
+            on_template = vertices[on_template]
+        for place, found in ((on_template, here), (on_scan, there)):
+            position = _arrays.vector(place, f"landmarks[{mark!r}]")
+            if position.shape != (3,):
+                raise TypeError(f"landmarks[{mark!r}]: shape must be (3,), is {position.shape}")
+            found.append(position)
+    names = list(landmarks or {})
+    points, figures = _core.fit_scan(
+        vertices,
+        corners,
+        raw,
+        raw_faces,
+        names,
+        np.array(here, dtype=np.float64).reshape(-1, 3),
+        np.array(there, dtype=np.float64).reshape(-1, 3),
+        _core.FitOptions(
+            smoothness, growth_smoothness, landmark_tolerance, search, list(boundaries)
+        ),
+    )
+    for key in ("scan_to_fit", "fit_to_scan"):
+        figures[key] = Distance(**figures[key])
+    return Mesh(points, corners, name), FitReport(landmarks=names, **figures)
 
 
 def interpolate(

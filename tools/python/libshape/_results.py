@@ -6,6 +6,8 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional
 
+import numpy as np
+
 from . import _core
 from ._arrays import Array, Columns, Indices, Path, data_frame
 
@@ -42,6 +44,45 @@ class Report:
             f"{100 * self.edge_max:.3g} % at worst; dihedral angles {self.dihedral_rms_deg:.3g} deg RMS"
         )
         return text + (f"; {self.reason})" if self.reason else ")")
+
+
+@dataclass(frozen=True)
+class Distance:
+    """Distances between two surfaces [length of the scan]."""
+
+    mean: float
+    p95: float  #: 95 % quantile.
+    max: float
+
+
+@dataclass(frozen=True, eq=False)
+class FitReport:
+    """How well a template lies on a scan; lengths are those of the scan. See docs/correspondence.md."""
+
+    status: str  #: "good", "check" (look at it) or "failed" (it is no fit).
+    reasons: List[str]  #: Why it is not good.
+    ignored: List[str]  #: What of the scan was left out.
+    scan_to_fit: Distance
+    fit_to_scan: Distance  #: Of vertices that have a counterpart.
+    diagonal: float  #: Of the bounding box of the fit.
+    strain_rms: float  #: Of edges, relative, growth taken off.
+    growth_low: float  #: 1 % quantile of growth.
+    growth_high: float  #: 99 % quantile.
+    folded_faces: int
+    turned_faces: int  #: Of the scan: they faced inwards.
+    scale: float  #: Of the start: 1, or a change of unit.
+    landmarks: List[str]  #: Names.
+    landmark_errors: Array  #: (landmarks,)
+    distance: Array  #: (n,) of each vertex to the scan.
+    growth: Array  #: (n,) factors by which the template grew.
+    seen: "np.ndarray[Any, np.dtype[np.bool_]]"  #: (n,) whether the scan has a counterpart.
+
+    def __repr__(self) -> str:
+        text = (
+            f"FitReport({self.status}: scan to fit {100 * self.scan_to_fit.mean / self.diagonal:.3g} % of "
+            f"the diagonal on average, {int(self.seen.sum())} of {len(self.seen)} vertices seen"
+        )
+        return text + (f"; {'; '.join(self.reasons)})" if self.reasons else ")")
 
 
 @dataclass(frozen=True)

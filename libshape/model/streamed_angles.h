@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "libshape/linalg/dense.h"
+#include "libshape/mesh/collection.h"
+#include "libshape/statistics/pass_state_reader.h"
+
+namespace shape::internal {
+
+/// Dihedral angles of the meshes of a block, a row each [rad].
+void measure_angles(const Collection& block, RowMatrix& angles);
+
+/// Finds, from angles that come by once, the branch that each edge's lie on (unify_branches()).
+class BranchSums
+{
+public:
+    explicit BranchSums(Eigen::Index edges);
+
+    void add(const RowMatrix& angles);
+
+    /// Around which angles near the fold are measured [rad]; 0, where on_branch() changes nothing, of
+    /// edges whose angles keep away from it.
+    /// @param count  Of all meshes.
+    [[nodiscard]] Eigen::VectorXd means(Eigen::Index count) const;
+
+    /// What add() sums, and of what it keeps the largest; 0 before it.
+    [[nodiscard]] std::vector<std::span<double>> sums();
+    [[nodiscard]] std::span<double> largest();
+
+    void save(PassState& state) const;
+    void restore(PassStateReader& state);
+
+private:
+    Eigen::VectorXd sharpest_;
+    Eigen::VectorXd cosines_;
+    Eigen::VectorXd sines_;
+};
+
+/// Brings the angles of all rows onto the branches around these means.
+void unify_branches(RowMatrix& angles, const Eigen::VectorXd& means);
+
+} // namespace shape::internal

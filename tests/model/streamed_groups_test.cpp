@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/model/streamed_groups.h"
+
+#include <gtest/gtest.h>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "tests/support/collections.h"
+#include "tests/support/thread_scope.h"
+
+namespace shape {
+namespace {
+
+using Eigen::Index;
+
+/// Groups and blocks of 24 meshes: every mesh by itself; subjects in two states; repeated scans.
+struct Design
+{
+    const char* name;
+    Grouping groups;
+    Grouping blocks;
+};
+
+std::vector<Design> designs()
+{
+    std::vector<std::string> thirds, states, subjects, sexes, halves;
+    for (int i = 0; i < 24; ++i) {
+        thirds.emplace_back(i % 5 == 0 ? "a" : i % 3 == 0 ? "b" : "c");
+        halves.emplace_back(i < 11 ? "a" : "b");
+        states.emplace_back(i % 2 == 0 ? "rest" : "smile");
+        subjects.push_back(internal::join("s", i % 12 / 2));
+        sexes.emplace_back(i % 12 / 2 % 2 == 0 ? "f" : "m");
+    }
+    return {{"single", group_by(thirds), groups_of_one(24)},
+            {"two", group_by(halves), groups_of_one(24)},
+            {"crossed", group_by(states), group_by(subjects)},
+            {"nested", group_by(sexes), group_by(subjects)}};
+}
+
+void expect_near(const LinearModelTest& a, const LinearModelTest& b)
+{
+    EXPECT_NEAR(a.sum_of_squares, b.sum_of_squares, 1e-10 * b.total_sum_of_squares);
+    EXPECT_NEAR(a.residual_sum_of_squares, b.residual_sum_of_squares,
+                1e-10 * b.total_sum_of_squares);
+    EXPECT_NEAR(a.total_sum_of_squares, b.total_sum_of_squares, 1e-10 * b.total_sum_of_squares);
+    EXPECT_EQ(a.degrees_of_freedom, b.degrees_of_freedom);
+    EXPECT_EQ(a.residual_degrees_of_freedom, b.residual_degrees_of_freedom);
+    EXPECT_EQ(a.p_value, b.p_value);
+}
+
+void expect_near(const StreamedGroups& a, const GroupComparison& comparison,
+                 const GroupSpread& spread, const LinearModelTest& spread_test)
+{
+    EXPECT_EQ(a.comparison.design, comparison.design);
+    expect_near(a.comparison.overall, comparison.overall);
+    expect_near(a.spread_test, spread_test);
+    ASSERT_EQ(a.comparison.pairs.size(), comparison.pairs.size());
+    for (std::size_t k = 0; k < comparison.pairs.size(); ++k) {
+        const PairComparison& pair = comparison.pairs[k];
+        EXPECT_NEAR(a.comparison.pairs[k].distance, pair.distance, 1e-9 * pair.distance);
+        expect_near(a.comparison.pairs[k].test, pair.test);
+        EXPECT_EQ(a.comparison.pairs[k].adjusted_p, pair.adjusted_p);
+    }
+    for (std::size_t g = 0; g < spread.variances.size(); ++g) {
+        EXPECT_NEAR(a.spread.variances[g], spread.variances[g], 1e-9 * spread.variances[g]);
+        EXPECT_NEAR(a.spread.variance_intervals[g].low, spread.variance_intervals[g].low,
+                    1e-9 * spread.variances[g]);
+        EXPECT_NEAR(a.spread.variance_intervals[g].high, spread.variance_intervals[g].high,
+                    1e-9 * spread.variances[g]);
+    }
+    EXPECT_LE((a.spread.distance_radii - spread.distance_radii).cwiseAbs().maxCoeff(),
+              1e-9 * spread.distance_radii.maxCoeff());
+}
+
+TEST(StreamedGroups, AreWhatTheCollectionInMemoryGives)
+{
+    const Collection collection = test::bumpy_spheres(24, 2);
+    for (const Design& design : designs())
+        for (const bool adjusts : {false, true})
+            for (const bool by_inner_products : {false, true}) {
+                SCOPED_TRACE(internal::join(design.name, " ", adjusts, " ", by_inner_products));
+                const GroupedShapes shapes = group_shapes(collection, design.groups, {});
+                const Eigen::MatrixXd covariates =
+                    adjusts ? Eigen::MatrixXd(shapes.sizes) : Eigen::MatrixXd(24, 0);
+                StreamedGroupsOptions options;
+                options.permutations.permutations = 49;
+                options.bootstrap.replicates = 40;
+                options.with_companions = true;
+                options.by_inner_products = by_inner_products;
+                if (adjusts)
+                    options.covariates = [](const Eigen::VectorXd& sizes) { return sizes; };
+                const StreamedGroups found =
+                    compare_groups(stream_of(collection), design.groups, design.blocks, options);
+                EXPECT_EQ(found.by_inner_products, by_inner_products);
+                expect_near(
+                    found,
+                    compare_groups(shapes.products, design.groups, design.blocks, covariates,
+                                   options.permutations),
+                    group_spread(shapes.products, design.groups, design.blocks, options.bootstrap),
+                    test_spread(shapes.products, design.groups, design.blocks,
+                                options.permutations));
+                EXPECT_LE((found.shapes.means - shapes.means).cwiseAbs().maxCoeff(), 1e-14);
+                EXPECT_LE(
+                    (found.shapes.dihedral_angles - shapes.dihedral_angles).cwiseAbs().maxCoeff(),
+                    1e-13);
+                EXPECT_EQ(found.shapes.sizes, shapes.sizes);
+                EXPECT_LE((found.shapes.mean_sizes - shapes.mean_sizes).cwiseAbs().maxCoeff(),
+                          1e-12 * shapes.sizes.maxCoeff());
+                EXPECT_EQ(found.reference_points, collection.points.front());
+            }
+}
+
+TEST(StreamedGroups, HaveTheSameBitsForAnyMemoryAndThreadCount)
+{
+    const Collection collection = test::bumpy_spheres(24, 2);
+    const Design design = designs().front();
+    const auto found = [&](std::uint64_t memory, int threads) {
+        const test::ThreadScope scope(threads);
+        StreamedGroupsOptions options;
+        options.permutations.permutations = 99;
+        options.bootstrap.replicates = 20;
+        options.by_inner_products = false;
+        options.memory = memory;
+        return compare_groups(stream_of(collection), design.groups, design.blocks, options);
+    };
+    const StreamedGroups much = found(1 << 30, 3);
+    const StreamedGroups little = found(200000, 1);
+    EXPECT_GT(little.passes, much.passes);
+    EXPECT_EQ(much.comparison.overall.sum_of_squares, little.comparison.overall.sum_of_squares);
+    EXPECT_EQ(much.comparison.overall.residual_sum_of_squares,
+              little.comparison.overall.residual_sum_of_squares);
+    EXPECT_EQ(much.spread.distances, little.spread.distances);
+    EXPECT_EQ(much.spread.variances, little.spread.variances);
+    EXPECT_EQ(much.spread_test.f, little.spread_test.f);
+}
+
+TEST(StreamedGroups, TakeTheWayThatCostsLess)
+{
+    const Collection collection = test::bumpy_spheres(24, 1);
+    StreamedGroupsOptions options;
+    options.bootstrap.replicates = 1;
+    const auto takes_inner_products = [&](int permutations) {
+        options.permutations.permutations = permutations;
+        return compare_groups(stream_of(collection), designs()[1].groups, groups_of_one(24),
+                              options)
+            .by_inner_products;
+    };
+    EXPECT_FALSE(takes_inner_products(5));
+    EXPECT_TRUE(takes_inner_products(99));
+}
+
+TEST(StreamedGroups, RefuseWhatBreaksARule)
+{
+    const Collection collection = test::bumpy_spheres(4, 1);
+    const MeshStream meshes = stream_of(collection);
+    const Grouping halves = group_by({"a", "a", "b", "b"});
+    EXPECT_THROW((void)compare_groups(meshes, one_group(4), groups_of_one(4), {}), InvalidInput);
+    EXPECT_THROW((void)compare_groups(meshes, one_group(3), groups_of_one(4), {}), InvalidInput);
+    EXPECT_THROW((void)compare_groups(meshes, halves, groups_of_one(3), {}), InvalidInput);
+    EXPECT_THROW((void)compare_groups(meshes, halves, groups_of_one(4),
+                                      {.space = {.kind = SpaceKind::Procrustes}}),
+                 InvalidInput);
+    EXPECT_THROW((void)compare_groups(meshes, halves, groups_of_one(4), {.memory = 1000}),
+                 LimitExceeded);
+}
+
+} // namespace
+} // namespace shape

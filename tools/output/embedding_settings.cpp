@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/output/embedding_settings.h"
+
+#include "libshape/base/format.h"
+#include "libshape/base/version.h"
+#include "libshape/io/table_file.h"
+#include "tools/output/embedding_run.h"
+
+namespace shape::tools {
+using namespace internal;
+
+Json embedding_settings(const Session& session, const EmbeddingOptions& options)
+{
+    return {{"program", version()},
+            {"--method", name(options.method)},
+            {"--quality", options.quality == EmbeddingQuality::Preview ? "preview" : "fine"},
+            {"--smoothness", print_number(options.smoothness.value_or(default_smoothness))},
+            {"--anchor", print_number(options.anchor.value_or(default_anchor))},
+            {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
+                                                                                 : "incremental"},
+            {"--seed", join(session.seed)}};
+}
+
+} // namespace shape::tools

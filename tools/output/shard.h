@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/program/session.h"
+
+namespace CLI {
+class App;
+}
+
+namespace shape::tools {
+
+/// One of several runs that share the meshes of a command: the 2nd of 8 makes meshes 1, 9, 17, ... of
+/// 0, 1, 2, ... into a directory of its own, OUT.shard-2-of-8; `shape merge OUT` puts them together.
+struct Shard
+{
+    int number = 1; ///< In [1, count].
+    int count = 0;  ///< 0: the run makes everything.
+
+    [[nodiscard]] bool is_given() const { return count > 0; }
+
+    /// Those of `total` things that are the shard's, ascending; all without a shard.
+    /// @throws InvalidInput if there are fewer things than shards.
+    [[nodiscard]] std::vector<std::size_t> own(std::size_t total) const;
+
+    /// Where its files go.
+    [[nodiscard]] std::filesystem::path directory(const std::filesystem::path& output) const;
+};
+
+/// Adds --shard I/N.
+void add_shard(CLI::App& command, Shard& shard);
+
+/// The same paths as they are in a directory.
+[[nodiscard]] std::vector<std::string> relative_to(const std::filesystem::path& directory,
+                                                   const std::vector<std::string>& paths);
+
+/// Writes shard.json into the directory of the shard, last of all its files: what it has made, of what.
+/// @param settings  What all shards of the run must have in common.
+/// @param files  Of its directory: those that must be there.
+void write_shard_manifest(const std::filesystem::path& directory, const Shard& shard,
+                          std::size_t total, const Json& settings,
+                          const std::vector<std::string>& files);
+
+/// What merge_shards() has put together.
+struct MergedShards
+{
+    int shards = 0;
+    std::size_t things = 0;         ///< Meshes or scans that the shards had between them.
+    std::vector<std::string> files; ///< In the new directory.
+};
+
+/// Puts the files of all shards of a directory into it and removes theirs. Nothing is changed before all
+/// of them are known to be there, of one run and complete; the directory appears as a whole.
+/// @throws InvalidInput naming the shards that are missing, differ, or lack a file; FileError if the
+///     directory exists already or the system refuses.
+[[nodiscard]] MergedShards merge_shards(const std::filesystem::path& output);
+
+} // namespace shape::tools

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/program/ranks.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "libshape/base/error.h"
+#include "libshape/base/format.h"
+#include "tools/program/arguments.h"
+
+#ifdef SHAPE_WITH_MPI
+#define OMPI_SKIP_MPICXX 1 // its interface of C alone
+#define MPICH_SKIP_MPICXX 1
+#include <mpi.h>
+
+#include <algorithm>
+#include <vector>
+#endif
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+/// How many processes were started together; 0: this was started alone.
+int started_together()
+{
+    for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
+        if (const char* const size = std::getenv(name))
+            return std::atoi(size);
+    return 0;
+}
+
+Ranks& own_ranks()
+{
+    static Ranks ranks;
+    return ranks;
+}
+
+#ifdef SHAPE_WITH_MPI
+
+bool is_joined = false;
+
+/// Combines the numbers of all processes: each time with those of the process whose number differs in one
+/// bit, the highest first. Both get the same, for the order of two does not matter.
+template <class Combine>
+void combine(std::span<double> numbers, const Combine& with)
+{
+    constexpr std::size_t piece = std::size_t{1} << 20;
+    std::vector<double> other(std::min(piece, numbers.size()));
+    const Ranks& ranks = own_ranks();
+    for (int bit = ranks.count / 2; bit > 0; bit /= 2)
+        for (std::size_t first = 0; first < numbers.size(); first += piece) {
+            const std::size_t count = std::min(piece, numbers.size() - first);
+            MPI_Sendrecv(numbers.data() + first, static_cast<int>(count), MPI_DOUBLE,
+                         ranks.number ^ bit, 0, other.data(), static_cast<int>(count), MPI_DOUBLE,
+                         ranks.number ^ bit, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+            for (std::size_t i = 0; i < count; ++i)
+                numbers[first + i] = with(numbers[first + i], other[i]);
+        }
+}
+
+#endif
+
+} // namespace
+
+const Ranks& ranks()
+{
+    return own_ranks();
+}
+
+void join_ranks()
+{
+    const int count = started_together();
+    if (count == 0)
+        return;
+#ifdef SHAPE_WITH_MPI
+    int level = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &level);
+    is_joined = true;
+    Ranks& own = own_ranks();
+    MPI_Comm_rank(MPI_COMM_WORLD, &own.number);
+    MPI_Comm_size(MPI_COMM_WORLD, &own.count);
+    if ((own.count & (own.count - 1)) != 0)
+        throw UsageError(join("mpirun has started ", own.count,
+                              " processes; their number must be a power of two"));
+    own.lots = std::max(own.count, 4);
+    own.add_up = [](std::span<double> numbers) {
+        combine(numbers, [](double a, double b) { return a + b; });
+    };
+    own.take_largest = [](std::span<double> numbers) {
+        combine(numbers, [](double a, double b) { return std::max(a, b); });
+    };
+#else
+    if (count > 1)
+        throw UsageError(
+            "this program was built without MPI (-DSHAPE_WITH_MPI=ON): mpirun would "
+            "start it several times over, each doing the same");
+#endif
+}
+
+int leave_ranks(int exit_code)
+{
+#ifdef SHAPE_WITH_MPI
+    if (is_joined && exit_code != 0 && own_ranks().count > 1)
+        MPI_Abort(MPI_COMM_WORLD, exit_code);
+    if (is_joined)
+        MPI_Finalize();
+#endif
+    return exit_code;
+}
+
+void let_first_rank_speak()
+{
+    if (!own_ranks().speaks())
+        std::this_thread::sleep_for(std::chrono::seconds(2));
+}
+
+} // namespace shape::tools
