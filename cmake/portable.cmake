@@ -7,6 +7,7 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/base/vector_math.cpp
     libshape/edge_space/admissibility.cpp
     libshape/edge_space/length_coordinates.cpp
+    libshape/edge_space/patch_turns.cpp
     libshape/edge_space/procrustes.cpp
     libshape/edge_space/shape_space.cpp
     libshape/edge_space/shape_vectors.cpp
@@ -28,7 +29,6 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/embedding/start/edge_laplacian.cpp
     libshape/embedding/start/face_fit.cpp
     libshape/embedding/start/face_layout.cpp
-    libshape/embedding/start/face_patches.cpp
     libshape/embedding/start/linear_start.cpp
     libshape/embedding/start/patch_frames.cpp
     libshape/explore/model_block.cpp
@@ -42,8 +42,10 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/mesh/defects.cpp
     libshape/mesh/dihedral_angles.cpp
     libshape/mesh/edge_lengths.cpp
+    libshape/mesh/face_patches.cpp
     libshape/mesh/renumbering.cpp
     libshape/mesh/rotation_fit.cpp
+    libshape/mesh/rotations.cpp
     libshape/mesh/topology.cpp
     libshape/mesh/vertex_regions.cpp
     libshape/portable/half_edges.cpp

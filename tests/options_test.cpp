@@ -149,6 +149,7 @@ TEST(Options, OfEmbeddingsNameWhatBreaksARule)
 {
     Fields<DihedralEmbeddingOptions>("DihedralEmbeddingOptions")
         .positive("smoothness", &DihedralEmbeddingOptions::smoothness)
+        .not_negative("anchor", &DihedralEmbeddingOptions::anchor)
         .at_least(0, "local_global_steps", &DihedralEmbeddingOptions::local_global_steps)
         .at_least(0, "max_iterations", &DihedralEmbeddingOptions::max_iterations)
         .at_least(2, "first_linear_steps", &DihedralEmbeddingOptions::first_linear_steps)
@@ -190,6 +191,7 @@ TEST(Options, OfAnotherEmbeddingMethodAreRefused)
     using Optional = std::optional<double>;
     Fields<EmbeddingOptions>("EmbeddingOptions")
         .refuse<Optional>("smoothness", &EmbeddingOptions::smoothness, {0.0, -1.0, nan, infinity})
+        .refuse<Optional>("anchor", &EmbeddingOptions::anchor, {-1.0, nan, infinity})
         .refuse<std::optional<std::uint64_t>>("seed", &EmbeddingOptions::seed, {1, 7})
         .refuse<std::optional<RegistrationStart>>(
             "registration_start", &EmbeddingOptions::registration_start,
@@ -197,6 +199,7 @@ TEST(Options, OfAnotherEmbeddingMethodAreRefused)
     for (const EmbeddingMethod method : {EmbeddingMethod::Closure, EmbeddingMethod::Multiscale})
         Fields<EmbeddingOptions>("EmbeddingOptions", {.method = method})
             .refuse<Optional>("smoothness", &EmbeddingOptions::smoothness, {1e-3})
+            .refuse<Optional>("anchor", &EmbeddingOptions::anchor, {0.03})
             .refuse<std::optional<EmbeddingQuality>>(
                 "quality", &EmbeddingOptions::quality,
                 {EmbeddingQuality::Fine, EmbeddingQuality::Preview});

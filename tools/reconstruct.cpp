@@ -75,6 +75,7 @@ void run(const Session& session, const Arguments& arguments)
     const auto count = static_cast<Eigen::Index>(references.size());
     ShapePoint point = blend(shape_vectors(references, Scale::None),
                              Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count)));
+    point.patch_turns = {}; // nothing is known of how lengths from elsewhere lie in the large
     if (!arguments.lengths.empty())
         point.edge_lengths = read_lengths(arguments.lengths, references.topology);
     session.print_figures(embed_and_write(session, arguments.embedding, references.topology,

@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/edge_space/patch_turns.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
@@ -50,7 +51,12 @@ ShapeVectors shape_vectors(const Collection& collection, Scale scale)
 {
     const auto rows = static_cast<Index>(collection.size());
     ShapeVectors vectors{RowMatrix(rows, collection.topology.edge_count()),
-                         companion_angles(collection), Eigen::VectorXd(rows)};
+                         companion_angles(collection),
+                         Eigen::VectorXd(rows),
+                         {}};
+    if (collection.size() > 0)
+        vectors.patch_turns =
+            PatchTurns(collection.topology, collection.points.front()).of(collection.points);
     parallel_for(collection.size(), 1, [&](std::size_t mesh, std::size_t) {
         const auto row = static_cast<Index>(mesh);
         const Eigen::VectorXd lengths = edge_lengths(collection.topology, collection.points[mesh]);
@@ -98,6 +104,8 @@ ShapePoint blend(const ShapeVectors& vectors, const Eigen::VectorXd& weights, Le
                                 ", must be finite and sum to 1 within 1e-9"));
     ShapePoint point;
     point.dihedral_angles = vectors.dihedral_angles.transpose() * weights;
+    if (vectors.patch_turns.rows() == weights.size())
+        point.patch_turns = vectors.patch_turns.transpose() * weights;
     if (lengths == LengthBlend::Plain)
         point.edge_lengths = vectors.edge_lengths.transpose() * weights;
     else

@@ -10,11 +10,13 @@
 
 namespace shape {
 
-/// A point of the space together with its companion: what an embedding starts from.
+/// A point of the space together with its companions: what an embedding starts from.
 struct ShapePoint
 {
     Eigen::VectorXd edge_lengths;    ///< #E [length].
     Eigen::VectorXd dihedral_angles; ///< #E [rad], 0 on the boundary; may leave (-pi, pi].
+    Eigen::VectorXd patch_turns =
+        {}; ///< [rad] against a reference mesh (patch_turns.h); may be empty.
 };
 
 /// What is done about size.
@@ -27,9 +29,10 @@ enum class Scale
 /// N meshes as points of edge-length space. Row i belongs to mesh i, column e to edge e.
 struct ShapeVectors
 {
-    RowMatrix edge_lengths;    ///< N by #E; unit sum, or [length] for Scale::None.
-    RowMatrix dihedral_angles; ///< N by #E [rad], on one branch per edge (unify_branches).
-    Eigen::VectorXd sizes;     ///< N sums of edge lengths [length].
+    RowMatrix edge_lengths;     ///< N by #E; unit sum, or [length] for Scale::None.
+    RowMatrix dihedral_angles;  ///< N by #E [rad], on one branch per edge (unify_branches).
+    Eigen::VectorXd sizes;      ///< N sums of edge lengths [length].
+    RowMatrix patch_turns = {}; ///< N rows [rad], against the first mesh; see patch_turns.h.
 };
 
 /// Encodes the meshes of a collection.
@@ -62,7 +65,7 @@ enum class LengthBlend
     Squared, ///< sqrt(sum_i w_i l_i^2) (Rojas 2014, section 6); negative sums become 0.
 };
 
-/// The combination of the rows with these weights; dihedral angles are combined plainly.
+/// The combination of the rows with these weights; dihedral angles and turns are combined plainly.
 /// @param weights  N, finite; their sum is within 1e-9 of 1.
 /// @throws InvalidInput if a rule is broken.
 [[nodiscard]] ShapePoint blend(const ShapeVectors& vectors, const Eigen::VectorXd& weights,

@@ -2,6 +2,7 @@
 
 #include "libshape/embedding/embedder.h"
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "libshape/embedding/finished_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/face_crossings.h"
 
 namespace shape {
 using namespace internal;
@@ -39,11 +41,13 @@ void check(const EmbeddingOptions& options)
     };
     belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "quality", options.quality.has_value());
     belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "smoothness", options.smoothness.has_value());
+    belongs_to(EmbeddingMethod::Dihedral, "Dihedral", "anchor", options.anchor.has_value());
     belongs_to(EmbeddingMethod::Multiscale, "Multiscale", "registration_start",
                options.registration_start.has_value());
     belongs_to(EmbeddingMethod::Multiscale, "Multiscale", "seed", options.seed.has_value());
     require_positive(options.smoothness.value_or(default_smoothness),
                      "EmbeddingOptions.smoothness");
+    require_not_negative(options.anchor.value_or(default_anchor), "EmbeddingOptions.anchor");
 }
 
 struct Embedder::State
@@ -60,6 +64,11 @@ struct Embedder::State
     double dihedral_seconds = 0.0;
     double multiscale_seconds = 0.0;
 
+    // What make_tree() makes, for reports alone.
+    std::once_flag tree_made;
+    std::optional<FaceTree> faces;
+    std::vector<FacePair> known_crossings; // of any reference, sorted
+
     State(const Topology& of, std::vector<Points> near, const EmbeddingOptions& by)
         : topology(of), references(std::move(near)), options(by)
     {
@@ -71,6 +80,30 @@ struct Embedder::State
         chosen.seed = options.seed.value_or(chosen.seed);
         chosen.registration.start = options.registration_start.value_or(chosen.registration.start);
         return chosen;
+    }
+
+    void make_tree()
+    {
+        std::call_once(tree_made, [this] {
+            faces.emplace(topology, references.front());
+            for (const Points& reference : references) {
+                const std::vector<FacePair> pairs = faces->crossings(reference);
+                known_crossings.insert(known_crossings.end(), pairs.begin(), pairs.end());
+            }
+            std::sort(known_crossings.begin(), known_crossings.end());
+        });
+    }
+
+    void count_crossings(Embedding& embedding)
+    {
+        make_tree();
+        const std::vector<FacePair> pairs = faces->crossings(embedding.points);
+        const auto is_new = [this](const FacePair& pair) {
+            return !std::binary_search(known_crossings.begin(), known_crossings.end(), pair);
+        };
+        embedding.report.self_intersections = static_cast<int>(pairs.size());
+        embedding.report.new_self_intersections =
+            static_cast<int>(std::count_if(pairs.begin(), pairs.end(), is_new));
     }
 
     void prepare(EmbeddingMethod method)
@@ -164,6 +197,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
             if (s.options.quality == EmbeddingQuality::Preview)
                 options = dihedral_preview();
             options.smoothness = s.options.smoothness.value_or(default_smoothness);
+            options.anchor = s.options.anchor.value_or(default_anchor);
             embedding = embed_by_dihedrals(*s.dihedral, s.topology, reference, target, options);
             break;
         }
@@ -186,13 +220,17 @@ Embedding Embedder::embed(const ShapePoint& target) const
     if (method != s.options.method)
         embedding.instead = method;
     embedding.report.setup_seconds = s.setup_seconds(method);
+    s.count_crossings(embedding);
     return embedding;
 }
 
 Embedding Embedder::embed(const DecodedShape& shape) const
 {
-    if (const Points* const points = std::get_if<Points>(&shape))
-        return as_embedding(state_->topology, *points);
+    if (const Points* const points = std::get_if<Points>(&shape)) {
+        Embedding embedding = as_embedding(state_->topology, *points);
+        state_->count_crossings(embedding);
+        return embedding;
+    }
     return embed(std::get<ShapePoint>(shape));
 }
 

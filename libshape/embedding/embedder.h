@@ -34,6 +34,9 @@ enum class EmbeddingQuality
 /// Weight of angles [rad] against relative lengths: mu of docs/embedding.md, which says what it means.
 inline constexpr double default_smoothness = 5e-3;
 
+/// Largest weight of the distance from the companion mesh: nu of docs/embedding.md [1].
+inline constexpr double default_anchor = 0.05;
+
 /// Fields that belong to a method may be set only where it is chosen; what is not set has its default.
 struct EmbeddingOptions
 {
@@ -43,6 +46,9 @@ struct EmbeddingOptions
     std::optional<EmbeddingQuality> quality = {};
     /// Dihedral weighs angles by this; > 0, default default_smoothness.
     std::optional<double> smoothness = {};
+    /// Dihedral holds meshes near the companion that the turns of the target lead to by at most this;
+    /// >= 0, default default_anchor.
+    std::optional<double> anchor = {};
     /// Multiscale starts to register patches from this; default Incremental.
     std::optional<RegistrationStart> registration_start = {};
     /// Multiscale draws the seed triangles of its patches by this; default 1.
@@ -79,7 +85,8 @@ class Embedder
 {
 public:
     /// @param references  Meshes of the topology near the points to come, at least one: the inputs of
-    ///     a blend, the reference mesh of a model. Results are aligned with the first.
+    ///     a blend, the reference mesh of a model. Results are aligned with the first, and turns of
+    ///     targets (ShapePoint::patch_turns) are against the first.
     /// @throws InvalidInput if an option breaks its rule, there is no reference, or one has
     ///     another size or edges of length 0.
     Embedder(const Topology& topology, std::vector<Points> references,

@@ -58,6 +58,11 @@ Embedding internal::embed_by_dihedrals(const DihedralEmbedder& embedder, const T
     const DihedralEmbedding nearest = embedder.embed(target, options);
     Embedding embedding =
         finished_embedding(topology, nearest.points, reference, target, start, residuals);
+    if (nearest.companion.rows() > 0)
+        embedding.report.companion_rms =
+            100.0 * relative_distance(
+                        embedding.points,
+                        best_rigid_motion(nearest.companion, embedding.points)(nearest.companion));
     embedding.report.iterations = nearest.iterations;
     embedding.report.converged = nearest.converged;
     return embedding;

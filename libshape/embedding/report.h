@@ -2,6 +2,8 @@
 
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <string>
 
 #include "libshape/edge_space/shape_vectors.h"
@@ -36,16 +38,25 @@ struct EmbeddingReport
 
     double closure_energy = 0.0; ///< E of Rojas 2014 eq. 3 that the dihedral solver ended at; for
                                  ///< other methods that of the target's angles [1].
-    int inverted_faces = 0;      ///< Faces without area; or folded flat onto a neighbour (drift of
-                                 ///< an edge beyond 150 deg).
-    int iterations = 0;          ///< Steps of the nonlinear solver.
-    bool converged = false;      ///< The solver met its criterion.
-    double seconds = 0.0;        ///< Wall time of this mesh alone [s].
-    double setup_seconds = 0.0;  ///< Wall time spent once for the topology [s].
+    /// How far the mesh is off in the large: RMS distance of its vertices from the companion
+    /// mesh that the turns of the target lead to, after the best rigid motion, % of the diagonal of
+    /// its bounding box. NaN if the target has no turns.
+    double companion_rms = std::numeric_limits<double>::quiet_NaN();
+
+    std::optional<int> self_intersections = {};     ///< Pairs of faces that cross each other.
+    std::optional<int> new_self_intersections = {}; ///< Those that do so in no reference mesh.
+
+    int inverted_faces = 0;     ///< Faces without area; or folded flat onto a neighbour (drift of
+                                ///< an edge beyond 150 deg).
+    int iterations = 0;         ///< Steps of the nonlinear solver.
+    bool converged = false;     ///< The solver met its criterion.
+    double seconds = 0.0;       ///< Wall time of this mesh alone [s].
+    double setup_seconds = 0.0; ///< Wall time spent once for the topology [s].
 };
 
 /// Measures a mesh against its target: all figures but those of the solver (closure_energy,
-/// iterations, converged, seconds, setup_seconds), which are left at their defaults.
+/// iterations, converged, seconds, setup_seconds) and those that need references (companion_rms,
+/// self_intersections, new_self_intersections), which are left at their defaults.
 [[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                                 const ShapePoint& target);
 

@@ -11,15 +11,11 @@
 #include <utility>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape::internal {
 namespace {
-
-std::size_t index(int i)
-{
-    return static_cast<std::size_t>(i);
-}
 
 /// In single precision, made larger by what that rounds.
 struct Box
@@ -76,11 +72,12 @@ struct LeafBoxes
 SHAPE_VECTORISED void meet(const LeafBoxes& boxes, const float* low, const float* high,
                            std::array<std::uint8_t, LeafBoxes::places>& meets)
 {
+    const auto overlap = [&](std::size_t axis, std::size_t i) {
+        return static_cast<int>(boxes.low[axis][i] <= high[axis]) &
+               static_cast<int>(low[axis] <= boxes.high[axis][i]);
+    };
     for (std::size_t i = 0; i < meets.size(); ++i)
-        meets[i] =
-            static_cast<std::uint8_t>((boxes.low[0][i] <= high[0]) & (low[0] <= boxes.high[0][i]) &
-                                      (boxes.low[1][i] <= high[1]) & (low[1] <= boxes.high[1][i]) &
-                                      (boxes.low[2][i] <= high[2]) & (low[2] <= boxes.high[2][i]));
+        meets[i] = static_cast<std::uint8_t>(overlap(0, i) & overlap(1, i) & overlap(2, i));
 }
 
 /// A sum of doubles without rounding: its parts do not overlap and grow in size.
@@ -197,7 +194,7 @@ int side_of_plane(const double* a, const double* b, const double* c, const doubl
 }
 
 FaceTree::FaceTree(const Topology& topology, const Points& reference)
-    : topology_(topology), order_(index(topology.face_count()))
+    : topology_(topology), order_(to_size(topology.face_count()))
 {
     std::iota(order_.begin(), order_.end(), 0);
     std::vector<Eigen::Array3d> centres;
@@ -212,22 +209,22 @@ FaceTree::FaceTree(const Topology& topology, const Points& reference)
         const int node = static_cast<int>(nodes_.size());
         nodes_.push_back({first, last, 0});
         if (parent >= 0)
-            nodes_[index(parent)].right = node;
+            nodes_[to_size(parent)].right = node;
         if (last - first <= leaf_size)
             continue;
-        Eigen::Array3d low = centres[index(order_[index(first)])];
+        Eigen::Array3d low = centres[to_size(order_[to_size(first)])];
         Eigen::Array3d high = low;
         for (int i = first; i < last; ++i) {
-            low = low.min(centres[index(order_[index(i)])]);
-            high = high.max(centres[index(order_[index(i)])]);
+            low = low.min(centres[to_size(order_[to_size(i)])]);
+            high = high.max(centres[to_size(order_[to_size(i)])]);
         }
         int axis = 0;
         (high - low).maxCoeff(&axis);
         const int middle = (first + last) / 2;
         std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
                          [&](int a, int b) {
-                             return std::pair(centres[index(a)][axis], a) <
-                                    std::pair(centres[index(b)][axis], b);
+                             return std::pair(centres[to_size(a)][axis], a) <
+                                    std::pair(centres[to_size(b)][axis], b);
                          });
         ranges.push_back({middle, last, node});
         ranges.push_back({first, middle, -1});
@@ -254,12 +251,12 @@ std::vector<FacePair> FaceTree::crossings(const Points& points) const
             for (int i = leaf.first; i < leaf.last; ++i) {
                 Box box;
                 for (int c = 0; c < 3; ++c)
-                    box.add(points.row(faces[3 * order_[index(i)] + c])
+                    box.add(points.row(faces[3 * order_[to_size(i)] + c])
                                 .transpose()
                                 .array()
                                 .cast<float>());
                 box.widen(rounding);
-                leaf_boxes[k].set(index(i - leaf.first), box);
+                leaf_boxes[k].set(to_size(i - leaf.first), box);
                 boxes[leaves[k]].add(box);
             }
         }
@@ -267,7 +264,7 @@ std::vector<FacePair> FaceTree::crossings(const Points& points) const
     for (std::size_t n = nodes_.size(); n-- > 0;) // children come after their parents
         if (nodes_[n].right != 0) {
             boxes[n].add(boxes[n + 1]);
-            boxes[n].add(boxes[index(nodes_[n].right)]);
+            boxes[n].add(boxes[to_size(nodes_[n].right)]);
         }
 
     const auto corners = [&](int face) {
@@ -294,7 +291,7 @@ std::vector<FacePair> FaceTree::crossings(const Points& points) const
             const Node& other = nodes_[leaves[theirs]];
             const Box& bounds = boxes[leaves[theirs]];
             for (int i = leaf.first; i < leaf.last; ++i) {
-                const auto place = index(i - leaf.first);
+                const auto place = to_size(i - leaf.first);
                 Box box;
                 for (std::size_t axis = 0; axis < 3; ++axis) {
                     box.low[static_cast<Eigen::Index>(axis)] = leaf_boxes[mine].low[axis][place];
@@ -303,10 +300,10 @@ std::vector<FacePair> FaceTree::crossings(const Points& points) const
                 if (!box.meets(bounds))
                     continue;
                 meet(leaf_boxes[theirs], box.low.data(), box.high.data(), meets);
-                const int face = order_[index(i)];
+                const int face = order_[to_size(i)];
                 for (int j = mine == theirs ? i + 1 : other.first; j < other.last; ++j)
-                    if (const int against = order_[index(j)];
-                        meets[index(j - other.first)] != 0 && !share_a_side(face, against) &&
+                    if (const int against = order_[to_size(j)];
+                        meets[to_size(j - other.first)] != 0 && !share_a_side(face, against) &&
                         cross(corners(face), corners(against)))
                         found[begin / grain].push_back(
                             {std::min(face, against), std::max(face, against)});
@@ -324,7 +321,7 @@ std::vector<FacePair> FaceTree::crossings(const Points& points) const
                 if (node.right == 0) {
                     compare(k, ranks[n]);
                 } else {
-                    stack.push_back(index(node.right));
+                    stack.push_back(to_size(node.right));
                     stack.push_back(n + 1);
                 }
             }

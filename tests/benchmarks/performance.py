@@ -11,6 +11,7 @@ two threads. --closure adds that method (minutes), --names chooses pairs. Tables
 
   pairs       real pairs: errors and times of every method beside the peers
   arm         the same on the synthetic arm from 2,500 to 640,000 vertices, and how times grow
+  shape       blends beside the poses that lie between: how far off in the large
   helix       the same on helices of four and of ten turns
   rate        embeddings a second at about 5,000 vertices
   memory      peak memory of the program on the largest real pair
@@ -31,6 +32,10 @@ from common import call, row, table
 REAL = {"arm": ("mh_arm", "elbow_000", "elbow_1000"), "hand": ("mh_hand", "fist_0", "fist_5"),
         "body": ("mh_body_poses", "rest", "lunge"), "walk": ("mh_body_poses", "walk_00", "walk_06"),
         "face": ("ict_faces_full", "s000_neutral", "s000_happy"), "large": ("large_body", "rest", "lunge")}
+# Pairs of poses, and the pose that lies half-way.
+BETWEEN = {"arm 0, 100 -> 50": ("mh_arm", "elbow_000", "elbow_1000", "elbow_500"),
+           "hand 1, 3 -> 2": ("mh_hand", "fist_1", "fist_3", "fist_2"),
+           "hand 3, 5 -> 4": ("mh_hand", "fist_3", "fist_5", "fist_4")}
 ARMS = [2500, 10_000, 40_000, 160_000, 640_000]
 HELICES = {"helix, 4 turns": (4, 1200), "helix, 10 turns": (10, 3000)}
 RATED = {"arm": ("arm", 5000), "head": ("heads", 5000)}
@@ -57,7 +62,7 @@ def obj_of_ply(source, target):
 class Bench:
     def __init__(self, options):
         self.options = options
-        self.shape = options.build / "tools" / "shape"
+        self.program = options.build / "tools" / "shape"
         self.work = options.work
         self.work.mkdir(exist_ok=True, parents=True)
 
@@ -85,7 +90,7 @@ class Bench:
         return sorted(folder.glob("*.obj"))[:2]
 
     def run(self, *arguments):
-        return call(self.shape, *arguments, "--json", "--quiet", "--force")
+        return call(self.program, *arguments, "--json", "--quiet", "--force")
 
     def interpolate(self, files, *arguments, threads=2):
         """Figures of the half-way blend, and the file."""
@@ -129,6 +134,18 @@ class Bench:
 
     def pairs(self):
         self.methods(self.real())
+
+    def shape(self):
+        table(["blend", "quality", "from the true pose", "from the companion", "edge RMS", "worst edge", "drift RMS",
+               "new crossings", "ms"])
+        for name, (folder, *meshes) in BETWEEN.items():
+            *pair, truth = [self.options.data / folder / f"{mesh}.ply" for mesh in meshes]
+            report = self.benchmark("embedding", *pair, "--truth", truth, "--methods", "fine,preview")
+            for method in ("fine", "preview"):
+                found = report["methods"][method]
+                row(name, method, f"{100 * found['distance']:.3f} %", f"{found['companion_rms']:.3f} %",
+                    f"{100 * found['edge_rms']:.4f} %", f"{100 * found['edge_max']:.2f} %",
+                    f"{found['dihedral_rms_deg']:.3f}°", found["new_self_intersections"], f"{found['ms']:.1f}")
 
     def helix(self):
         self.methods((name, self.synthetic("helix", *HELICES[name])) for name in self.chosen(HELICES))
@@ -277,7 +294,7 @@ def main():
     for folder in ("build", "data", "work"):
         parser.add_argument(folder, type=Path)
     parser.add_argument("--tables",
-                        default="pairs,arm,helix,rate,memory,minima,density,units,bits,faces")
+                        default="pairs,shape,arm,helix,rate,memory,minima,density,units,bits,faces")
     parser.add_argument("--peer")
     parser.add_argument("--closure", action="store_true")
     parser.add_argument("--names")

@@ -7,15 +7,19 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
+#include "libshape/edge_space/shape_vectors.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
 #include "libshape/mesh/alignment.h"
+#include "libshape/mesh/collection.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/synthetic/synthetic.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
@@ -259,6 +263,132 @@ TEST(DihedralEmbedder, ComesNearerByEveryStepOfItsStart)
     };
     EXPECT_LT(energy(1), energy(0));
     EXPECT_LT(energy(4), energy(1));
+}
+
+/// Two bumpy spheres and what lies half-way between them, with turns.
+struct Pair
+{
+    Collection meshes;
+    ShapePoint half;
+};
+
+Pair bumpy_pair()
+{
+    const test::TestMesh mesh = test::bumpy_sphere(4, 0.4, 1);
+    Pair pair{{mesh.topology, {"a", "b"}, {mesh.points, test::bumpy_sphere(4, 0.4, 2).points}, {}},
+              {}};
+    pair.half = blend(shape_vectors(pair.meshes, Scale::None), Eigen::Vector2d(0.5, 0.5));
+    return pair;
+}
+
+TEST(Embedder, GivesMeshesBackFromTheirTurns)
+{
+    const Pair pair = bumpy_pair();
+    const Embedder embedder(pair.meshes.topology, pair.meshes.points);
+    const ShapeVectors vectors = shape_vectors(pair.meshes, Scale::None);
+    for (int i = 0; i < 2; ++i) {
+        const Embedding embedding = embedder.embed(blend(vectors, Eigen::Vector2d::Unit(i)));
+        EXPECT_EQ(embedding.report.status, EmbeddingStatus::Exact);
+        EXPECT_LT(rigid_distance(embedding.points, pair.meshes.points[static_cast<std::size_t>(i)]),
+                  1e-9);
+        EXPECT_LT(embedding.report.companion_rms, 1e-7);
+    }
+}
+
+TEST(Embedder, RigidMotionsOfInputsWithTurnsChangeNothing)
+{
+    Pair pair = bumpy_pair();
+    const Points there = Embedder(pair.meshes.topology, pair.meshes.points).embed(pair.half).points;
+    pair.meshes.points = {test::moved(pair.meshes.points[0], 4),
+                          test::moved(pair.meshes.points[1], 5)};
+    const ShapePoint half =
+        blend(shape_vectors(pair.meshes, Scale::None), Eigen::Vector2d(0.5, 0.5));
+    const Points here = Embedder(pair.meshes.topology, pair.meshes.points).embed(half).points;
+    EXPECT_LT(rigid_distance(here, there), 1e-4); // steps are counted, and rounding differs
+}
+
+TEST(Embedder, AnchorHoldsTheMeshNearItsCompanion)
+{
+    const Pair pair = bumpy_pair();
+    double last = std::numeric_limits<double>::infinity();
+    for (const double anchor : {0.0, 1.0, 1e3}) {
+        const Embedder embedder(pair.meshes.topology, pair.meshes.points, {.anchor = anchor});
+        const double distance = embedder.embed(pair.half).report.companion_rms;
+        EXPECT_LT(distance, last);
+        last = distance;
+    }
+    EXPECT_GT(last, 0.0);
+    // Without turns there is no companion, and the anchor holds nothing.
+    ShapePoint alone = pair.half;
+    alone.patch_turns = {};
+    const Embedding free = Embedder(pair.meshes.topology, pair.meshes.points).embed(alone);
+    EXPECT_TRUE(std::isnan(free.report.companion_rms));
+    EXPECT_TRUE(
+        free.points ==
+        Embedder(pair.meshes.topology, pair.meshes.points, {.anchor = 1e3}).embed(alone).points);
+}
+
+/// A straight cylinder and a helix of four turns: by relative turns far from each other, not by angles.
+TEST(Embedder, LeavesWhatTransitionsAgreeOnToThem)
+{
+    const Collection helix = make_synthetic("helix");
+    const Embedder embedder(helix.topology, helix.points);
+    ShapePoint target = blend(shape_vectors(helix, Scale::None), Eigen::Vector2d(0.5, 0.5));
+    const Points with_turns = embedder.embed(target).points;
+    target.patch_turns = {};
+    EXPECT_TRUE(with_turns == embedder.embed(target).points);
+}
+
+TEST(Embedder, CountsFacesThatPassThroughEachOtherAndThoseThatDoSoInNoReference)
+{
+    const test::TestMesh mesh = test::icosphere(3);
+    Points crossing = mesh.points;
+    crossing.row(0) *= -1.5; // through the other side
+    const auto report = [&](const std::vector<Points>& references, const DecodedShape& shape) {
+        return Embedder(mesh.topology, references).embed(shape).report;
+    };
+    const EmbeddingReport as_it_is = report({mesh.points}, crossing);
+    EXPECT_GT(as_it_is.self_intersections, 0);
+    EXPECT_EQ(as_it_is.new_self_intersections, as_it_is.self_intersections);
+    const EmbeddingReport known = report({mesh.points, crossing}, crossing);
+    EXPECT_EQ(known.self_intersections, as_it_is.self_intersections);
+    EXPECT_EQ(known.new_self_intersections, 0);
+    const EmbeddingReport sphere =
+        report({mesh.points, crossing}, test::shape_of(mesh.topology, mesh.points));
+    EXPECT_EQ(sphere.self_intersections, 0);
+    EXPECT_EQ(as_embedding(mesh.topology, crossing).report.self_intersections, std::nullopt);
+}
+
+TEST(Embedder, HasTheSameBitsForAnyThreadCountAndPowerOfTwoWithTurns)
+{
+    Pair pair = bumpy_pair();
+    const auto embedded = [&] {
+        const ShapePoint half =
+            blend(shape_vectors(pair.meshes, Scale::None), Eigen::Vector2d(0.5, 0.5));
+        return Embedder(pair.meshes.topology, pair.meshes.points).embed(half).points;
+    };
+    const int threads = thread_count();
+    set_thread_count(1);
+    const Points one = embedded();
+    set_thread_count(3);
+    const Points three = embedded();
+    set_thread_count(threads);
+    EXPECT_TRUE(one == three);
+    for (Points& points : pair.meshes.points)
+        points *= 1024.0;
+    EXPECT_LT(rigid_distance(embedded() / 1024.0, one), 1e-12);
+}
+
+TEST(Embedder, RefusesBadTurns)
+{
+    Pair pair = bumpy_pair();
+    const Embedder embedder(pair.meshes.topology, pair.meshes.points);
+    EXPECT_THROW(Embedder(pair.meshes.topology, pair.meshes.points, {.anchor = -1.0}),
+                 InvalidInput);
+    pair.half.patch_turns[2] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW((void)embedder.embed(pair.half), InvalidInput);
+    pair.half.patch_turns = VectorXd::Zero(3);
+    EXPECT_THROW((void)embedder.embed(pair.half), InvalidInput);
 }
 
 TEST(Embedder, RefusesBadInput)

@@ -445,11 +445,26 @@ TEST_F(Commands, EmbeddingsHaveTheFieldsOfTheContract)
     std::set<std::string> fields;
     for (const auto& [field, value] : embedding.items())
         fields.insert(field);
-    EXPECT_EQ(fields, (std::set<std::string>{
-                          "name", "method", "vertices", "status", "edge_rms", "edge_max",
-                          "edge_p999", "edge_p99", "dihedral_rms_deg", "dihedral_p99_deg",
-                          "dihedral_max_deg", "inverted_faces", "closure_energy", "iterations",
-                          "converged", "seconds", "setup_seconds"}));
+    EXPECT_EQ(fields, (std::set<std::string>{"name",
+                                             "method",
+                                             "vertices",
+                                             "status",
+                                             "edge_rms",
+                                             "edge_max",
+                                             "edge_p999",
+                                             "edge_p99",
+                                             "dihedral_rms_deg",
+                                             "dihedral_p99_deg",
+                                             "dihedral_max_deg",
+                                             "inverted_faces",
+                                             "self_intersections",
+                                             "new_self_intersections",
+                                             "companion_rms",
+                                             "closure_energy",
+                                             "iterations",
+                                             "converged",
+                                             "seconds",
+                                             "setup_seconds"}));
     EXPECT_EQ(embedding["name"], "mean");
     EXPECT_EQ(embedding["method"], "dihedral");
     EXPECT_EQ(embedding["vertices"], 42);

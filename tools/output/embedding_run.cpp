@@ -2,9 +2,13 @@
 
 #include "tools/output/embedding_run.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "libshape/base/counted.h"
@@ -30,26 +34,35 @@ Json times_of(const MultiscaleTimes& times)
             {"blending", times.pose.blending},           {"pose", times.pose.total}};
 }
 
+Json or_null(const std::optional<int>& count)
+{
+    return count ? Json(*count) : Json();
+}
+
 Json figures_of(const std::string& mesh, const std::string& method, const Embedding& embedding)
 {
     const EmbeddingReport& report = embedding.report;
-    Json figures{{"name", mesh},
-                 {"method", embedding.instead ? tools::name(*embedding.instead) : method.c_str()},
-                 {"vertices", embedding.points.rows()},
-                 {"status", name(report.status)},
-                 {"edge_rms", report.edge_rms},
-                 {"edge_max", report.edge_max},
-                 {"edge_p999", report.edge_p999},
-                 {"edge_p99", report.edge_p99},
-                 {"dihedral_rms_deg", report.dihedral_rms_deg},
-                 {"dihedral_p99_deg", report.dihedral_p99_deg},
-                 {"dihedral_max_deg", report.dihedral_max_deg},
-                 {"inverted_faces", report.inverted_faces},
-                 {"closure_energy", report.closure_energy},
-                 {"iterations", report.iterations},
-                 {"converged", report.converged},
-                 {"seconds", report.seconds},
-                 {"setup_seconds", report.setup_seconds}};
+    Json figures{
+        {"name", mesh},
+        {"method", embedding.instead ? tools::name(*embedding.instead) : method.c_str()},
+        {"vertices", embedding.points.rows()},
+        {"status", name(report.status)},
+        {"edge_rms", report.edge_rms},
+        {"edge_max", report.edge_max},
+        {"edge_p999", report.edge_p999},
+        {"edge_p99", report.edge_p99},
+        {"dihedral_rms_deg", report.dihedral_rms_deg},
+        {"dihedral_p99_deg", report.dihedral_p99_deg},
+        {"dihedral_max_deg", report.dihedral_max_deg},
+        {"inverted_faces", report.inverted_faces},
+        {"self_intersections", or_null(report.self_intersections)},
+        {"new_self_intersections", or_null(report.new_self_intersections)},
+        {"companion_rms", std::isnan(report.companion_rms) ? Json() : Json(report.companion_rms)},
+        {"closure_energy", report.closure_energy},
+        {"iterations", report.iterations},
+        {"converged", report.converged},
+        {"seconds", report.seconds},
+        {"setup_seconds", report.setup_seconds}};
     if (embedding.multiscale)
         figures["multiscale_seconds"] = times_of(*embedding.multiscale);
     return figures;
@@ -219,6 +232,16 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
                     smoothness, "); of the method dihedral"),
                Sign::Positive)
         ->group("Embedding");
+    add_number(
+        command, "--anchor", options.anchor,
+        join("How firmly a mesh is held near its companion, the mesh that the blended turns of\n"
+             "patches lead to, so that it does not bend a little everywhere; less where lengths\n"
+             "and angles resist; >= 0, 0: not at all (default: ",
+             default_anchor, "); of the method dihedral"))
+        ->check([](const std::string& text) {
+            return std::strtod(text.c_str(), nullptr) < 0.0 ? text + " must be >= 0" : "";
+        })
+        ->group("Embedding");
     add_choice(
         command, "--init", options.registration_start,
         "Where the method multiscale starts to register patches: incremental, each from the\n"
@@ -365,6 +388,7 @@ void check_methods(const EmbeddingOptions& given, const std::vector<EmbeddingMet
     };
     belongs_to(EmbeddingMethod::Dihedral, "--quality", given.quality.has_value());
     belongs_to(EmbeddingMethod::Dihedral, "--smoothness", given.smoothness.has_value());
+    belongs_to(EmbeddingMethod::Dihedral, "--anchor", given.anchor.has_value());
     belongs_to(EmbeddingMethod::Multiscale, "--init", given.registration_start.has_value());
 }
 
@@ -375,6 +399,7 @@ EmbeddingOptions options_of(const Session& session, EmbeddingMethod method,
     if (method == EmbeddingMethod::Dihedral) {
         options.quality = given.quality;
         options.smoothness = given.smoothness;
+        options.anchor = given.anchor;
     }
     if (method == EmbeddingMethod::Multiscale) {
         options.registration_start = given.registration_start;

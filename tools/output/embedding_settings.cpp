@@ -16,6 +16,7 @@ Json embedding_settings(const Session& session, const EmbeddingOptions& options)
             {"--method", name(options.method)},
             {"--quality", options.quality == EmbeddingQuality::Preview ? "preview" : "fine"},
             {"--smoothness", print_number(options.smoothness.value_or(default_smoothness))},
+            {"--anchor", print_number(options.anchor.value_or(default_anchor))},
             {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
                                                                                  : "incremental"},
             {"--seed", join(session.seed)}};

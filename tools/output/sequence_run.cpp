@@ -58,7 +58,8 @@ Json identity(const Session& session, const EmbeddingOptions& options,
     std::string blends = join(sequence.targets.size(), sequence.is_path ? " frames " : " blends ");
     for (const EmbeddingTarget& target : sequence.targets) {
         const ShapePoint point = point_of(target);
-        blends = hash_of(hash_of(blends, point.edge_lengths), point.dihedral_angles);
+        blends = hash_of(hash_of(hash_of(blends, point.edge_lengths), point.dihedral_angles),
+                         point.patch_turns);
     }
     Json all = embedding_settings(session, options);
     all.update({{"meshes", inputs},

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -97,6 +98,15 @@ SpaceOptions space_options(const std::string& space, const std::string& scale,
     return options;
 }
 
+namespace {
+
+py::object or_none(const std::optional<int>& count)
+{
+    return count ? py::object(py::int_(*count)) : py::object(py::none());
+}
+
+} // namespace
+
 py::tuple to_python(Embedding embedding)
 {
     const EmbeddingReport& report = embedding.report;
@@ -112,6 +122,11 @@ py::tuple to_python(Embedding embedding)
     figures["dihedral_max_deg"] = report.dihedral_max_deg;
     figures["closure_energy"] = report.closure_energy;
     figures["inverted_faces"] = report.inverted_faces;
+    figures["self_intersections"] = or_none(report.self_intersections);
+    figures["new_self_intersections"] = or_none(report.new_self_intersections);
+    figures["companion_rms"] = std::isnan(report.companion_rms)
+                                   ? py::object(py::none())
+                                   : py::object(py::float_(report.companion_rms));
     figures["iterations"] = report.iterations;
     figures["converged"] = report.converged;
     figures["seconds"] = report.seconds;

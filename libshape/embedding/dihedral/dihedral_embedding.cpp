@@ -2,6 +2,8 @@
 
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -42,13 +44,25 @@ void check(const Topology& topology, const std::vector<Points>& references)
             throw InvalidInput("a reference mesh has an edge of length 0");
 }
 
+/// While the mesh is held by so much, it shows how E resists.
+constexpr double probing_anchor = 0.003;
+
+/// What is left of an anchor where E wants another mesh in the large.
+/// @param resistance  #E d^2 / E, d being the relative_distance() of the probe from the companion.
+double yielding(double anchor, double resistance)
+{
+    constexpr double strong = 0.6;
+    return anchor / (1.0 + std::pow(resistance / strong, 4));
+}
+
 } // namespace
 
 struct DihedralEmbedder::State
 {
     Renumbering renumbering; // all else is in its order
     std::vector<Points> references;
-    EdgeLaplacian laplacian; // of the references' mean lengths
+    EdgeLaplacian laplacian;    // of the references' mean lengths
+    ReferencePatches reference; // of turns
     Pool<LinearStart> starts;
 
     /// @param factor  Of the Laplacian, if it is known: one or none.
@@ -58,9 +72,10 @@ struct DihedralEmbedder::State
           references(in_order(renumbering, meshes)),
           laplacian(renumbering.topology, mean_lengths(renumbering.topology, references),
                     std::forward<Factor>(factor)...),
+          reference(renumbering.topology, references.front()),
           starts([this, patches = std::make_shared<FacePatches>(renumbering.topology, 64)] {
-              return std::make_unique<LinearStart>(renumbering.topology, patches, laplacian,
-                                                   laplacian.single_precision());
+              return std::make_unique<LinearStart>(renumbering.topology, patches, reference,
+                                                   laplacian, laplacian.single_precision());
           })
     {
     }
@@ -88,15 +103,15 @@ ShapePoint target_of(const Renumbering& renumbering, const ShapePoint& point)
                                 point.dihedral_angles.size(), " dihedral angles, the topology ",
                                 topology.edge_count(), " edges"));
     return {positive_lengths(renumbered(renumbering, point.edge_lengths)),
-            renumbered(renumbering, point.dihedral_angles)};
+            renumbered(renumbering, point.dihedral_angles), point.patch_turns};
 }
 
 /// Vertices row by row in the order of the renumbering, in their own, about their centroid.
 Points result_of(const Renumbering& renumbering, const VectorXd& points)
 {
-    Points result = restored(
-        renumbering,
-        Eigen::Map<const Points>(points.data(), renumbering.topology.vertex_count(), 3));
+    Points result =
+        restored(renumbering,
+                 Eigen::Map<const Points>(points.data(), renumbering.topology.vertex_count(), 3));
     result.rowwise() -= centroid(result);
     return result;
 }
@@ -106,6 +121,7 @@ Points result_of(const Renumbering& renumbering, const VectorXd& points)
 void check(const DihedralEmbeddingOptions& options)
 {
     require_positive(options.smoothness, "DihedralEmbeddingOptions.smoothness");
+    require_not_negative(options.anchor, "DihedralEmbeddingOptions.anchor");
     require_at_least(0, options.local_global_steps, "DihedralEmbeddingOptions.local_global_steps");
     require_at_least(0, options.max_iterations, "DihedralEmbeddingOptions.max_iterations");
     require_at_least(2, options.first_linear_steps, "DihedralEmbeddingOptions.first_linear_steps");
@@ -153,6 +169,12 @@ DihedralEmbedder::~DihedralEmbedder() = default;
 DihedralEmbedder::DihedralEmbedder(DihedralEmbedder&&) noexcept = default;
 DihedralEmbedder& DihedralEmbedder::operator=(DihedralEmbedder&&) noexcept = default;
 
+double relative_distance(const Points& points, const Points& companion)
+{
+    const double square = (points - companion).rowwise().squaredNorm().mean();
+    return std::sqrt(square) / bounding_box_diagonal(points);
+}
+
 DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
@@ -160,6 +182,12 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     State& s = *state_;
     const Topology& topology = s.renumbering.topology;
     const ShapePoint target = target_of(s.renumbering, point);
+    const bool has_companion = point.patch_turns.size() > 0;
+    const auto pairs = static_cast<Eigen::Index>(s.reference.patches.pairs.size());
+    if (has_companion && (point.patch_turns.size() != 3 * pairs || !point.patch_turns.allFinite()))
+        throw InvalidInput(join("target has ", point.patch_turns.size(),
+                                " numbers of turns, must be 3 for each of ", pairs,
+                                " pairs of patches, all finite"));
     LengthDihedralEnergy energy(topology, target, options.smoothness);
     const auto start = s.starts.borrow();
     const Points& linear = start->points(target, options.local_global_steps);
@@ -169,16 +197,19 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     // Rounding: strains of 1e-12 an edge are none.
     const double nothing = 1e-24 * topology.edge_count();
     VectorXd points = linear.reshaped<Eigen::RowMajor>();
+    if (has_companion)
+        result.companion = result_of(s.renumbering, linear.reshaped<Eigen::RowMajor>());
+    int first_linear_steps = options.first_linear_steps;
     Descender descender(energy, s.laplacian.single_precision());
     const auto descend_to = [&](int iterations) {
         Descent descent = descender.descend(std::move(points),
                                             {.max_linear_steps = iterations - result.iterations,
-                                             .first_linear_steps = options.first_linear_steps,
+                                             .first_linear_steps = first_linear_steps,
                                              .decrease_tolerance = options.decrease_tolerance,
                                              .value_tolerance = nothing});
         points = std::move(descent.points);
         result.iterations += descent.linear_steps;
-        result.energy = descent.energy;
+        result.energy = descent.energy - energy.hold_energy(points);
         result.converged = descent.converged;
     };
     const auto repair = [&](std::vector<std::vector<int>> regions) {
@@ -191,12 +222,28 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     };
     if (options.relax_start)
         repair(hot_spots(energy, points));
-    // Folds show once what is rough about the start is gone.
-    for (const int iterations : options.repairs)
-        if (iterations <= options.max_iterations && !result.converged) {
-            descend_to(iterations);
-            repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
+    // Folds show once what is rough about the start is gone. From then on the mesh is held near it, weakly
+    // at first: how far it goes all the same says how firmly it may be held.
+    const bool is_held = start->turn_share() > 0.0 && options.anchor > 0.0;
+    for (std::size_t i = 0; i < options.repairs.size(); ++i) {
+        if (options.repairs[i] > options.max_iterations || result.converged)
+            break;
+        descend_to(options.repairs[i]);
+        repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
+        if (!is_held || result.energy <= nothing || result.iterations >= options.max_iterations)
+            continue;
+        const Points here = points.reshaped<Eigen::RowMajor>(linear.rows(), 3);
+        const Points companion = best_rigid_motion(linear, here)(linear);
+        double weight = probing_anchor;
+        if (i > 0) {
+            const double way = relative_distance(here, companion);
+            weight = yielding(options.anchor, topology.edge_count() * way * way / result.energy);
         }
+        energy.hold_near(companion.reshaped<Eigen::RowMajor>(),
+                         start->turn_share() * std::min(weight, options.anchor));
+        first_linear_steps = options.first_linear_steps + options.first_linear_steps / 2;
+        result.converged = false;
+    }
     if (result.iterations == 0 ||
         (result.iterations < options.max_iterations && !result.converged)) {
         energy.keep_areas();

@@ -19,6 +19,9 @@ struct DihedralEmbeddingOptions
 {
     /// Angles weigh this much against lengths: mu of length_dihedral_energy.h; > 0.
     double smoothness = 5e-3;
+    /// From the second repair on a mesh whose target has turns is held near where it started by at most
+    /// this (nu of hold_near()), less where transitions agree (turn_share()) or E resists; >= 0.
+    double anchor = 0.05;
     /// The linear start is followed by this many face steps; >= 0.
     int local_global_steps = 3;
     /// Hot spots are solved before the descent.
@@ -48,13 +51,17 @@ void check(const DihedralEmbeddingOptions& options);
 struct DihedralEmbedding
 {
     Points points;       ///< #V by 3 [length], centroid at 0.
-    double energy = 0.0; ///< E of length_dihedral_energy.h.
+    Points companion;    ///< The same, of the start that turns led to; none if the point has none.
+    double energy = 0.0; ///< E of length_dihedral_energy.h, without what holds it near.
     int iterations = 0;  ///< Linear steps of descent.h.
     int back_substitutions =
         0;                    ///< With the factor of the vertex Laplacian, three right-hand sides.
     int repaired_regions = 0; ///< region_repair.h
     bool converged = false;
 };
+
+/// Root mean square of the distances of vertices over the diagonal of the bounding box of points [1].
+[[nodiscard]] double relative_distance(const Points& points, const Points& companion);
 
 /// Our embedding: the closed mesh nearest to wanted lengths and dihedral angles.
 ///
@@ -63,7 +70,9 @@ struct DihedralEmbedding
 /// 2. Positions: one Laplace solve; then face steps, each rotating every face to its
 ///    best fit and solving again.
 /// 3. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); between them
-///    folds are turned back (fold_regions.h, region_repair.h). A preview starts with the hot spots
+///    folds are turned back (fold_regions.h, region_repair.h). From the first of these on a mesh whose
+///    target has turns is held near its linear start, weakly; from the second on as firmly as the
+///    energy allows, which the way it went meanwhile shows (docs/embedding.md). A preview starts with the hot spots
 ///    (hot_spots.h): what is wrong with a start is in a few places, where global steps are small.
 ///
 /// What depends on topology and references alone is kept: patches and the factor of the Laplacian
@@ -96,9 +105,9 @@ public:
     /// @param start  #V by 3, of whatever size and place.
     /// @param linear_steps  >= 2.
     /// @throws InvalidInput, NumericalError as embed(), or if start has another size.
-    [[nodiscard]] DihedralEmbedding sweep(const ShapePoint& point, const Points& start,
-                                          int linear_steps,
-                                          double smoothness = DihedralEmbeddingOptions().smoothness) const;
+    [[nodiscard]] DihedralEmbedding sweep(
+        const ShapePoint& point, const Points& start, int linear_steps,
+        double smoothness = DihedralEmbeddingOptions().smoothness) const;
 
     /// What takes the most time to find.
     [[nodiscard]] const SinglePrecisionSolve& factor() const;

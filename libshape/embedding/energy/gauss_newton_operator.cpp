@@ -173,15 +173,18 @@ SHAPE_VECTORISED void lift_faces(std::size_t begin, std::size_t end, const int* 
 /// @return The sum of force . motion.
 SHAPE_VECTORISED double gather_forces(std::size_t begin, std::size_t end, const Topology& topology,
                                       const Lanes* normals, const Lanes* lifts,
-                                      const Lanes* directions, const Lanes* motion, Lanes* forces)
+                                      const Lanes* directions, const float* holds,
+                                      const Lanes* motion, Lanes* forces)
 {
     double square = 0.0;
     for (std::size_t first = begin; first < end; first += short_sum) {
         Lanes products{};
         for (std::size_t v = first; v < std::min(first + short_sum, end); ++v) {
             const Lanes here = motion[v];
-            const Lanes force = force_at(topology.spokes(static_cast<int>(v)), here, normals, lifts,
-                                         directions, motion);
+            Lanes force = force_at(topology.spokes(static_cast<int>(v)), here, normals, lifts,
+                                   directions, motion);
+            if (holds != nullptr)
+                force += holds[v] * here;
             forces[v] = force;
             products += here * force;
         }
@@ -225,6 +228,7 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
         }
     });
     collapses_ = energy_.collapses();
+    holds_ = (unit_ * unit_ * energy_.hold_weights()).cast<float>();
     Lanes* const normals = internal::lanes(normals_);
     Lanes* const cotangents = internal::lanes(cotangents_);
     Lanes* const stiffness = internal::lanes(stiffness_);
@@ -272,8 +276,10 @@ double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
     });
     double square =
         parallel_sum(to_size(t.vertex_count()), grain / 2, [&](std::size_t begin, std::size_t end) {
+            const float* const holds = holds_.size() > 0 ? holds_.data() : nullptr;
             return gather_forces(begin, end, t, normals, internal::lanes(lifts_),
-                                 internal::lanes(directions_), motion, internal::lanes(product));
+                                 internal::lanes(directions_), holds, motion,
+                                 internal::lanes(product));
         });
     for (const auto& [face, residual, gradients] : collapses_) {
         double change = 0.0;

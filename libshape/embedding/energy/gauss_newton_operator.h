@@ -48,6 +48,8 @@ private:
     LaneVectors bends_;      // of the faces at their edges, times the lengths
     LaneVectors lifts_;      // of the faces at their corners
 
+    Eigen::VectorXf holds_; // of the vertices: hold_weights() of the energy, or empty
+
     std::vector<LengthDihedralEnergy::Collapse> collapses_;
 };
 

@@ -217,6 +217,39 @@ void LengthDihedralEnergy::keep_areas()
     }
 }
 
+void LengthDihedralEnergy::hold_near(VectorXd points, double weight)
+{
+    const Topology& t = topology_;
+    const auto point = [&](int v) -> Vector3d { return points.segment<3>(3 * v); };
+    VectorXd shares = VectorXd::Zero(t.vertex_count());
+    for (int f = 0; f < t.face_count(); ++f) {
+        const auto corners = t.faces().row(f);
+        const Vector3d a = point(corners[0]);
+        const double area = (point(corners[1]) - a).cross(point(corners[2]) - a).norm();
+        for (const int v : corners)
+            shares[v] += area;
+    }
+    shares /= shares.sum();
+    const auto rows = points.reshaped<Eigen::RowMajor>(t.vertex_count(), 3);
+    const Eigen::RowVector3d centre = shares.transpose() * rows;
+    const double square = 12.0 * shares.dot((rows.rowwise() - centre).rowwise().squaredNorm());
+    hold_weights_ = weight * t.edge_count() / square * shares;
+    held_points_ = std::move(points);
+}
+
+double LengthDihedralEnergy::hold_energy(const VectorXd& points) const
+{
+    return parallel_sum(
+        static_cast<std::size_t>(hold_weights_.size()), 8 * block_size,
+        [&](std::size_t begin, std::size_t end) {
+            double sum = 0.0;
+            for (auto v = static_cast<Eigen::Index>(begin); v < static_cast<Eigen::Index>(end); ++v)
+                sum += hold_weights_[v] *
+                       (points.segment<3>(3 * v) - held_points_.segment<3>(3 * v)).squaredNorm();
+            return sum;
+        });
+}
+
 /// Faces below half of their areas: what they add to E, to the energies of one of their edges, and to
 /// its gradient, to the pulls of all three; d|n| / dl = l cot(opposite angle), n as long as 2 A.
 void LengthDihedralEnergy::add_collapses(const VectorXd& points)
@@ -312,10 +345,20 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
         gather_gradient(static_cast<int>(begin), static_cast<int>(end), t, points.data(),
                         normals_.data(), lifts_.data(), pulls_.data(), gradient.data());
     });
-    return parallel_sum(
+    double energy = parallel_sum(
         to_size(t.edge_count()), 8 * block_size, [&](std::size_t begin, std::size_t end) {
             return std::accumulate(energies_.data() + begin, energies_.data() + end, 0.0);
         });
+    if (hold_weights_.size() > 0) {
+        for_blocks(t.vertex_count(), [&](int first, int count) {
+            for (int v = first; v < first + count; ++v)
+                gradient.segment<3>(3 * v) +=
+                    2.0 * hold_weights_[v] *
+                    (points.segment<3>(3 * v) - held_points_.segment<3>(3 * v));
+        });
+        energy += hold_energy(points);
+    }
+    return energy;
 }
 
 } // namespace shape::internal

@@ -48,7 +48,25 @@ public:
     /// Descender knows this term.
     void keep_areas();
 
-    /// A face that this term acts on: r = sqrt(beta) log(A* / (2 A)), and dr by its corners.
+    /// From now on E has another term for every vertex,
+    ///
+    ///     weight #E sum_v a_v |x_v - y_v|^2 / D^2,
+    ///
+    /// a_v being the shares of the vertices in the area of y, and D^2 = 12 sum_v a_v |y_v - centre|^2:
+    /// of a box full of points that is the square of its diagonal. E is soft against what bends a mesh a
+    /// little everywhere; so even a small weight keeps such a bend as it is in y, and lengths and
+    /// angles hardly notice. As E itself knows no pose, x moves to its best fit to y on its own.
+    /// @param points  y: #V by 3, row by row in one vector [length].
+    /// @param weight  [1], >= 0.
+    void hold_near(Eigen::VectorXd points, double weight);
+
+    /// What this term adds at points; 0 if nothing is held.
+    [[nodiscard]] double hold_energy(const Eigen::VectorXd& points) const;
+
+    /// weight #E a_v / D^2 of every vertex [1/length^2]; empty if nothing is held.
+    [[nodiscard]] const Eigen::VectorXd& hold_weights() const { return hold_weights_; }
+
+    /// A face that keep_areas() acts on: r = sqrt(beta) log(A* / (2 A)), and dr by its corners.
     struct Collapse
     {
         int face;
@@ -93,6 +111,9 @@ private:
     double stiffness_ = 1.0;
     bool areas_kept_ = false;
     Eigen::VectorXd least_squares_; // of normals of faces with half of the wanted area
+
+    Eigen::VectorXd held_points_;
+    Eigen::VectorXd hold_weights_;
 
     // What evaluate() works in. Pages that are asked for anew at every step cost more than the work.
     Points normals_;                  // of the faces, as long as twice the area

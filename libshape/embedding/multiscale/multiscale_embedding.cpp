@@ -334,7 +334,8 @@ private:
 /// @throws InvalidInput, NumericalError as MultiscaleEmbedder::embed() does.
 void check_target(const Topology& topology, const ShapePoint& target)
 {
-    const auto& [lengths, angles] = target;
+    const Eigen::VectorXd& lengths = target.edge_lengths;
+    const Eigen::VectorXd& angles = target.dihedral_angles;
     const Eigen::Index edges = topology.edge_count();
     if (lengths.size() != edges || angles.size() != edges)
         throw InvalidInput(join("target has ", lengths.size(), " edge lengths and ", angles.size(),

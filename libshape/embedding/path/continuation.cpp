@@ -28,23 +28,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Frames of the faces as face_layout.h wants them: x along the first half-edge, z the normal.
-Rotations face_frames(const Topology& topology, const Points& points)
-{
-    Rotations frames(to_size(topology.face_count()));
-    for (int f = 0; f < topology.face_count(); ++f) {
-        const auto side = [&](int corner) -> Vector3d {
-            return (points.row(topology.faces()(f, corner)) - points.row(topology.faces()(f, 0)))
-                .normalized();
-        };
-        const Vector3d normal = side(1).cross(side(2)).normalized();
-        Matrix3d frame;
-        frame << side(1), normal.cross(side(1)), normal;
-        frames[to_size(f)] = frame;
-    }
-    return frames;
-}
-
 /// Positions whose edges are nearest, relative to their lengths, to what the faces want.
 class GradedLaplacian
 {

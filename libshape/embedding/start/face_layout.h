@@ -4,14 +4,11 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <vector>
 
+#include "libshape/mesh/rotations.h"
 #include "libshape/mesh/topology.h"
 
 namespace shape::internal {
-
-/// Unit quaternions: half the memory of matrices.
-using Rotations = std::vector<Eigen::Quaterniond>;
 
 /// What lengths and dihedral angles say about every face and every pair of neighbours, without any
 /// position. The frame of face f has its x axis along half-edge 3 f and z as its outward normal.

@@ -34,8 +34,10 @@ void set_transition_weights(const Topology& topology, const Rotations& transitio
 } // namespace
 
 LinearStart::LinearStart(const Topology& topology, std::shared_ptr<const FacePatches> patches,
-                         const EdgeLaplacian& laplacian, const SinglePrecisionSolve& solve)
+                         const ReferencePatches& reference, const EdgeLaplacian& laplacian,
+                         const SinglePrecisionSolve& solve)
     : topology_(topology),
+      reference_(reference),
       laplacian_(laplacian),
       single_precision_(solve),
       patch_frames_(std::move(patches))
@@ -50,13 +52,32 @@ const Points& LinearStart::points(const ShapePoint& target, int face_steps)
     // Where every walk closes (r < 3e-6) there may be a mesh with all lengths and angles as wanted, and
     // single precision would lose it.
     closes_ = trust_.minCoeff() > 1.0 - 1e-9;
-    frames_ = patch_frames_.face_frames(layout_.transitions, trust_, std::move(frames_));
+    orient(target);
     solve_for_points();
     for (int step = 0; step < face_steps; ++step) {
         frames_ = fit_faces(topology_, layout_, laplacian_.weights(), points_, std::move(frames_));
         solve_for_points();
     }
     return points_;
+}
+
+void LinearStart::orient(const ShapePoint& target)
+{
+    constexpr double agreement = 3e-4;
+    const double distrust = 1.0 - trust_.mean();
+    share_ = target.patch_turns.size() > 0 && distrust > agreement
+                 ? 1.0 - agreement / distrust * (agreement / distrust)
+                 : 0.0;
+    if (share_ == 0.0) {
+        frames_ = patch_frames_.face_frames(layout_.transitions, trust_, std::move(frames_));
+        return;
+    }
+    if (!turned_frames_)
+        turned_frames_.emplace(std::shared_ptr<const FacePatches>(
+            std::shared_ptr<void>(), &reference_.patches)); // not owned
+    const PatchTurning turning{reference_, target.patch_turns, share_};
+    frames_ =
+        turned_frames_->face_frames(layout_.transitions, trust_, std::move(frames_), &turning);
 }
 
 void LinearStart::solve_for_points()

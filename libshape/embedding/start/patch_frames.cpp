@@ -174,33 +174,73 @@ void PatchFrames::grow_trees(const Rotations& transitions, const VectorXd& weigh
     });
 }
 
-/// G_p A = G_q for every bridge, A = L_f T L_g^T.
+/// G_p A = G_q for every bridge, A = L_f T L_g^T; and for every pair of patches with turns, where A
+/// takes the reference from the frames of one patch to those of the other.
 void PatchFrames::connect(const Rotations& transitions, const VectorXd& weights,
-                          const Rotations& frames)
+                          const Rotations& frames, const PatchTurning* turning)
 {
     const FacePatches& patches = *patches_;
+    // Neighbours that turn by nearly half a turn say little: their rotation vector is hardly unique.
+    const auto share_of_turns = [&](std::size_t pair) {
+        if (turning == nullptr)
+            return 0.0;
+        constexpr double least = 0.01; // no patch may come loose
+        const double angle = turning->turns.segment<3>(3 * static_cast<Eigen::Index>(pair)).norm();
+        return turning->share * std::max(least, 0.5 * (1.0 + std::cos(angle)));
+    };
+    Rotations of_patches; // from the reference to the patches as they are laid out
+    if (turning != nullptr) {
+        of_patches.resize(to_size(patches.count()));
+        parallel_for(of_patches.size(), 64, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t p = begin; p < end; ++p)
+                of_patches[p] = turning->reference.rotation(static_cast<int>(p), frames);
+        });
+    }
     std::vector<double> pair_weights(patches.pairs.size());
     parallel_for(pair_weights.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const FacePatches::Pair& pair = patches.pairs[k];
             Matrix3d block = Matrix3d::Zero(); // rows of the higher patch, columns of the lower
+            const double turned = share_of_turns(k);
             for (std::size_t b = pair.first_bridge; b < patches.end_bridge(k); ++b) {
                 const auto [edge, lower, higher, from_left] = patches.bridges[b];
                 // A frame that hangs by an edge of little trust has no say about other patches.
-                const double weight = weights[edge] * trust_[lower] * trust_[higher];
+                const double weight =
+                    (1.0 - turned) * weights[edge] * trust_[lower] * trust_[higher];
                 const Quaterniond turn = followed_by(
                     followed_by(frames[to_size(lower)], transitions[to_size(edge)], from_left),
                     frames[to_size(higher)], false);
                 block -= weight * turn.toRotationMatrix().transpose();
                 pair_weights[k] += weight;
             }
-            for (int i = 0; i < 3; ++i) {
-                const int column = connection_.outerIndexPtr()[3 * pair.lower + i];
-                Eigen::Vector3d::Map(connection_.valuePtr() + column + 1 + 3 * pair.rank) =
-                    block.col(i);
+            if (turning != nullptr) {
+                const Eigen::Vector3d turn =
+                    turning->turns.segment<3>(3 * static_cast<Eigen::Index>(k));
+                const double weight =
+                    turned * static_cast<double>(patches.end_bridge(k) - pair.first_bridge);
+                const Quaterniond way = of_patches[to_size(pair.lower)] * rotation_by(turn) *
+                                        of_patches[to_size(pair.higher)].conjugate();
+                block -= weight * way.toRotationMatrix().transpose();
+                pair_weights[k] += weight;
             }
+            set_block(pair, block);
         }
     });
+    factorise(pair_weights);
+}
+
+/// @param block  Rows of the higher patch, columns of the lower.
+void PatchFrames::set_block(const FacePatches::Pair& pair, const Matrix3d& block)
+{
+    for (int i = 0; i < 3; ++i) {
+        const int column = connection_.outerIndexPtr()[3 * pair.lower + i];
+        Eigen::Vector3d::Map(connection_.valuePtr() + column + 1 + 3 * pair.rank) = block.col(i);
+    }
+}
+
+void PatchFrames::factorise(const std::vector<double>& pair_weights)
+{
+    const FacePatches& patches = *patches_;
     VectorXd degree = VectorXd::Zero(patches.count());
     for (std::size_t k = 0; k < pair_weights.size(); ++k) {
         degree[patches.pairs[k].lower] += pair_weights[k];
@@ -214,18 +254,22 @@ void PatchFrames::connect(const Rotations& transitions, const VectorXd& weights,
 }
 
 Rotations PatchFrames::face_frames(const Rotations& transitions, const VectorXd& weights,
-                                   Rotations memory)
+                                   Rotations memory, const PatchTurning* turning)
 {
     const FacePatches& patches = *patches_;
     if (transitions.size() != to_size(patches.edge_count) || weights.size() != patches.edge_count)
         throw InvalidInput(join("face frames: ", transitions.size(), " transitions and ",
                                 weights.size(), " weights for ", patches.edge_count, " edges"));
+    if (turning != nullptr &&
+        turning->turns.size() != 3 * static_cast<Eigen::Index>(patches.pairs.size()))
+        throw InvalidInput(join("face frames: ", turning->turns.size(), " numbers of turns for ",
+                                patches.pairs.size(), " pairs of patches"));
     Rotations frames = std::move(memory);
     frames.resize(patches.faces.size());
     grow_trees(transitions, weights, frames);
     if (patches.count() == 1)
         return frames;
-    connect(transitions, weights, frames);
+    connect(transitions, weights, frames, turning);
     const Eigen::MatrixXd vectors = smallest_eigenvectors(factor_);
 
     // The vectors are the rows of the matrices G; their common sign is free, a reflection is not.

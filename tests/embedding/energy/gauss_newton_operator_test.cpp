@@ -133,6 +133,25 @@ TEST(GaussNewtonOperator, AddsTheSquaresOfAreasThatAreKept)
     }
 }
 
+TEST(GaussNewtonOperator, AddsTheWeightsOfVerticesThatAreHeld)
+{
+    const test::TestMesh mesh = test::torus(12, 20);
+    Random random(6);
+    LengthDihedralEnergy energy(mesh.topology, target_near(mesh, random), mu);
+    const LaneVectors v = test::random_lane_vectors(mesh.points.rows(), random);
+    GaussNewtonOperator matrix(energy);
+    linearise(matrix, energy, mesh.points);
+    LaneVectors product;
+    const double before = matrix.apply(v, product);
+    energy.hold_near(mesh.points.reshaped<Eigen::RowMajor>(), 1e3);
+    linearise(matrix, energy, mesh.points);
+    const double held = matrix.unit() * matrix.unit() *
+                        energy.hold_weights().dot(
+                            v.topRows<3>().cast<double>().colwise().squaredNorm().transpose());
+    EXPECT_GT(held, 0.1 * before);
+    EXPECT_NEAR(matrix.apply(v, product), before + held, 1e-4 * (before + held));
+}
+
 TEST(GaussNewtonOperator, IgnoresRigidMotions)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {

@@ -175,6 +175,38 @@ TEST(LengthDihedralEnergy, IsTheSumOfItsDefinition)
     }
 }
 
+TEST(LengthDihedralEnergy, HoldsVerticesByTheirSharesOfTheArea)
+{
+    // A box's surface is no box full of points; a sphere of radius 1 has sum a |y - centre|^2 = 1.
+    const test::TestMesh mesh = test::icosphere(3);
+    LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+    const Points held = test::moved(mesh.points, 3);
+    EXPECT_EQ(energy.hold_energy(flat(held)), 0.0);
+    energy.hold_near(flat(held), 0.5);
+    VectorXd gradient;
+    EXPECT_LT(energy.evaluate(flat(held), gradient), 1e-20);
+    EXPECT_LT(gradient.norm(), 1e-9);
+    // Moved as a whole by d: weight #E d^2 / D^2, D^2 = 12.
+    const Points away = held.rowwise() + Eigen::RowVector3d(0.3, -0.1, 0.2);
+    EXPECT_NEAR(energy.evaluate(flat(away), gradient),
+                0.5 * mesh.topology.edge_count() * 0.14 / 12.0, 1e-10);
+    EXPECT_NEAR(energy.hold_weights().sum(), 0.5 * mesh.topology.edge_count() / 12.0, 1e-10);
+    EXPECT_NEAR(energy.hold_energy(flat(away)), 0.5 * mesh.topology.edge_count() * 0.14 / 12.0,
+                1e-10);
+
+    VectorXd x = flat(away);
+    VectorXd unused;
+    (void)energy.evaluate(x, gradient);
+    for (Eigen::Index i = 0; i < x.size(); i += 97) {
+        const double here = std::exchange(x[i], x[i] + 1e-6);
+        const double above = energy.evaluate(x, unused);
+        x[i] = here - 1e-6;
+        const double below = energy.evaluate(x, unused);
+        x[i] = here;
+        EXPECT_NEAR((above - below) / 2e-6, gradient[i], 1e-7 * gradient.norm());
+    }
+}
+
 TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferences)
 {
     std::vector<test::TestMesh> meshes = test::sample_meshes();

@@ -15,11 +15,11 @@
 #include "libshape/embedding/start/edge_laplacian.h"
 #include "libshape/embedding/start/face_fit.h"
 #include "libshape/embedding/start/face_layout.h"
-#include "libshape/embedding/start/face_patches.h"
 #include "libshape/embedding/start/patch_frames.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/face_patches.h"
 #include "tests/support/ladybug.h"
 #include "tests/support/meshes.h"
 
@@ -196,6 +196,39 @@ TEST(PatchFrames, ATransitionWithLittleWeightDoesNotTurnTheRest)
         if (difference(frames[f], wanted[f]) > 1e-6)
             ++lost;
     EXPECT_LE(lost, 12);
+}
+
+TEST(PatchFrames, OrientAMeshByItsTurns)
+{
+    for (const test::TestMesh& mesh : test::sample_meshes()) {
+        SCOPED_TRACE(mesh.name);
+        Points reference = mesh.points;
+        for (auto row : reference.rowwise())
+            row += Eigen::RowVector3d(0.3 * row.y() * row.y(), 0.2 * row.y(), 0.4 * row.x());
+        const ReferencePatches patches(mesh.topology, reference);
+        const FaceLayout layout = layout_of(mesh);
+        const Rotations wanted = frames_of(mesh);
+        VectorXd turns(3 * static_cast<Eigen::Index>(patches.patches.pairs.size()));
+        for (std::size_t k = 0; k < patches.patches.pairs.size(); ++k) {
+            const auto& pair = patches.patches.pairs[k];
+            turns.segment<3>(3 * static_cast<Eigen::Index>(k)) =
+                rotation_vector(patches.rotation(pair.lower, wanted).conjugate() *
+                                patches.rotation(pair.higher, wanted));
+        }
+        PatchFrames orient(
+            std::shared_ptr<const FacePatches>(std::shared_ptr<void>(), &patches.patches));
+        const VectorXd weights = VectorXd::Ones(mesh.topology.edge_count());
+        const PatchTurning turning{patches, turns, 1.0};
+        Rotations frames = orient.face_frames(layout.transitions, weights, {}, &turning);
+        const Eigen::Quaterniond turn = wanted[0] * frames[0].conjugate();
+        for (Eigen::Quaterniond& frame : frames)
+            frame = turn * frame;
+        EXPECT_LT(largest_difference(frames, wanted), 1e-6);
+        const VectorXd too_many = VectorXd::Zero(turns.size() + 1);
+        const PatchTurning wrong{patches, too_many, 1.0};
+        EXPECT_THROW((void)orient.face_frames(layout.transitions, weights, {}, &wrong),
+                     InvalidInput);
+    }
 }
 
 TEST(PatchFrames, RefusesWrongSizes)

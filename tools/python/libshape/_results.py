@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional
 
 import numpy as np
 
@@ -30,6 +30,9 @@ class Report:
     dihedral_max_deg: float
     closure_energy: float
     inverted_faces: int  #: Faces without area, or folded flat onto a neighbour.
+    self_intersections: Optional[int]  #: Pairs of faces that pass through each other.
+    new_self_intersections: Optional[int]  #: Those that do so in no input.
+    companion_rms: Optional[float]  #: How far off in the large, % of the diagonal; see docs/embedding.md.
     iterations: int
     converged: bool
     seconds: float  #: Wall time of this mesh alone.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-#include "libshape/embedding/start/face_patches.h"
+#include "libshape/mesh/face_patches.h"
 
 #include <algorithm>
 #include <deque>
