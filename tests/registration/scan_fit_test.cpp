@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "libshape/base/error.h"
+#include "libshape/mesh/dihedral_angles.h"
 #include "tests/support/files.h"
 #include "tests/support/meshes.h"
 #include "tests/support/thread_scope.h"
@@ -217,6 +218,81 @@ TEST(ScanFitterSlow, TakesAMillionVertices)
     const ScanFit fit = ScanFitter(mesh.topology, mesh.points).fit(scan_of(scan));
     EXPECT_EQ(fit.status, FitStatus::Good);
     EXPECT_LT(fit.scan_to_fit.mean, 0.002 * fit.diagonal);
+}
+
+/// A scan of the pattern, finer, of which a part has grown.
+Scan grown_scan()
+{
+    TestMesh scan = bumpy_sphere(4, 0.3, 5);
+    for (Eigen::Index v = 0; v < scan.points.rows(); ++v)
+        if (scan.points(v, 0) > 0.0)
+            scan.points(v, 0) *= 1.4;
+    return scan_of(scan);
+}
+
+TEST(ScanFitter, HeldFirmlyTogetherGrowthIsMoreAlike)
+{
+    const TestMesh mesh = pattern();
+    const auto spread = [&](double growth_smoothness) {
+        const ScanFit fit =
+            ScanFitter(mesh.topology, mesh.points,
+                       {.growth_smoothness = growth_smoothness, .search_start = false})
+                .fit(grown_scan());
+        return fit.growth_high / fit.growth_low;
+    };
+    EXPECT_LT(spread(5000.0), 0.9 * spread(0.5));
+}
+
+TEST(ScanFitter, ASmoothFitKeepsTheBendsOfTheTemplate)
+{
+    const TestMesh mesh = pattern();
+    const Eigen::VectorXd own = dihedral_angles(mesh.topology, mesh.points);
+    const auto change = [&](double smoothness) {
+        const ScanFit fit = ScanFitter(mesh.topology, mesh.points,
+                                       {.smoothness = smoothness, .search_start = false})
+                                .fit(grown_scan());
+        return (dihedral_angles(mesh.topology, fit.points) - own).norm();
+    };
+    EXPECT_LT(change(100.0), 0.9 * change(0.01));
+}
+
+TEST(ScanFitter, StartsWhereTheTemplateLiesIfItIsToldTo)
+{
+    TestMesh mesh = pattern();
+    mesh.points.col(1) *= 1.6;
+    Points turned = mesh.points;
+    turned.col(0) *= -1.0;
+    turned.col(1) *= -1.0; // by half a turn about z
+    const Scan scan = clean_scan(turned, mesh.topology.faces());
+    const auto error = [&](bool search_start) {
+        const ScanFit fit =
+            ScanFitter(mesh.topology, mesh.points, {.search_start = search_start}).fit(scan);
+        return rms(fit.points, turned) / fit.diagonal;
+    };
+    EXPECT_LT(error(true), 0.02);
+    EXPECT_GT(error(false), 0.1);
+}
+
+TEST(ScanFitter, MeetsLandmarksAboutAsNearAsItIsToldTo)
+{
+    const TestMesh mesh = pattern();
+    const std::vector<int> vertices{0, 100, 200, 300, 400};
+    LandmarkPairs marks{{"a", "b", "c", "d", "e"},
+                        mesh.points(vertices, Eigen::all),
+                        mesh.points(vertices, Eigen::all)};
+    // One was placed carelessly, along the surface.
+    const Eigen::RowVector3d at = marks.on_scan.row(2);
+    Eigen::Index near = 0;
+    (void)((mesh.points.rowwise() - at).rowwise().norm().array() - 0.2).abs().minCoeff(&near);
+    marks.on_scan.row(2) = mesh.points.row(near);
+    const auto error = [&](double tolerance) {
+        const ScanFit fit = ScanFitter(mesh.topology, mesh.points,
+                                       {.landmark_tolerance = tolerance, .search_start = false})
+                                .fit(clean_scan(mesh.points, mesh.topology.faces()), marks);
+        return fit.landmark_errors[2] / fit.diagonal;
+    };
+    EXPECT_LT(error(0.0), 1.5e-3);
+    EXPECT_GT(error(0.3), 1e-2);
 }
 
 TEST(ScanFitter, GivesTheSameBitsForAnyNumberOfThreads)
