@@ -168,6 +168,7 @@ FileContent read_mesh_file(const fs::path& path, bool triangulate)
     if (!is_collection_file(path)) {
         MeshFileContent file = read_mesh_members(path, {.triangulate = triangulate});
         return {.meshes = std::move(file.meshes),
+                .labels = {},
                 .single_precision = file.single_precision,
                 .merged_corners = file.merged_corners};
     }
