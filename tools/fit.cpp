@@ -482,6 +482,10 @@ void run(const Session& session, const Arguments& given)
     for (const std::size_t i : arguments.shard.own(all_scans.size()))
         scans.push_back(all_scans[i]);
     if (arguments.shard.is_given()) {
+        if (arguments.rounds > 0)
+            throw UsageError(
+                "--rounds compares all scans with each other: it and --shard exclude "
+                "each other");
         if (fs::path(arguments.output).extension() == ".h5")
             throw UsageError(
                 "--shard needs a directory as -o; `shape collect` makes a collection of "

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 
 #include "libshape/base/format.h"
@@ -179,7 +180,13 @@ TEST_F(HostileRun, NeverBlamesAFileWhereMemoryIsShort)
     ASSERT_EQ(
         run_shape(folder_.path(), {"collect", "a.ply", "b.ply", "c.ply", "-o", "s.h5"}).exit_code,
         0);
-    for (std::size_t mebibytes = 30; mebibytes <= 110; mebibytes += 2)
+    for (std::size_t mebibytes = 30; mebibytes <= 110; mebibytes += 2) {
+        // Before main() libgfortran, which OpenBLAS brings in, calls itself without end where its first
+        // allocation fails: then --version, which asks for nothing, crashes too.
+        constexpr int crashed = 128 + SIGSEGV;
+        if (run_shape(folder_.path(), {"--version"}, {.address_space = mebibytes << 20U})
+                .exit_code == crashed)
+            continue;
         for (const Arguments& arguments :
              {Arguments{"info", "s.h5", "--quiet"},
               Arguments{"stats", "s.h5", "-o", "x.h5", "--force", "--quiet"}}) {
@@ -190,6 +197,7 @@ TEST_F(HostileRun, NeverBlamesAFileWhereMemoryIsShort)
             if (outcome.exit_code != 0 && outcome.exit_code != 127)
                 expect_refusal(outcome, 6, "");
         }
+    }
 }
 #endif
 

@@ -75,7 +75,7 @@ std::vector<WrongUsage> wrong_usages()
         {"MetricAndScale", "--scale", distance + Arguments{"--metric", "edge", "--scale", "none"}},
         {"MetricOfPositionsWithEdgeWeights", "--area-weighted",
          distance + Arguments{"--metric", "procrustes", "--area-weighted"}},
-        {"DistancesWithoutOutput", "--output", {"distance", "a.ply", "b.ply"}},
+        {"DistancesWithoutOutput", "-o is required", {"distance", "a.ply", "b.ply"}},
         {"PlaneDrawnIntoAnotherEnding", "--plot", distance + Arguments{"--plot", "mds.pdf"}},
         {"MapDrawnIntoAnotherEnding", "--heat-map", distance + Arguments{"--heat-map", "m.csv"}},
         {"TwoTablesInOneFile", "--mds", distance + Arguments{"--mds", "./d.csv"}},

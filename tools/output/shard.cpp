@@ -137,7 +137,8 @@ Json merged_report(const std::map<int, Part>& parts)
     const auto total = parts.begin()->second.manifest.at("total").get<std::size_t>();
     for (std::size_t i = 0; i < total; ++i)
         scans.push_back(reports[i % reports.size()].at("scans").at(i / reports.size()));
-    return {{"settings", reports.front().at("settings")}, {"scans", scans}};
+    return {
+        {"settings", reports.front().at("settings")}, {"scans", scans}, {"rounds", Json::array()}};
 }
 
 /// A second name of the file, or a copy where the file system has none.
