@@ -24,6 +24,7 @@ struct Sample
 {
     Vector3d position;
     int face;
+    double radius; // of its part of the face
 };
 
 /// Distance from the middle of a triangle to its farthest corner.
@@ -38,8 +39,8 @@ double radius(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 void add_samples(const Vector3d& a, const Vector3d& b, const Vector3d& c, int face, double cover,
                  std::vector<Sample>& samples)
 {
-    if (radius(a, b, c) <= cover) {
-        samples.push_back({(a + b + c) / 3.0, face});
+    if (const double reach = radius(a, b, c); reach <= cover) {
+        samples.push_back({(a + b + c) / 3.0, face, reach});
         return;
     }
     const Vector3d ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
@@ -159,6 +160,9 @@ public:
         const int f = tree_.set.samples[sample].face;
         if (square_of_sample > reach_ || f == found_.face)
             return true;
+        const double nearest = best_distance_ + tree_.set.samples[sample].radius;
+        if (square_of_sample > nearest * nearest * (1.0 + 1e-12))
+            return true; // no point of this part of the face is as near
         double penalty = 0.0;
         if (rule_.least_cosine > -1.0 || rule_.normal_weight > 0.0) {
             const double cosine = rule_.normal.dot(tree_.normals.row(f));
@@ -191,7 +195,8 @@ public:
 private:
     void set_reach()
     {
-        const double reach = std::sqrt(best_) + tree_.cover;
+        best_distance_ = std::sqrt(best_);
+        const double reach = best_distance_ + tree_.cover;
         reach_ = reach * reach * (1.0 + 1e-12);
     }
 
@@ -199,6 +204,7 @@ private:
     Vector3d point_;
     const NearestRule& rule_;
     double best_;
+    double best_distance_ = 0.0;
     double reach_ = 0.0;
     SurfacePoint found_;
 };

@@ -2,6 +2,7 @@
 
 #include "libshape/registration/growth_energy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/registration/scan_surface.h"
 
 namespace shape::internal {
 namespace {
@@ -42,6 +44,25 @@ auto times(const Matrix& m, const Vector& v)
 VectorXd row_by_row(const Points& points)
 {
     return VectorXd::Map(points.data(), points.size());
+}
+
+/// Of the Laplacian of the edges with these weights, plus a diagonal.
+std::unique_ptr<SinglePrecisionSolve> factor_of(const Topology& topology, const VectorXd& weights,
+                                                const VectorXd& added)
+{
+    std::vector<Eigen::Triplet<double>> entries;
+    VectorXd diagonal = VectorXd::Zero(added.size());
+    for (int e = 0; e < topology.edge_count(); ++e) {
+        const int i = topology.edges()(e, 0), j = topology.edges()(e, 1);
+        diagonal[i] += weights[e];
+        diagonal[j] += weights[e];
+        entries.emplace_back(std::max(i, j), std::min(i, j), -weights[e]);
+    }
+    for (int v = 0; v < added.size(); ++v) // about 1e-6 of it holds what nothing pulls
+        entries.emplace_back(v, v, (1.0 + 1e-6) * diagonal[v] + added[v]);
+    SparseMatrix matrix(added.size(), added.size());
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return std::make_unique<SinglePrecisionSolve>(SparseCholesky(matrix));
 }
 
 } // namespace
@@ -170,28 +191,68 @@ void GrowthEnergy::apply(const LaneVectors& v, LaneVectors& product)
 
 void GrowthEnergy::prepare()
 {
-    std::vector<Eigen::Triplet<double>> entries;
+    const VectorXd weights =
+        (rest_lengths_ / unit_).cwiseMax(1e-3).array().square().inverse().matrix();
+    if (options_.slides_freely)
+        prepare_to_slide(weights);
+    else
+        preconditioner_ =
+            factor_of(topology_, weights,
+                      ((pulls_.row(0) + pulls_.row(3) + pulls_.row(5)) / 3.0).transpose());
+}
+
+void GrowthEnergy::prepare_to_slide(const VectorXd& weights)
+{
     const int count = topology_.vertex_count();
-    VectorXd diagonal = VectorXd::Zero(count);
-    for (int e = 0; e < topology_.edge_count(); ++e) {
-        const int i = topology_.edges()(e, 0), j = topology_.edges()(e, 1);
-        const double length = std::max(rest_lengths_[e] / unit_, 1e-3);
-        const double weight = 1.0 / (length * length);
-        diagonal[i] += weight;
-        diagonal[j] += weight;
-        entries.emplace_back(std::max(i, j), std::min(i, j), -weight);
+    const Points normals =
+        vertex_normals(Points::Map(pulled_from_.data(), count, 3), topology_.faces());
+    to_lanes(normals.data(), count, 1.0, normals_);
+    VectorXd across(count), along(count);
+    for (int v = 0; v < count; ++v) {
+        const Vector3d n = normals.row(v);
+        across[v] = n.dot(times(pulls_.col(v), n));
+        along[v] = 0.5 * std::max(0.0, pulls_(0, v) + pulls_(3, v) + pulls_(5, v) - across[v]);
     }
-    for (int v = 0; v < count; ++v) // about 1e-6 of it holds what nothing pulls
-        entries.emplace_back(
-            v, v, (1.0 + 1e-6) * diagonal[v] + (pulls_(0, v) + pulls_(3, v) + pulls_(5, v)) / 3.0);
-    SparseMatrix matrix(count, count);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    preconditioner_ = std::make_unique<SinglePrecisionSolve>(SparseCholesky(matrix));
+    across_ = factor_of(topology_, weights, across);
+    along_ = factor_of(topology_, weights, along);
+    if (growing_)
+        return;
+    VectorXd by_strains = VectorXd::Zero(count); // of u, at no strain
+    for (int e = 0; e < topology_.edge_count(); ++e)
+        for (const int v : topology_.edges().row(e))
+            by_strains[v] += 0.5;
+    growing_ =
+        factor_of(topology_, VectorXd::Constant(topology_.edge_count(), options_.growth_smoothness),
+                  by_strains);
 }
 
 double GrowthEnergy::precondition(const LaneVectors& rhs, LaneVectors& solution)
 {
-    (void)preconditioner_->solve(rhs, solution, workspace_);
+    if (!options_.slides_freely) {
+        (void)preconditioner_->solve(rhs, solution, workspace_);
+        return dot(rhs, solution);
+    }
+    const Index count = rhs.cols();
+    solution.resize(4, count);
+    part_.setZero(4, count);
+    for (Index v = 0; v < count; ++v)
+        part_(0, v) = normals_.col(v).dot(rhs.col(v));
+    (void)across_->solve(part_, solved_, workspace_);
+    for (Index v = 0; v < count; ++v) {
+        const Eigen::Vector4f n = normals_.col(v);
+        solution.col(v) = solved_(0, v) * n;
+        part_.col(v) = rhs.col(v) - part_(0, v) * n;
+    }
+    part_.row(3).setZero();
+    (void)along_->solve(part_, solved_, workspace_);
+    for (Index v = 0; v < count; ++v) {
+        const Eigen::Vector4f n = normals_.col(v);
+        solution.col(v) += solved_.col(v) - n.dot(solved_.col(v)) * n;
+    }
+    part_.setZero();
+    part_.row(0) = rhs.row(3);
+    (void)growing_->solve(part_, solved_, workspace_);
+    solution.row(3) = solved_.row(0);
     return dot(rhs, solution);
 }
 

@@ -24,6 +24,10 @@ struct GrowthOptions
     double growth_smoothness = 50.0;
     /// c of LengthDihedralEnergy::stiffen(): with 0.1 strains of tens of per cent count by their squares.
     double stiffness = 0.1;
+    /// Whether the preconditioner knows that pulls act across a surface, not along it: a step then slides
+    /// vertices as far along it as E asks. Else a step is short along the surface: it is held there as
+    /// firmly as across. Of E that changes nothing.
+    bool slides_freely = false;
 };
 
 /// @throws InvalidInput naming the first field that breaks its rule.
@@ -74,6 +78,7 @@ private:
     double evaluate(const Eigen::VectorXd& points, const Eigen::VectorXd& growth,
                     Gradient& gradient);
     void linearise(const Eigen::VectorXd& points);
+    void prepare_to_slide(const Eigen::VectorXd& weights);
     void apply(const LaneVectors& v, LaneVectors& product);
     double precondition(const LaneVectors& rhs, LaneVectors& solution);
     [[nodiscard]] Eigen::VectorXd wanted_lengths(const Eigen::VectorXd& growth) const;
@@ -86,7 +91,12 @@ private:
     double unit_;
     LengthDihedralEnergy energy_;
     GaussNewtonOperator operator_;
+
+    // The preconditioner: of all motions alike; or of those along the normals, along the surface, and
+    // of growth.
     std::unique_ptr<SinglePrecisionSolve> preconditioner_;
+    std::unique_ptr<SinglePrecisionSolve> across_, along_, growing_;
+    LaneVectors normals_; // of the vertices, unit length or 0
 
     Eigen::VectorXd pulled_from_; // y, row by row
     Symmetric pulls_;             // sum w a a^T
@@ -97,6 +107,7 @@ private:
     std::vector<float> growth_slopes_; // of the weighted strains by u at either end, negated
     Eigen::Matrix<float, 6, Eigen::Dynamic> single_pulls_;
     LaneVectors workspace_;
+    LaneVectors part_, solved_; // of precondition()
 };
 
 } // namespace shape::internal

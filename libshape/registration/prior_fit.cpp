@@ -48,7 +48,8 @@ PriorFit fit_by_prior(const ScanFitter& fitter, const Topology& topology, const 
     constexpr int rounds = 3;
     for (int round = 0; round < rounds; ++round) {
         result.expected = expected_of(result.fit, topology, prior);
-        result.fit = fitter.fit_again(scan, landmarks, result.fit, result.expected.point);
+        result.fit =
+            fitter.fit_again(scan, landmarks, result.fit, result.expected.point, Sliding::Free);
     }
     result.expected = expected_of(result.fit, topology, prior);
     return result;

@@ -51,6 +51,7 @@ struct LevelRounds
     double from, to;
     bool landmarks_first;
     double growth_smoothness; // times that of the options
+    bool slides_freely;
 };
 constexpr int coarsest_rounds = 30, finer_rounds = 8;
 constexpr int coarsest_steps = 60, finer_steps = 15;
@@ -64,10 +65,14 @@ constexpr LevelRounds rounds_of(std::size_t number, std::size_t count)
             is_coarsest ? 0.0 : coarse_share,
             is_finest ? 1.0 : coarse_share,
             is_coarsest,
-            1.0};
+            1.0,
+            false};
 }
 /// From an earlier fit, held to what is expected of it, growth too.
-constexpr LevelRounds rounds_again{12, finer_steps, 0.7, 1.0, false, 100.0};
+constexpr LevelRounds held_rounds{12, finer_steps, 0.7, 1.0, false, 100.0, false};
+/// The facets of two triangulations of a surface do not agree: pulls as strong as those of the first fit make up
+/// for that by sliding.
+constexpr LevelRounds free_rounds{12, 2 * finer_steps, 0.3, 0.5, false, 100.0, true};
 constexpr int rounds_between_factors = 5;
 constexpr double doubtful_start = 0.04; // ChosenStart::score
 constexpr int tried_starts = 4, trial_rounds = 12;
@@ -189,7 +194,8 @@ struct ScanFitter::State
                             const Target& target, const Points& points, double weight,
                             GrowthEnergy& energy) const;
     [[nodiscard]] GrowthEnergy energy_of(const TemplateLevel& level, const ShapePoint& rest,
-                                         double growth_smoothness = 1.0) const;
+                                         double growth_smoothness = 1.0,
+                                         bool slides_freely = false) const;
     [[nodiscard]] Target target_of(Surface scan, const LandmarkPairs& landmarks,
                                    double scale) const;
     void run_level(std::size_t number, const Target& target, const ShapePoint& rest,
@@ -224,12 +230,13 @@ void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
 }
 
 GrowthEnergy ScanFitter::State::energy_of(const TemplateLevel& level, const ShapePoint& rest,
-                                          double growth_smoothness) const
+                                          double growth_smoothness, bool slides_freely) const
 {
     return {level.topology,
             rest,
             {.smoothness = options.smoothness,
-             .growth_smoothness = growth_smoothness * options.growth_smoothness}};
+             .growth_smoothness = growth_smoothness * options.growth_smoothness,
+             .slides_freely = slides_freely}};
 }
 
 /// The rounds of closest points on one level of the template.
@@ -237,7 +244,8 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
                                   const LevelRounds& schedule, LevelMesh& mesh) const
 {
     const TemplateLevel& level = target.levels[number];
-    GrowthEnergy energy = energy_of(level, rest, schedule.growth_smoothness);
+    GrowthEnergy energy =
+        energy_of(level, rest, schedule.growth_smoothness, schedule.slides_freely);
     const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
     const Rims rims = find_rims(level.topology.faces());
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
@@ -579,7 +587,7 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
 }
 
 ScanFit ScanFitter::fit_again(const Scan& scan, const LandmarkPairs& landmarks, const ScanFit& from,
-                              const ShapePoint& rest) const
+                              const ShapePoint& rest, Sliding sliding) const
 {
     const State& s = *state_;
     check_landmarks(landmarks, s.options.boundaries);
@@ -594,7 +602,7 @@ ScanFit ScanFitter::fit_again(const Scan& scan, const LandmarkPairs& landmarks, 
     fit.scale = from.scale;
     fit.turned_faces = turned;
     LevelMesh mesh{from.points, VectorXd::Zero(from.points.rows())};
-    s.run_level(0, target, rest, rounds_again, mesh);
+    s.run_level(0, target, rest, sliding == Sliding::Free ? free_rounds : held_rounds, mesh);
     s.finish(target, rest, mesh, fit);
     return fit;
 }

@@ -83,6 +83,17 @@ struct ScanFit
     std::vector<std::string> reasons; ///< Why it is not Good.
 };
 
+/// How far vertices move along the surface when a scan is fitted again.
+enum class Sliding
+{
+    /// Little. For what a group of fits expects of one of them: it does not know how all of them slid
+    /// alike, and what moves freely drifts.
+    Held,
+    /// As far as the expected lengths ask, at softer pulls. For what a model of known correspondences
+    /// expects.
+    Free,
+};
+
 /// Fits a template to scans: non-rigid registration by the energy that turns lengths and dihedral angles
 /// into meshes, with one growth factor per vertex, coarse to fine (docs/correspondence.md).
 class ScanFitter
@@ -106,9 +117,10 @@ public:
     /// angles in place of the template's: what a model expects of it (shape_prior.h).
     /// @param rest  #E lengths > 0 [length of the scan] and #E angles.
     /// @throws InvalidInput as fit(), or if `from` or `rest` is of another triangulation.
-    /// Cost: about half of fit().
+    /// Cost: about half of fit(); if it slides freely, as fit().
     [[nodiscard]] ScanFit fit_again(const Scan& scan, const LandmarkPairs& landmarks,
-                                    const ScanFit& from, const ShapePoint& rest) const;
+                                    const ScanFit& from, const ShapePoint& rest,
+                                    Sliding sliding = Sliding::Held) const;
 
 private:
     struct State;

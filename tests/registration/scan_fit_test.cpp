@@ -202,6 +202,9 @@ TEST(ScanFitter, FitsAgainWhatItIsToldToExpect)
     // Who knows the true lengths goes towards the true vertices.
     EXPECT_LT(rms(again.points, truth), rms(first.points, truth));
     EXPECT_LT(again.strain_rms, first.strain_rms);
+    // All the more if vertices may slide along the surface.
+    const ScanFit slid = fitter.fit_again(scan, {}, first, rest, Sliding::Free);
+    EXPECT_LT(rms(slid.points, truth), 0.7 * rms(again.points, truth));
     ScanFit other = first;
     other.points.conservativeResize(5, 3);
     EXPECT_THROW((void)fitter.fit_again(scan, {}, other, rest), InvalidInput);
