@@ -85,10 +85,10 @@ public:
         return *value;
     }
 
-    VtkType type()
+    ScalarType type()
     {
         const std::string_view name = word("the type of an array");
-        const std::optional<VtkType> found = legacy_vtk_type(name);
+        const std::optional<ScalarType> found = legacy_vtk_type(name);
         if (!found)
             fail(join("an array of type ", in_quotes(name), " is not read"));
         return *found;
@@ -96,7 +96,7 @@ public:
 
     /// take(index, bytes or null, word) for each of `count` values behind this line.
     template <class Take>
-    void values(VtkType type, std::int64_t count, const Take& take)
+    void values(ScalarType type, std::int64_t count, const Take& take)
     {
         if (is_binary)
             (void)line();
@@ -116,14 +116,14 @@ public:
             }
     }
 
-    std::vector<std::int64_t> integers(VtkType type, std::int64_t count)
+    std::vector<std::int64_t> integers(ScalarType type, std::int64_t count)
     {
         std::vector<std::int64_t> result;
         if (!is_integer(type))
             fail("indices must have an integer type");
         values(type, count, [&](std::int64_t, const char* bytes, std::string_view text) {
             const std::optional<std::int64_t> value =
-                bytes != nullptr ? vtk_integer(bytes, type, swap_bytes) : spelled_integer(text);
+                bytes != nullptr ? integer_at(bytes, type, swap_bytes) : spelled_integer(text);
             if (!value)
                 fail(join("an index is ", bytes != nullptr ? "too large" : in_quotes(text),
                           ", must be an integer"));
@@ -132,7 +132,7 @@ public:
         return result;
     }
 
-    void skip(VtkType type, std::int64_t count)
+    void skip(ScalarType type, std::int64_t count)
     {
         values(type, count, [](std::int64_t, const char*, std::string_view) {});
     }
@@ -169,13 +169,13 @@ void parse_points(VtkReader& reader, MeshBuilder& mesh, bool& is_single)
     const std::int64_t count = reader.count("the number of points");
     if (count > MeshBuilder::vertex_limit)
         mesh.reserve(count, 0); // says so
-    const VtkType type = reader.type();
-    is_single = type == VtkType::Float32;
+    const ScalarType type = reader.type();
+    is_single = type == ScalarType::Float32;
     std::array<double, 3> point{};
     reader.values(type, 3 * count, [&](std::int64_t i, const char* bytes, std::string_view text) {
         const auto axis = to_size(i % 3);
         if (bytes != nullptr) {
-            point[axis] = vtk_number(bytes, type, swap_bytes);
+            point[axis] = number_at(bytes, type, swap_bytes);
         } else {
             const std::optional<double> value = spelled_number(text);
             if (!value)
@@ -197,18 +197,18 @@ VtkCells parse_cells(VtkReader& reader, bool has_offsets)
             return cells;
         if (reader.word("OFFSETS") != "OFFSETS")
             reader.fail("OFFSETS must follow the counts");
-        const VtkType type = reader.type();
+        const ScalarType type = reader.type();
         cells.ends = reader.integers(type, count);
         if (cells.ends.front() != 0)
             reader.fail("the first of OFFSETS must be 0");
         cells.ends.erase(cells.ends.begin());
         if (reader.word("CONNECTIVITY") != "CONNECTIVITY")
             reader.fail("CONNECTIVITY must follow OFFSETS");
-        const VtkType corner_type = reader.type();
+        const ScalarType corner_type = reader.type();
         cells.connectivity = reader.integers(corner_type, size);
         return cells;
     }
-    const std::vector<std::int64_t> list = reader.integers(VtkType::Int32, size);
+    const std::vector<std::int64_t> list = reader.integers(ScalarType::Int32, size);
     for (std::size_t i = 0; i < list.size(); i += 1 + to_size(list[i])) {
         if (list[i] < 0 || list[i] > std::ssize(list) - static_cast<std::int64_t>(i) - 1)
             reader.fail(join("a cell has ", list[i], " corners, which its list does not hold"));
@@ -244,7 +244,7 @@ void skip_field(VtkReader& reader)
         const std::int64_t tuples = reader.count("the number of tuples");
         if (components > 0 && tuples > (std::int64_t{1} << 40) / components)
             reader.fail("an array of a field does not fit in the file");
-        const VtkType type = reader.type();
+        const ScalarType type = reader.type();
         reader.skip(type, components * tuples);
     }
 }
