@@ -12,6 +12,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
@@ -19,6 +20,7 @@
 #include "libshape/mesh/handedness.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/mesh/partition.h"
+#include "libshape/mesh/unit_ratio.h"
 
 namespace shape {
 using namespace internal;
@@ -306,16 +308,6 @@ void repair_orientation(Batch& batch, Changes& changes)
     changes.push_back(join(batch.who(), ": faces reversed (inside out)"));
 }
 
-/// The ratio of two units that this ratio is within a twentieth of the logarithm of 2 ... 1000.
-double nearest_unit_ratio(double ratio)
-{
-    for (const double known : {2.54, 10.0, 25.4, 39.37007874015748, 100.0, 304.8, 1000.0})
-        for (const double exact : {known, 1.0 / known})
-            if (std::abs(std::log(ratio / exact)) < std::log(1.25))
-                return exact;
-    return 1.0;
-}
-
 void repair_sizes(Batch& batch, Changes& changes)
 {
     const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
@@ -331,14 +323,13 @@ void repair_sizes(Batch& batch, Changes& changes)
     for (std::size_t i = 0; i < sizes.size(); ++i)
         if (!std::binary_search(odd.begin(), odd.end(), i))
             usual.push_back(sizes[i]);
-    std::sort(usual.begin(), usual.end());
     std::map<double, std::vector<std::size_t>> scaled;
     for (const std::size_t i : odd) {
-        const double factor = nearest_unit_ratio(usual[usual.size() / 2] / sizes[i]);
-        if (factor == 1.0)
+        const std::optional<UnitRatio> units = unit_ratio_near(median(usual) / sizes[i]);
+        if (!units)
             continue;
-        batch.points[i] *= factor;
-        scaled[factor].push_back(i);
+        batch.points[i] *= units->value;
+        scaled[units->value].push_back(i);
     }
     for (const auto& [factor, meshes] : scaled)
         changes.push_back(join(list_names(batch.names, meshes), ": scaled by ", factor,

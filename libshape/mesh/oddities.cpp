@@ -11,20 +11,15 @@
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/handedness.h"
+#include "libshape/mesh/unit_ratio.h"
 
 namespace shape {
 using namespace internal;
 namespace {
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 std::string rounded(double value)
 {
@@ -33,26 +28,6 @@ std::string rounded(double value)
     text.precision(3);
     text << value;
     return text.str();
-}
-
-/// The two units whose ratio this is, within a tenth; empty if none.
-std::string unit_ratio(double ratio)
-{
-    struct Ratio
-    {
-        double value;
-        const char* units;
-    };
-    constexpr std::array<Ratio, 6> ratios = {{{2.54, "centimetres and inches"},
-                                              {10.0, "millimetres and centimetres"},
-                                              {25.4, "millimetres and inches"},
-                                              {39.37, "inches and metres"},
-                                              {100.0, "centimetres and metres"},
-                                              {1000.0, "millimetres and metres"}}};
-    for (const Ratio& known : ratios)
-        if (std::abs(std::log(ratio / known.value)) < std::log(1.25))
-            return known.units;
-    return {};
 }
 
 void find_seams(const Collection& collection, std::vector<Oddity>& oddities)
@@ -135,7 +110,7 @@ void find_sizes(const Collection& collection, std::vector<Oddity>& oddities)
     const double usual = median(others);
     const double strange = median(odd_ones);
     const double ratio = strange / usual;
-    const std::string units = unit_ratio(std::max(ratio, 1.0 / ratio));
+    const std::optional<UnitRatio> known = unit_ratio_near(ratio);
     const bool is_one = odd.size() == 1;
     oddities.push_back(
         {OddityKind::Size, odd,
@@ -144,8 +119,8 @@ void find_sizes(const Collection& collection, std::vector<Oddity>& oddities)
               list_names(collection.names, odd), is_one ? " is " : " are ",
               rounded(std::max(ratio, 1.0 / ratio)), " times ", ratio > 1.0 ? "larger" : "smaller",
               " than ", the_others(others.size()),
-              units.empty() ? join("; are all in one unit? If not, scale ", is_one ? "it" : "them")
-                            : join("; are they in ", units, "? Export all in one unit"),
+              known ? join("; are they in ", known->units, "? Export all in one unit")
+                    : join("; are all in one unit? If not, scale ", is_one ? "it" : "them"),
               " (`shape check MESHES --fix DIR` scales by units)")});
 }
 

@@ -247,7 +247,7 @@ TEST(MeshWriteOptions, RoundTripInEveryFormThatHasDoubles)
                            {.ascii = ascii,
                             .single_precision = is_single,
                             .scalars = {{"heat", heat}, {"cold", -heat}},
-                            .quality = "cold",
+                            .quality = format == MeshFormat::Ply ? "cold" : "",
                             .colours = colours});
                 if (format == MeshFormat::Vtp)
                     SKIP_WITHOUT_VTP();
@@ -289,6 +289,8 @@ TEST(MeshWriteOptions, ThatAFormatCannotKeepAreRefused)
     EXPECT_NE(message(MeshFormat::Ply, {.colours = VertexColours::Zero(3, 3)}).find("3 rows"),
               std::string::npos);
     EXPECT_NE(message(MeshFormat::Ply, {.scalars = heat, .quality = "cold"}).find("'cold'"),
+              std::string::npos);
+    EXPECT_NE(message(MeshFormat::Vtp, {.scalars = heat, .quality = "heat"}).find("`quality`"),
               std::string::npos);
     EXPECT_NE(message(MeshFormat::Ply, {.obj_template = std::make_shared<ObjTemplate>()})
                   .find("template"),

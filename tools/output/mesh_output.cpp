@@ -275,11 +275,13 @@ void write_with_colours(const fs::path& path, const Points& points, const Faces&
         }
         chosen = static_cast<std::size_t>(found - scalars.begin());
     }
-    options.quality = scalars[chosen].name;
+    const MeshFormat format = mesh_format(path);
+    if (format == MeshFormat::Ply)
+        options.quality = scalars[chosen].name;
     if (!colours.empty())
         options.colours = vertex_colours(scalars[chosen].values);
     options.scalars = std::move(scalars);
-    write_mesh(path, points, faces, mesh_format(path), options);
+    write_mesh(path, points, faces, format, options);
 }
 
 void MeshOutput::write_scalars(const fs::path& path, const Points& points, const Faces& faces,
