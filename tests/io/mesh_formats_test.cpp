@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstring>
 
 #include "libshape/base/error.h"
@@ -70,6 +72,10 @@ TEST(StlFile, MergesEqualCornersInTheOrderOfTheirFirstAppearance)
     expect_square(text);
     EXPECT_EQ(text.merged_corners, 6);
     EXPECT_FALSE(text.single_precision);
+    std::string capitals = stl_text;
+    std::ranges::transform(capitals, capitals.begin(),
+                           [](unsigned char c) { return std::toupper(c); });
+    expect_square(read("a.stl", capitals));
 
     const TestMesh mesh = test::icosphere(2);
     for (const bool ascii : {false, true}) {
@@ -152,7 +158,8 @@ TEST(VtkFile, PassesOverTextsAndBitsOfFields)
                                     "odd 1 3 bit\n1 0 1\n" +
                                     points + "POLYGONS 2 8\n3 0 1 2\n3 0 2 3\n"));
     // A text is bytes behind their number, of one, two, four or eight bytes.
-    const std::string texts = "\xc5first\xc0" + ("\x80\x46" + std::string(70, 'x')) +
+    const std::string texts = std::string("\xc5") + "first\xc0" +
+                              ("\x80\x46" + std::string(70, 'x')) +
                               (std::string("\x40\x00\x4e\x20", 4) + std::string(20000, '\n')) +
                               (std::string("\x00\x00\x00\x00\x00\x00\x00\x02", 8) + "ab");
     const std::string head = vtk_head +
