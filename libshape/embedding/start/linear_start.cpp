@@ -63,6 +63,8 @@ const Points& LinearStart::points(const ShapePoint& target, int face_steps)
 
 void LinearStart::orient(const ShapePoint& target)
 {
+    // Above the distrust of helices (6e-5), whose transitions are right to the last edge, and below that
+    // of scanned and modelled shapes (9e-4 to 0.023; docs/embedding.md).
     constexpr double agreement = 3e-4;
     const double distrust = 1.0 - trust_.mean();
     share_ = target.patch_turns.size() > 0 && distrust > agreement
