@@ -52,7 +52,7 @@ enum class EdgeWeighting
 /// coordinates, weighting and dihedral_weight belong to edge space and may be set there alone.
 struct SpaceOptions
 {
-    /// The space in which shapes are points.
+    /// Shapes are points of this space.
     SpaceKind kind = SpaceKind::Edge;
     /// Unit: every mesh is brought to one size first. None: size is a part of shape.
     Scale scale = Scale::Unit;
@@ -82,7 +82,7 @@ void check(const SpaceOptions& options);
 ///     of edge space are set for another.
 [[nodiscard]] ShapeSpace make_space(const Collection& collection, const SpaceOptions& options);
 
-[[nodiscard]] Scale scale_of(const ShapeSpace& space);
+[[nodiscard]] Scale scale_of(const ShapeSpace& space); ///< What the space does about size.
 
 /// Whether the coordinates are edge lengths and nothing else.
 [[nodiscard]] bool is_plain(const ShapeSpace& space);

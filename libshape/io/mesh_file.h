@@ -26,7 +26,7 @@ enum class MeshFormat
 
 struct MeshReadOptions
 {
-    bool triangulate = false; ///< Split polygons as fans from their first corner; else refuse them.
+    bool triangulate = false; ///< Polygons are split as fans from their first corner, else refused.
 };
 
 /// The meshes of one file, and what its format has cost them.

@@ -33,9 +33,9 @@ struct DihedralEmbeddingOptions
     /// Folds are repaired after this many linear steps; ascending, >= 0. Those beyond max_iterations
     /// are left out.
     std::vector<int> repairs = {24, 60};
-    /// What is folded.
+    /// Edges that these options select are repaired as folds.
     FoldRegionOptions folds = {};
-    /// How hot spots and folds are solved anew.
+    /// Hot spots and folds are solved anew as these options say.
     RegionRepairOptions repair = {};
     /// The descent has converged once a Newton step of k linear steps lowers E by
     /// <= k * decrease_tolerance * E; >= 0.

@@ -42,8 +42,7 @@ namespace {
 // so that the arithmetic is on whole registers, two or four vectors at once, without a branch.
 
 /// Normals as long as twice the area, and their inverse squares, bounded for heights below 1e-3 of
-/// the sides: angles change abruptly where such a face turns over;
-/// bounded so that it does not dominate the step.
+/// the sides: angles change abruptly where such a face turns over, and it must not dominate the step.
 SHAPE_VECTORISED void face_normals(int count, const VectorRows& a, const VectorRows& b,
                                    const VectorRows& c, VectorRows& __restrict normals,
                                    double* __restrict inverse_squares)
