@@ -313,7 +313,7 @@ Run set_up_export(CLI::App& command)
         ->required()
         ->option_text("PATH REQUIRED");
     add_integer(command, "--modes", arguments->modes,
-                "The first so many modes, [1, number of modes] (default: all)", 1,
+                "Number of leading modes, [1, number of modes] (default: all)", 1,
                 std::numeric_limits<int>::max());
     return [arguments](const Session& session) { run(session, *arguments); };
 }

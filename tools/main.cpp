@@ -110,7 +110,7 @@ void refuse_pipes(const CLI::App& command)
 {
     for (const CLI::Option* option : command.get_options())
         for (const std::string& value : option->results()) {
-            std::error_code ignored; // most values are no paths
+            std::error_code ignored; // most values are not paths
             const std::filesystem::file_status status = std::filesystem::status(value, ignored);
             if (std::filesystem::exists(status) && std::filesystem::is_other(status))
                 throw FileError(join(value, ": is not a regular file"));
@@ -165,7 +165,7 @@ void read_first_words(const CLI::App& program, std::vector<std::string>& argumen
                               "; `shape --help` lists them"));
 }
 
-/// Whether an argument is no long option, or one of the command.
+/// Whether an argument is not a long option, or is one of the command.
 bool is_known(const CLI::App& command, const std::string& argument)
 {
     const std::vector<std::string> options = option_names(command);

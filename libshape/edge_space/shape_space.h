@@ -61,7 +61,7 @@ struct SpaceOptions
     /// Edges count alike, or by the area around them.
     EdgeWeighting weighting = EdgeWeighting::Uniform;
     /// Where > 0, dihedral angles are coordinates too: 1 rad counts as much as a relative change of
-    /// length by so much; >= 0.
+    /// length by this; >= 0.
     double dihedral_weight = 0.0;
 };
 

@@ -113,7 +113,7 @@ TEST(PatchTurns, OfTheMirrorImageAreMirrored)
     const VectorXd turns = PatchTurns(mesh.topology, mesh.points).of(other);
     const VectorXd images = PatchTurns(mesh.topology, mirrored(mesh.points)).of(mirrored(other));
     for (Eigen::Index k = 0; k < turns.size(); k += 3) {
-        const Vector3d expected(turns[k], -turns[k + 1], -turns[k + 2]); // an axis is no arrow
+        const Vector3d expected(turns[k], -turns[k + 1], -turns[k + 2]); // an axis is not an arrow
         EXPECT_LT((images.segment<3>(k) - expected).norm(), 1e-9);
     }
 }

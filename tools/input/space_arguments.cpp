@@ -31,7 +31,7 @@ CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options)
     const std::string group = "Space of shapes";
     CLI::Option* space =
         add_choice(command, "--space", options.kind,
-                   "edge: edge lengths, which know no pose (default); procrustes: vertex\n"
+                   "edge: edge lengths, which are pose-invariant (default); procrustes: vertex\n"
                    "positions after generalised Procrustes alignment",
                    {{"edge", SpaceKind::Edge}, {"procrustes", SpaceKind::Procrustes}});
     space->group(group);

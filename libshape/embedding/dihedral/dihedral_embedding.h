@@ -63,7 +63,7 @@ struct DihedralEmbedding
 /// Root mean square of the distances of vertices over the diagonal of the bounding box of points [1].
 [[nodiscard]] double relative_distance(const Points& points, const Points& companion);
 
-/// Our embedding: the closed mesh nearest to wanted lengths and dihedral angles.
+/// The embedding of libshape: the closed mesh nearest to wanted lengths and dihedral angles.
 ///
 /// 1. Frames: every face laid out by lengths and angles, oriented patch by patch, transitions
 ///    trusted by how well the walks around their ends close (patch_frames.h, face_layout.h).
