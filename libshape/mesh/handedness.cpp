@@ -131,10 +131,12 @@ Eigen::MatrixXd angle_directions(const Topology& topology, std::span<const Point
 std::vector<int> sides(const Eigen::MatrixXd& directions)
 {
     Eigen::VectorXd common = directions.row(0).transpose();
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < 4; ++round) { // a fixed number, so that it ends
         const Eigen::VectorXd signs = (directions * common).array().sign();
         common = (directions.transpose() * signs).normalized();
     }
+    // Meshes of one kind have cosines near 1 and their mirror images near -1; what lies within 60 to 120
+    // degrees, as flat or rough meshes do, is left alone.
     std::vector<int> result;
     for (const double cosine : directions* common)
         result.push_back(cosine > 0.5 ? 1 : cosine < -0.5 ? -1 : 0);

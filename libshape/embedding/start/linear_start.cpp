@@ -15,7 +15,8 @@ namespace {
 using Eigen::VectorXd;
 
 /// Trust in the transition across every edge: 1 / (1 + (r_u^2 + r_v^2) / 0.1^2) with the closure
-/// angles r [rad] at its ends. A few wild loops (slivers, folds) must not turn all frames.
+/// angles r [rad] at its ends. A few wild loops (slivers, folds) must not turn all frames. At 0.1 rad,
+/// 6 degrees, half of it is gone; on average at most 0.023 is, in the pairs of docs/embedding.md.
 void set_transition_weights(const Topology& topology, const Rotations& transitions,
                             VectorXd& weights)
 {
