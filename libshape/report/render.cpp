@@ -15,6 +15,7 @@
 #include "libshape/base/require.h"
 #include "libshape/base/to_size.h"
 #include "libshape/report/rasterise.h"
+#include "libshape/report/srgb.h"
 #include "libshape/report/studio.h"
 
 namespace shape {
@@ -37,22 +38,11 @@ Eigen::Matrix3d rotation_towards(const Vector3d& viewer, const Vector3d& right)
 
 // --- Colour ---------------------------------------------------------------------------------------
 
-float decoded(std::uint8_t channel)
-{
-    const double c = channel / 255.0;
-    return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
-
 Vector3f decoded(Colour colour)
 {
-    return {decoded(colour.red), decoded(colour.green), decoded(colour.blue)};
-}
-
-std::uint8_t encoded(float linear)
-{
-    const double c = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-    const double srgb = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(std::lround(255.0 * srgb));
+    return Eigen::Vector3d(srgb_decoded(colour.red), srgb_decoded(colour.green),
+                           srgb_decoded(colour.blue))
+        .cast<float>();
 }
 
 // --- What is seen ---------------------------------------------------------------------------------
@@ -340,7 +330,8 @@ Image render_mesh(const Faces& faces, const Points& points, const RenderOptions&
             const auto count = static_cast<float>(patches.size());
             const Vector3f light =
                 (light_of(patches, studio, options.pixel_size) + (all - count) * background) / all;
-            image.at(x, y) = {encoded(light.x()), encoded(light.y()), encoded(light.z())};
+            image.at(x, y) = {srgb_encoded(light.x()), srgb_encoded(light.y()),
+                              srgb_encoded(light.z())};
         }
     return image;
 }
