@@ -82,9 +82,8 @@ enum ExitCode
 
 constexpr const char* program_footer =
     "MESHES is any mix of mesh files (.obj .ply .off .stl .vtk .vtp .glb), directories (their\n"
-    "mesh files in natural name order) and collection files (.h5). Lengths have the unit of the "
-    "input. `-` is standard\n"
-    "input, and after -o standard output.\n"
+    "mesh files in natural name order) and collection files (.h5). Lengths have the\n"
+    "unit of the input. `-` is standard input, and after -o standard output.\n"
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 4 numerical failure,\n"
     "5 input/output, 6 over a limit, 130 interrupted.\n"
     "`shape COMMAND --help` explains a command and gives an example; `shape help --write DIR` "
