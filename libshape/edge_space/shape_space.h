@@ -38,8 +38,8 @@ using ShapeSpace = std::variant<EdgeSpace, ProcrustesSpace>;
 
 enum class SpaceKind
 {
-    Edge,
-    Procrustes,
+    Edge,       ///< EdgeSpace.
+    Procrustes, ///< ProcrustesSpace.
 };
 
 /// How edges are weighted against each other.

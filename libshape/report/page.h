@@ -17,7 +17,7 @@ struct Page
     std::string pictures; ///< An SVG document, for browsers that draw no meshes; may be empty.
     std::vector<std::string> drawings;           ///< SVG documents.
     std::vector<std::vector<std::string>> table; ///< The first row is its head; may be empty.
-    std::string model;               ///< JSON: what the page's program knows of the model.
+    std::string model;                ///< JSON: what the page's program knows of the model.
     std::vector<unsigned char> block; ///< The model as that program decodes it.
 };
 

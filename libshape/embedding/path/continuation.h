@@ -28,10 +28,10 @@ void check(const ContinuationOptions& options);
 
 struct ContinuedMesh
 {
-    Points points;       ///< #V by 3 [length], in the pose of the mesh before.
-    double energy = 0.0; ///< E of docs/embedding.md.
-    int iterations = 0;
-    bool converged = false;
+    Points points;          ///< #V by 3 [length], in the pose of the mesh before.
+    double energy = 0.0;    ///< E of docs/embedding.md.
+    int iterations = 0;     ///< Gauss-Newton steps.
+    bool converged = false; ///< A step met decrease_tolerance, or none lowers E.
 };
 
 /// Moves meshes of one topology to targets nearby, as in a sequence. Edge lengths may range over
