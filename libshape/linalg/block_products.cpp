@@ -51,8 +51,8 @@ using Lanes = double __attribute__((vector_size(32), aligned(8)));
 ///     sums[i][j] = [k = 0, 4, ..  k = 1, 5, ..  k = 2, 6, ..  k = 3, 7, ..], added up at the end.
 ///
 /// The plain loop loads two numbers for a multiplication and waits for each addition to end; here six
-/// loads serve eight products of four lanes, whose eight sums do not wait for each other and, with
-/// what is loaded, fill the 16 registers.
+/// loads serve eight products of four lanes, whose eight sums do not wait for each other and fit
+/// into the 16 registers of AVX2 with what is loaded.
 SHAPE_VECTORISED void add_two_by_four(const double* a, Eigen::Index a_stride, const double* b,
                                       Eigen::Index b_stride, Eigen::Index count, double* c,
                                       Eigen::Index c_stride)
