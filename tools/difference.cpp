@@ -79,7 +79,7 @@ Json find_effects(const Session& session, const Arguments& arguments,
                             embedding_options(session, arguments.embedding.options));
     const ShapePoint start = start_of(difference, difference.from_size);
     return write_effects(session, arguments.effects, difference.topology,
-                         embedder.embed(start).points, effects, arguments.mesh.colours);
+                         embedder.embed(start).points, effects, arguments.mesh);
 }
 
 /// The start of a transfer: a mesh, brought to the size that is wanted.
@@ -109,7 +109,10 @@ public:
             onto_ = choose_meshes(choice, run);
             names = onto_.names;
         }
-        output_ = std::make_unique<MeshOutput>(session, arguments.mesh, names, inputs);
+        MeshOutputArguments form = arguments.mesh;
+        if (!arguments.effects.empty() && !arguments.embedding.residuals)
+            form.colours.clear(); // they are of the effects
+        output_ = std::make_unique<MeshOutput>(session, form, names, inputs);
     }
 
     [[nodiscard]] Json apply(const std::vector<DifferenceVector>& differences)

@@ -85,9 +85,10 @@ public:
         return *value;
     }
 
-    ScalarType type()
+    ScalarType type() { return type(word("the type of an array")); }
+
+    ScalarType type(std::string_view name) const
     {
-        const std::string_view name = word("the type of an array");
         const std::optional<ScalarType> found = legacy_vtk_type(name);
         if (!found)
             fail(join("an array of type ", in_quotes(name), " is not read"));
@@ -132,12 +133,46 @@ public:
         return result;
     }
 
-    void skip(ScalarType type, std::int64_t count)
+    /// Passes over an array of a field, which may hold texts and bits as well.
+    void skip(std::int64_t count)
     {
-        values(type, count, [](std::int64_t, const char*, std::string_view) {});
+        const std::string_view name = word("the type of an array");
+        if (name == "string" || name == "utf8_string")
+            skip_texts(count);
+        else if (name == "bit" && is_binary)
+            values(ScalarType::Uint8, (count + 7) / 8, ignore);
+        else
+            values(name == "bit" ? ScalarType::Uint8 : type(name), count, ignore);
     }
 
 private:
+    static void ignore(std::int64_t /*index*/, const char* /*bytes*/, std::string_view /*word*/) {}
+
+    /// Texts are lines, or bytes behind their number: two bits that say of how many bytes that is, and it.
+    void skip_texts(std::int64_t count)
+    {
+        (void)line();
+        for (std::int64_t i = 0; i < count; ++i) {
+            if (offset_ >= content_.size())
+                fail("the file ends within an array of texts");
+            if (!is_binary) {
+                (void)line();
+                continue;
+            }
+            const auto first = static_cast<unsigned char>(content_[offset_]);
+            const std::size_t size = std::size_t{8} >> (first >> 6);
+            if (size > content_.size() - offset_)
+                fail("the file ends within an array of texts");
+            std::uint64_t length = first & 0x3f;
+            for (std::size_t k = 1; k < size; ++k)
+                length = length << 8 | static_cast<unsigned char>(content_[offset_ + k]);
+            offset_ += size;
+            if (length > content_.size() - offset_)
+                fail(join("a text of ", length, " bytes does not fit in the file"));
+            offset_ += length;
+        }
+    }
+
     std::string_view content_;
     std::string path_;
     std::size_t offset_ = 0;
@@ -244,8 +279,7 @@ void skip_field(VtkReader& reader)
         const std::int64_t tuples = reader.count("the number of tuples");
         if (components > 0 && tuples > (std::int64_t{1} << 40) / components)
             reader.fail("an array of a field does not fit in the file");
-        const ScalarType type = reader.type();
-        reader.skip(type, components * tuples);
+        reader.skip(components * tuples);
     }
 }
 

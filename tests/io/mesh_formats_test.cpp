@@ -143,6 +143,40 @@ TEST(VtkFile, ReadsEveryFormOfPolydata)
     EXPECT_TRUE(bytes.single_precision);
 }
 
+TEST(VtkFile, PassesOverTextsAndBitsOfFields)
+{
+    const std::string points = "POINTS 4 double\n0 0 0 1 0 0\n1 1 0.5 0 1 0\n";
+    expect_square(read("a.vtk", vtk_head +
+                                    "ASCII\nDATASET POLYDATA\nFIELD FieldData 2\n"
+                                    "who 1 3 string\nfirst\n\nPOINTS%20x\n"
+                                    "odd 1 3 bit\n1 0 1\n" +
+                                    points + "POLYGONS 2 8\n3 0 1 2\n3 0 2 3\n"));
+    // A text is bytes behind their number, of one, two, four or eight bytes.
+    const std::string texts = "\xc5first\xc0" + ("\x80\x46" + std::string(70, 'x')) +
+                              (std::string("\x40\x00\x4e\x20", 4) + std::string(20000, '\n')) +
+                              (std::string("\x00\x00\x00\x00\x00\x00\x00\x02", 8) + "ab");
+    const std::string head = vtk_head +
+                             "BINARY\nDATASET POLYDATA\nFIELD FieldData 2\n"
+                             "who 1 5 string\n";
+    expect_square(read("b.vtk", head + texts + "\nodd 1 11 bit\nU@\nPOINTS 4 float\n" +
+                                    bytes_of<float>({0, 0, 0, 1, 0, 0, 1, 1, 0.5F, 0, 1, 0}, true) +
+                                    "\nPOLYGONS 2 8\n" +
+                                    bytes_of<std::int32_t>({3, 0, 1, 2, 3, 0, 2, 3}, true) + "\n"));
+    for (const std::string& rest :
+         {std::string("\xc5"
+                      "fir"),
+          std::string("\x80"), std::string("\x00\xff\xff\xff\xff\xff\xff\xff", 8)})
+        EXPECT_NE(
+            test::message_of<InvalidInput>([&] { (void)read("c.vtk", head + rest); }).find("byte"),
+            std::string::npos);
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)read("d.vtk", vtk_head +
+                                          "ASCII\nDATASET POLYDATA\nFIELD f 1\n"
+                                          "who 1 900000000000 string\nx\n");
+              }).find("ends within"),
+              std::string::npos);
+}
+
 TEST(VtkFile, RefusesInALineWhatItIsNot)
 {
     const std::string ascii = vtk_head + "ASCII\n";

@@ -118,7 +118,9 @@ void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments)
                     "Format of the files in a directory (default: ply, binary with doubles)")
         ->check(CLI::IsMember({"obj", "ply", "off", "stl", "vtk", "vtp", "glb"}))
         ->option_text("obj|ply|off|stl|vtk|vtp|glb");
-    command.add_flag("--ascii", arguments.ascii, "Numbers as text in .ply, .stl, .vtk and .vtp")
+    command
+        .add_flag("--ascii", arguments.ascii,
+                  "Numbers as text in .ply, .stl, .vtk and .vtp; .obj and .off always are")
         ->group("Mesh files");
     command
         .add_flag("--float", arguments.single_precision,
@@ -241,11 +243,10 @@ void MeshOutput::prepare_writing(const MeshOutputArguments& arguments, const fs:
 {
     const bool is_text = format_ == MeshFormat::Obj || format_ == MeshFormat::Off;
     const bool is_glb = format_ == MeshFormat::Glb;
-    const bool is_stl = format_ == MeshFormat::Stl;
-    if (arguments.ascii && (is_text || is_glb))
-        throw UsageError("--ascii is for .ply, .stl, .vtk and .vtp");
-    if (arguments.single_precision && (is_text || is_glb || is_stl))
-        throw UsageError("--float is for .ply, .vtk and .vtp");
+    if (arguments.ascii && is_glb)
+        throw UsageError("--ascii is for .ply, .stl, .vtk and .vtp; .obj and .off are text always");
+    if (arguments.single_precision && is_text)
+        throw UsageError("--float is for .ply, .vtk and .vtp; .stl and .glb are so always");
     if (arguments.template_file.empty())
         return;
     if (format_ != MeshFormat::Obj)
@@ -343,6 +344,8 @@ void MeshOutput::commit()
 {
     if (is_animation_)
         animation_ = write_glb_animation(paths_.front(), frames_, faces_, animation_options_);
+    if (!colours_.empty() && first_companion_ == 0)
+        session_.warn("--colors: these meshes have no values at their vertices; add --residuals");
     if (staging_.empty())
         return;
     if (fs::is_directory(directory_))
