@@ -308,11 +308,11 @@ Run set_up_difference(CLI::App& command)
 {
     command.description(
         "Find the mean difference of pairs of meshes in edge-length space (for example of the\n"
-        "same person with two expressions), or of two groups without pairs, and apply it, or "
-        "several that were saved: to the mean\n"
-        "of the meshes it starts from, or to any mesh (expression transfer). Meshes without a\n"
-        "partner are left out. A difference of --scale unit changes the shape of a mesh of any\n"
-        "size and keeps that size; one of --scale none adds lengths as they are.");
+        "same person with two expressions), or of two groups without pairs, and apply it, or\n"
+        "several that were saved: to the mean of the meshes it starts from, or to any mesh\n"
+        "(expression transfer). Meshes without a partner are left out. A difference of --scale\n"
+        "unit changes the shape of a mesh of any size and keeps that size; one of --scale none\n"
+        "adds lengths as they are.");
     command.footer(
         "Examples:\n"
         "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"

@@ -57,7 +57,7 @@ public:
             fail(join("the JSON chunk is damaged: ", error.what()));
         }
         if (!root_.is_object())
-            fail("the JSON chunk is no object");
+            fail("the JSON chunk is not an object");
         const std::size_t next = 20 + (size + 3) / 4 * 4;
         if (next + 8 <= content.size() && content.substr(next + 4, 4) == std::string("BIN\0", 4)) {
             if (number(next) > content.size() - next - 8)
@@ -103,7 +103,7 @@ public:
         if (found == object.end())
             return none;
         if (!found->is_array())
-            fail(join("'", name, "' is no list"));
+            fail(join("'", name, "' is not a list"));
         return *found;
     }
 
@@ -182,7 +182,8 @@ private:
         std::int64_t stride;
         std::int64_t size; ///< Of a component.
 
-        [[nodiscard]] double value(std::int64_t row, int column, std::int64_t type, bool is_normalised) const
+        [[nodiscard]] double value(std::int64_t row, int column, std::int64_t type,
+                                   bool is_normalised) const
         {
             const char* const at = bytes + row * stride + column * size;
             const auto read = [&]<class Value>(Value value) {
@@ -216,7 +217,8 @@ private:
     }
 
     /// @param part  An accessor, or the indices or values of a sparse one.
-    [[nodiscard]] View view_of(const Json& part, std::int64_t count, int components, std::int64_t type) const
+    [[nodiscard]] View view_of(const Json& part, std::int64_t count, int components,
+                               std::int64_t type) const
     {
         const std::int64_t size = type == 5120 || type == 5121   ? 1
                                   : type == 5122 || type == 5123 ? 2
@@ -257,7 +259,7 @@ Eigen::Matrix4d local_matrix(const Glb& glb, const Json& node)
             glb.fail(join("'", name, "' of a node has ", list.size(), " numbers"));
         for (std::size_t i = 0; i < standard.size(); ++i) {
             if (!list[i].is_number())
-                glb.fail(join("'", name, "' of a node holds what is no number"));
+                glb.fail(join("'", name, "' of a node holds something other than numbers"));
             standard[i] = list[i].get<double>();
         }
         return standard;
@@ -288,7 +290,7 @@ std::vector<PlacedMesh> placed_meshes(const Glb& glb)
     const auto push = [&](const Json& nodes, const Eigen::Matrix4d& parent) {
         for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
             if (!node->is_number_unsigned())
-                glb.fail("a node is named by what is no number");
+                glb.fail("a node is referred to by something other than a number");
             open.emplace_back(node->get<std::int64_t>(), parent);
         }
     };

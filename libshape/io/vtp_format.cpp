@@ -207,7 +207,7 @@ private:
             fail(join("the format of an array is ", in_quotes(format),
                       ", must be ascii, binary or appended"));
         }
-        // At most so many bytes from its start.
+        // At most `most` bytes from its start.
         const auto bytes = [&](std::size_t most) {
             return is_base64 ? decode_base64(source, most) : std::string(source.substr(0, most));
         };

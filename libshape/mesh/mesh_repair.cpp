@@ -264,6 +264,7 @@ std::vector<std::vector<bool>> pieces_of(const Faces& faces)
 /// Pieces are chosen, and vertices without a face go.
 std::vector<Batch> choose_pieces(const Batch& batch, Components components, Changes& changes)
 {
+    // Each takes time for the whole mesh and becomes a file of its own: more are crumbs of a scan, not parts.
     constexpr std::size_t most_pieces = 1000;
     std::vector<std::vector<bool>> pieces = pieces_of(batch.faces);
     const bool splits = components == Components::Split && pieces.size() > 1;

@@ -21,6 +21,7 @@ namespace shape {
 using namespace internal;
 namespace {
 
+/// The median and the median deviation of five withstand two strange values, those of fewer only one.
 constexpr std::size_t least_meshes = 5;
 
 /// One figure of every mesh, and what it must exceed to be far from the others'.

@@ -209,6 +209,8 @@ Patch mean_of(const std::vector<Patch>& patches)
 Vector3f light_of(const std::vector<Patch>& patches, const Studio& studio, double pixel_size)
 {
     const Patch mean = mean_of(patches);
+    // Normals within 11 degrees of the mean, and no step of depth: across an edge of the surface the mean
+    // would have a normal and a place that are nowhere. Set by the looks of pictures, not measured.
     const auto near_mean = [&](const Patch& patch) {
         return patch.normal.dot(mean.normal) > 0.98F &&
                (patch.place - mean.place).norm() < 4.0 * pixel_size;
@@ -250,7 +252,7 @@ Eigen::Matrix3d view_rotation(const ViewDirection& direction)
 Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
 {
     check_mesh(faces, points);
-    // Area-weighted, so that dense regions do not count more; +z wins ties.
+    // Area-weighted, so that dense regions do not count more; +z wins ties by a thousandth of the spread.
     Vector3d mean = Vector3d::Zero();
     Vector3d facing = Vector3d::Zero();
     double area = 0.0;
@@ -271,9 +273,12 @@ Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
     Eigen::Matrix3d spread = away.transpose() * areas.asDiagonal() * away / area;
     spread(2, 2) -= 1e-3 * spread.trace();
     Vector3d viewer = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+    // Models mostly stand along the axes: a view within 25 degrees of one is meant to be along it.
     for (int axis = 0; axis < 3; ++axis)
         if (std::abs(viewer[axis]) > std::cos(25.0 * pi / 180.0))
             viewer = std::copysign(1.0, viewer[axis]) * Vector3d::Unit(axis);
+    // Open meshes show their outer side. The area vectors of closed ones cancel, but for the digits that
+    // files have in single precision; these are seen along the positive axis, +z before +y before +x if equal.
     if (std::abs(facing.dot(viewer)) > 1e-6 * area)
         viewer *= std::copysign(1.0, facing.dot(viewer));
     else {
@@ -281,7 +286,7 @@ Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
         (viewer.cwiseAbs() + Vector3d(0.0, 1e-9, 2e-9)).maxCoeff(&largest);
         viewer *= std::copysign(1.0, viewer[largest]);
     }
-    // +y is up; seen from above or below, +x is right.
+    // +y is up; seen from above or below (within 0.06 degrees, where its last digits would decide), +x is right.
     const Vector3d right = Vector3d::UnitY().cross(viewer);
     return rotation_towards(viewer,
                             right.norm() > 1e-3 ? Vector3d(right.normalized()) : Vector3d::UnitX());

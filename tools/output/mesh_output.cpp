@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 #include "tools/output/frame_store.h"
 #include "tools/output/output_rules.h"
@@ -274,7 +275,7 @@ void write_with_colours(const fs::path& path, const Points& points, const Faces&
             throw UsageError(join("--colors: no value '", colours, "' in ",
                                   path.filename().string(), "; there are:", names));
         }
-        chosen = static_cast<std::size_t>(found - scalars.begin());
+        chosen = to_size(found - scalars.begin());
     }
     const MeshFormat format = mesh_format(path);
     if (format == MeshFormat::Ply)
