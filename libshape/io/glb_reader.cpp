@@ -333,8 +333,31 @@ std::vector<std::string> target_names(const Glb& glb, const Json& mesh, std::siz
     names.resize(count);
     for (std::size_t i = 0; i < count; ++i)
         if (names[i].empty())
-            names[i] = join("target ", i + 1);
+            names[i] = join("target_", i + 1);
     return names;
+}
+
+/// Refuses what would read as another mesh: later versions, and extensions that a reader must know, but for those
+/// of colours, light and the types of numbers.
+void check_claims(const Glb& glb)
+{
+    const auto asset = glb.root().find("asset");
+    const std::string version =
+        asset != glb.root().end() && asset->is_object() ? glb.text(*asset, "version") : "";
+    if (!version.starts_with("2."))
+        glb.fail(join("the version of glTF is ", in_quotes(version), ", must be 2.0"));
+    for (const Json& required : glb.list(glb.root(), "extensionsRequired")) {
+        const std::string name = required.is_string() ? required.get<std::string>() : "";
+        const bool is_compression = name.find("compression") != std::string::npos;
+        bool is_harmless = name == "KHR_mesh_quantization";
+        for (const char* of_looks : {"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                     "KHR_lights_", "EXT_lights_", "MSFT_texture_"})
+            is_harmless = is_harmless || name.starts_with(of_looks);
+        if (!is_harmless)
+            glb.fail(join("needs the extension ", in_quotes(name),
+                          ", which is not read; export without ",
+                          is_compression ? "compression" : "it"));
+    }
 }
 
 /// The mesh itself, then each of its morph targets with weight one.
@@ -422,6 +445,7 @@ MeshFileContent parse_glb(std::string_view content, const std::filesystem::path&
                           const MeshReadOptions& options)
 {
     const Glb glb(content, path.string());
+    check_claims(glb);
     const std::vector<PlacedMesh> placed = placed_meshes(glb);
     if (placed.empty())
         glb.fail("no node of the scene has a mesh");

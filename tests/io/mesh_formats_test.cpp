@@ -434,6 +434,11 @@ TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
              {"\"count\":1", "\"count\":5", "sparse"},
              {"5121", "5126", "indices have the componentType 5126"},
              {"\"bufferView\":1,", "", "no bufferView"},
+             {"\"version\":\"2.0\"", "\"version\":\"1.0\"", "must be 2.0"},
+             {"\"scene\":0", "\"extensionsRequired\":[\"EXT_meshopt_compression\"]",
+              "without compression"},
+             {"\"scene\":0", "\"extensionsRequired\":[\"ACME_folded_meshes\"]",
+              "'ACME_folded_meshes'"},
              {"\"asset\"", "asset", "damaged"}}) {
         const std::string message =
             refusal("a.glb", glb_of(replaced(glb_json, what, by), glb_buffer));
@@ -442,6 +447,11 @@ TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
     EXPECT_NE(refusal("a.glb", "glTF").find("GLB file?"), std::string::npos);
     const std::string far = replaced(glb_json, "\"targets\":[{\"POSITION\":2},", "\"targets\":[");
     EXPECT_EQ(read("b.glb", glb_of(far, glb_buffer)).meshes.size(), 2U);
+    const std::string textured =
+        replaced(glb_json, "\"scene\":0", "\"extensionsRequired\":[\"KHR_texture_basisu\"]");
+    EXPECT_EQ(read("c.glb", glb_of(textured, glb_buffer)).meshes.size(), 3U);
+    const std::string nameless = replaced(glb_json, "targetNames", "names");
+    EXPECT_EQ(read("d.glb", glb_of(nameless, glb_buffer)).meshes[2].name, "d_target_2");
 }
 
 TEST(MeshFormats, TakeNoHarmFromDamage)
