@@ -348,7 +348,7 @@ RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes, const MeshRepairOpti
         weld_seams(batch, result.changes);
         drop_repeated_faces(batch, result.changes);
         orient_faces(batch, result.changes);
-        for (Batch& part : choose_pieces(std::move(batch), options.components, result.changes)) {
+        for (Batch& part : choose_pieces(batch, options.components, result.changes)) {
             repair_orientation(part, result.changes);
             repair_sizes(part, result.changes);
             for (std::size_t i = 0; i < part.names.size(); ++i)
