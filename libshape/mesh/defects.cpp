@@ -202,8 +202,10 @@ std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& p
         const Eigen::RowVector3d c = points.row(faces(f, 2));
         const double square = // of the longest edge
             std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+        // No root is needed to see that: the rule below, squared, is |cross|^2 > 4e-28 square^2; a quarter
+        // more leaves room for rounding. Below 1e-60 the squares would underflow.
         if ((b - a).cross(c - a).squaredNorm() > 5e-28 * square * square && square > 1e-60)
-            continue; // no root is needed to see that
+            continue;
         const double area = 0.5 * (b - a).cross(c - a).norm();
         const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
         if (area <= 1e-14 * longest * longest)
