@@ -174,6 +174,13 @@ Json identity_of(const Session& session, const Arguments& arguments)
     return identity;
 }
 
+/// Where the output is going to be.
+std::filesystem::path folder_of(const std::string& output)
+{
+    const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+    return folder.empty() ? "." : folder;
+}
+
 Findings fit_in_passes(const Session& session, const Arguments& arguments, const MeshStream& meshes)
 {
     PassStore store(session, arguments.output, identity_of(session, arguments), arguments.resume,
@@ -190,7 +197,8 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
                                                  store.save(state);
                                          },
                                      .ranks = ranks(),
-                                     .state = store.state()}),
+                                     .state = store.state(),
+                                     .scratch = folder_of(arguments.output)}),
                    .in_memory = false,
                    .modes = {}};
     found.modes = mode_figures(found.fit.model);
