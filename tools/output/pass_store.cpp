@@ -185,6 +185,14 @@ void PassStore::save(const PassState& state)
     last_ = Clock::now();
 }
 
+std::string PassStore::on_interrupt() const
+{
+    if (std::error_code ignored; !std::filesystem::exists(file_, ignored))
+        return join("interrupted; nothing was kept yet (--save-every ", seconds_, " s)");
+    return join("interrupted; ", file_.string(),
+                " has the passes before, the same command with --resume goes on from there");
+}
+
 void PassStore::finish()
 {
     std::error_code ignored; // a file that stays harms nobody

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "libshape/statistics/pass_state.h"
 #include "tools/program/session.h"
@@ -30,6 +31,9 @@ public:
     /// Keeps a state if it is time.
     /// @throws FileError if it cannot be written.
     void save(const PassState& state);
+
+    /// What to say when the run is stopped: where it can go on, if something was kept.
+    [[nodiscard]] std::string on_interrupt() const;
 
     /// Removes what was kept: the run has ended well.
     void finish();

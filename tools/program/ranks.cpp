@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
 
 #ifdef SHAPE_WITH_MPI
 #define OMPI_SKIP_MPICXX 1 // its interface of C alone
@@ -42,6 +43,20 @@ Ranks& own_ranks()
 
 bool is_joined = false;
 
+/// Sends numbers to a process and receives as many. One that is waited for may have been killed: mpirun then
+/// tells the others to stop.
+void exchange(std::span<double> numbers, std::span<double> other, int partner)
+{
+    const auto count = static_cast<int>(numbers.size());
+    MPI_Request requests[2];
+    MPI_Irecv(other.data(), count, MPI_DOUBLE, partner, 0, MPI_COMM_WORLD, &requests[0]);
+    MPI_Isend(numbers.data(), count, MPI_DOUBLE, partner, 0, MPI_COMM_WORLD, &requests[1]);
+    for (int are_done = 0; are_done == 0;) {
+        MPI_Testall(2, requests, &are_done, MPI_STATUSES_IGNORE);
+        throw_if_interrupted();
+    }
+}
+
 /// Combines the numbers of all processes: each time with those of the process whose number differs in one
 /// bit, the highest first. Both get the same, for the order of two does not matter.
 template <class Combine>
@@ -53,9 +68,7 @@ void combine(std::span<double> numbers, const Combine& with)
     for (int bit = ranks.count / 2; bit > 0; bit /= 2)
         for (std::size_t first = 0; first < numbers.size(); first += piece) {
             const std::size_t count = std::min(piece, numbers.size() - first);
-            MPI_Sendrecv(numbers.data() + first, static_cast<int>(count), MPI_DOUBLE,
-                         ranks.number ^ bit, 0, other.data(), static_cast<int>(count), MPI_DOUBLE,
-                         ranks.number ^ bit, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+            exchange(numbers.subspan(first, count), other, ranks.number ^ bit);
             for (std::size_t i = 0; i < count; ++i)
                 numbers[first + i] = with(numbers[first + i], other[i]);
         }
@@ -111,10 +124,20 @@ int leave_ranks(int exit_code)
     return exit_code;
 }
 
-void let_first_rank_speak()
+void let_first_rank_speak(bool is_interrupted)
 {
-    if (!own_ranks().speaks())
-        std::this_thread::sleep_for(std::chrono::seconds(2));
+    using std::chrono::milliseconds;
+    const int number = own_ranks().number;
+    if (number == 1 && is_interrupted)
+        std::this_thread::sleep_for(milliseconds(500));
+    else if (number > 0)
+        std::this_thread::sleep_for(milliseconds(is_interrupted ? 5000 : 2000));
+}
+
+void wait_for_ranks()
+{
+    double nothing = 0.0;
+    own_ranks().add_up({&nothing, 1});
 }
 
 } // namespace shape::tools

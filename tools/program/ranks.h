@@ -17,7 +17,12 @@ void join_ranks();
 /// @return The exit code.
 int leave_ranks(int exit_code);
 
-/// Lets the first process speak where all have failed alike: it ends the others meanwhile.
-void let_first_rank_speak();
+/// Lets the first process speak where all have failed alike: it ends the others meanwhile. Should it have been
+/// killed, the second one speaks.
+/// @param is_interrupted  They have been told to stop, and mpirun kills those that are there a second later.
+void let_first_rank_speak(bool is_interrupted);
+
+/// Waits for all of them to come here.
+void wait_for_ranks();
 
 } // namespace shape::tools
