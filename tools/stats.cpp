@@ -175,13 +175,6 @@ Json identity_of(const Session& session, const Arguments& arguments)
     return identity;
 }
 
-/// Where the output is going to be.
-std::filesystem::path folder_of(const std::string& output)
-{
-    const std::filesystem::path folder = std::filesystem::path(output).parent_path();
-    return folder.empty() ? "." : folder;
-}
-
 Findings fit_in_passes(const Session& session, const Arguments& arguments, const MeshStream& meshes)
 {
     PassStore store(session, arguments.output, identity_of(session, arguments), arguments.resume,
@@ -198,7 +191,7 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
                                     },
                                 .ranks = ranks(),
                                 .state = store.state(),
-                                .scratch = folder_of(arguments.output)};
+                                .scratch = scratch_folder(arguments.output)};
     const auto fit = [&] {
         try {
             return fit_model(meshes, model_options(arguments), options);

@@ -143,6 +143,11 @@ std::pair<std::string, PassState> read_state(const std::filesystem::path& path)
 
 } // namespace
 
+std::filesystem::path scratch_folder(const std::filesystem::path& output)
+{
+    return output.has_parent_path() ? output.parent_path() : ".";
+}
+
 PassStore::PassStore(const Session& session, const std::filesystem::path& output,
                      const Json& identity, bool resume, double seconds)
     : file_(output.string() + ".unfinished"), identity_(identity.dump()), seconds_(seconds)

@@ -12,6 +12,9 @@
 
 namespace shape::tools {
 
+/// Where a run may keep what it has measured until it ends: beside its output.
+[[nodiscard]] std::filesystem::path scratch_folder(const std::filesystem::path& output);
+
 /// What a run that goes over its data in passes has found so far, kept beside the output as
 /// OUTPUT.unfinished until the run ends, so that one that was killed can be resumed.
 class PassStore

@@ -2,7 +2,11 @@
 
 #include "tools/program/ranks.h"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <thread>
 
@@ -33,6 +37,20 @@ int started_together()
     return 0;
 }
 
+/// The process that speaks.
+struct FirstProcess
+{
+    long id = 0;
+    bool is_elsewhere = false; ///< On another machine.
+};
+
+FirstProcess first_process;
+
+bool is_gone(long process)
+{
+    return ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
+
 Ranks& own_ranks()
 {
     static Ranks ranks;
@@ -42,6 +60,15 @@ Ranks& own_ranks()
 #ifdef SHAPE_WITH_MPI
 
 bool is_joined = false;
+
+/// Tells all processes which one is the first.
+void introduce_first_process()
+{
+    long facts[2] = {static_cast<long>(::getpid()), ::gethostid()};
+    const long host = facts[1];
+    MPI_Bcast(facts, 2, MPI_LONG, 0, MPI_COMM_WORLD);
+    first_process = {facts[0], facts[1] != host};
+}
 
 /// Sends numbers to a process and receives as many. One that is waited for may have been killed: mpirun then
 /// tells the others to stop.
@@ -95,6 +122,7 @@ void join_ranks()
     Ranks& own = own_ranks();
     MPI_Comm_rank(MPI_COMM_WORLD, &own.number);
     MPI_Comm_size(MPI_COMM_WORLD, &own.count);
+    introduce_first_process();
     if ((own.count & (own.count - 1)) != 0)
         throw UsageError(join("mpirun has started ", own.count,
                               " processes; their number must be a power of two"));
@@ -128,10 +156,14 @@ void let_first_rank_speak(bool is_interrupted)
 {
     using std::chrono::milliseconds;
     const int number = own_ranks().number;
-    if (number == 1 && is_interrupted)
-        std::this_thread::sleep_for(milliseconds(500));
-    else if (number > 0)
-        std::this_thread::sleep_for(milliseconds(is_interrupted ? 5000 : 2000));
+    if (number == 0)
+        return;
+    const bool is_next = number == 1 && is_interrupted;
+    for (int tenth = 0; tenth < (is_interrupted ? 50 : 20); ++tenth) {
+        if (is_next && (first_process.is_elsewhere ? tenth == 5 : is_gone(first_process.id)))
+            return;
+        std::this_thread::sleep_for(milliseconds(100));
+    }
 }
 
 void wait_for_ranks()
