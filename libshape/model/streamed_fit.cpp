@@ -266,7 +266,7 @@ private:
         auto coordinates = ColumnStrips::make(stream_.scratch, count, dimension_);
         if (!coordinates)
             return false;
-        strips_.emplace(std::move(*coordinates), std::nullopt);
+        strips_ = MeasuredStrips{std::move(*coordinates), std::nullopt};
         if (!has_companions(passes_.space()))
             return true;
         strips_->angles =
