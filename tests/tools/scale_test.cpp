@@ -123,6 +123,22 @@ TEST_F(Scale, ARunThatEndedEarlyIsResumedToTheSameBits)
     EXPECT_FALSE(folder_.has("m.h5.unfinished"));
 }
 
+TEST_F(Scale, ARunThatIsInterruptedSaysWhereItGoesOn)
+{
+    const Arguments command{"stats",       "c.h5",  "--algorithm",  "krylov", "--modes", "20",
+                            "--tolerance", "1e-13", "--save-every", "1e-9",   "--force"};
+    (void)run(command + Arguments{"-o", "whole.h5"});
+    Outcome stopped;
+    for (int attempt = 0; attempt < 50 && stopped.exit_code != 130; ++attempt) // it may be quicker
+        stopped = run_shape(folder_.path(), command + Arguments{"-o", "m.h5"},
+                            {.interrupt_at_file = "m.h5.unfinished"});
+    ASSERT_EQ(stopped.exit_code, 130);
+    EXPECT_NE(stopped.err.find("m.h5.unfinished has the passes before"), std::string::npos)
+        << stopped.err;
+    (void)run(command + Arguments{"-o", "m.h5", "--resume"});
+    EXPECT_EQ(folder_.read("m.h5"), folder_.read("whole.h5"));
+}
+
 TEST_F(Scale, MemoryIsABoundThatIsRefusedWhereNothingFits)
 {
     const Outcome little = outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "1M"});
