@@ -332,10 +332,8 @@ int guarded_run(std::vector<std::string> arguments)
         join_ranks();
         run(std::move(arguments), streams, session);
     });
-    if (failure) {
-        let_first_rank_speak(failure->code == Stopped);
+    if (failure && is_to_speak(failure->code == Stopped))
         report_error(session.readable(failure->message));
-    }
     const std::optional<Failure> unprinted = failure_of([&] {
         print_report(session, failure ? Json{{"kind", kind_of(failure->code)},
                                              {"exit_code", static_cast<int>(failure->code)},

@@ -152,18 +152,19 @@ int leave_ranks(int exit_code)
     return exit_code;
 }
 
-void let_first_rank_speak(bool is_interrupted)
+bool is_to_speak(bool is_interrupted)
 {
     using std::chrono::milliseconds;
     const int number = own_ranks().number;
     if (number == 0)
-        return;
+        return true;
     const bool is_next = number == 1 && is_interrupted;
-    for (int tenth = 0; tenth < (is_interrupted ? 50 : 20); ++tenth) {
+    for (int tenth = 0; tenth < (is_interrupted ? 10 : 20); ++tenth) {
         if (is_next && (first_process.is_elsewhere ? tenth == 5 : is_gone(first_process.id)))
-            return;
+            return true;
         std::this_thread::sleep_for(milliseconds(100));
     }
+    return !is_interrupted;
 }
 
 void wait_for_ranks()
