@@ -24,10 +24,18 @@ install(FILES
     DESTINATION ${package_dir})
 
 # pkg-config: a static library needs to be linked with all that it is made from.
-set(third_party "-lOpenMeshTools -lOpenMeshCore -lpthread -lcholmod -lopenblas -lhdf5_serial -llbfgs -lutf8proc -lz -lgomp")
+set(third_party -lOpenMeshTools -lOpenMeshCore -lpthread)
+foreach(library ${CHOLMOD_LIBRARY} ${OPENBLAS_LIBRARY} ${HDF5_LIBRARY} ${LBFGS_LIBRARY} ${UTF8PROC_LIBRARY}
+        ${ZLIB_LIBRARIES} ${OpenMP_CXX_LIBRARIES})
+    get_filename_component(name ${library} NAME_WE)
+    string(REGEX REPLACE "^lib" "-l" name ${name})
+    list(APPEND third_party ${name})
+endforeach()
 if(SHAPE_READS_VTP)
-    string(APPEND third_party " -lpugixml")
+    list(APPEND third_party -lpugixml)
 endif()
+list(REMOVE_DUPLICATES third_party)
+list(JOIN third_party " " third_party)
 if(BUILD_SHARED_LIBS)
     set(pc_private_libraries ${third_party})
 else()

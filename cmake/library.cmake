@@ -13,9 +13,9 @@
 function(shape_add_library name)
     add_library(${name}_objects OBJECT)
     target_compile_features(${name}_objects PUBLIC cxx_std_20)
-    # Same input, same bits: no contraction of a*b+c that depends on the compiler's mood.
+    # Same input, same bits: no contraction of a*b+c, which the compiler would choose.
     target_compile_options(${name}_objects PRIVATE -ffp-contract=off
-        -fno-math-errno -fno-trapping-math) # nobody asks for either, and loops with roots vectorise
+        -fno-math-errno -fno-trapping-math) # libshape needs neither, and loops with roots vectorise
     # Eigen's own threads would split sums by their number; threads.h does not.
     target_compile_definitions(${name}_objects PRIVATE EIGEN_DONT_PARALLELIZE)
     target_include_directories(${name}_objects PUBLIC ${PROJECT_SOURCE_DIR})
@@ -44,7 +44,7 @@ function(shape_add_library name)
         VERSION ${PROJECT_VERSION}
         SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
         VERIFY_INTERFACE_HEADER_SETS ${SHAPE_BUILD_TESTS})
-    if(BUILD_SHARED_LIBS)
+    if(BUILD_SHARED_LIBS AND UNIX AND NOT APPLE) # a script of GNU ld, which LLVM's reads too
         set(symbols ${PROJECT_SOURCE_DIR}/cmake/exported_symbols.map)
         target_link_options(${name} PRIVATE LINKER:--version-script=${symbols})
         set_property(TARGET ${name} APPEND PROPERTY LINK_DEPENDS ${symbols})

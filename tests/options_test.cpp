@@ -39,6 +39,9 @@
 #include "libshape/model/model_quality.h"
 #include "libshape/model/shape_model.h"
 #include "libshape/model/streamed_fit.h"
+#include "libshape/registration/growth_energy.h"
+#include "libshape/registration/scan_fit.h"
+#include "libshape/registration/synthetic_scan.h"
 #include "libshape/report/picture.h"
 #include "libshape/report/render.h"
 #include "libshape/statistics/bootstrap.h"
@@ -367,6 +370,30 @@ TEST(Options, AreCheckedByAllThatEmbeds)
         (void)PathFollower(t, mesh.points, lengths, target.dihedral_angles, {.guidance = 0.0});
     });
     expect_named("JumpOptions.ratio", [&] { (void)find_jumps({}, {.ratio = 0.0}); });
+}
+
+TEST(Options, OfFitsAndMadeUpScans)
+{
+    Fields<FitOptions>("FitOptions")
+        .positive("smoothness", &FitOptions::smoothness)
+        .positive("growth_smoothness", &FitOptions::growth_smoothness)
+        .not_negative("landmark_tolerance", &FitOptions::landmark_tolerance);
+    Fields<GrowthOptions>("GrowthOptions")
+        .positive("smoothness", &GrowthOptions::smoothness)
+        .positive("growth_smoothness", &GrowthOptions::growth_smoothness)
+        .positive("stiffness", &GrowthOptions::stiffness);
+    Fields<SyntheticScanOptions>("SyntheticScanOptions")
+        .refuse<int>("vertices", &SyntheticScanOptions::vertices, {-1, 1, 49})
+        .not_negative("noise", &SyntheticScanOptions::noise)
+        .at_least(0, "holes", &SyntheticScanOptions::holes)
+        .positive("hole_radius", &SyntheticScanOptions::hole_radius)
+        .refuse<double>("cut", &SyntheticScanOptions::cut, {-0.1, 0.91, nan})
+        .accept(&SyntheticScanOptions::vertices, 50);
+    const test::TestMesh sphere = test::icosphere(1);
+    expect_named("FitOptions.smoothness",
+                 [&] { ScanFitter(sphere.topology, sphere.points, {.smoothness = nan}); });
+    expect_named("SyntheticScanOptions.cut",
+                 [&] { (void)synthetic_scan(sphere.topology, sphere.points, {.cut = 1.0}); });
 }
 
 TEST(Options, AreCheckedByAllElse)

@@ -281,8 +281,8 @@ Run set_up_classify(CLI::App& command)
               "Meshes with the same value of it are left out together, such as all of a subject\n"
               "(default: one mesh at a time)");
     add_integer(command, "--modes", arguments->modes,
-                "Number of leading modes, >= 1; at most the meshes that are learnt from less the\n"
-                "groups (default: 20, or that many)",
+                "Number of leading modes, >= 1; at most the number of training meshes less that\n"
+                "of groups (default: 20, or that many)",
                 1, std::numeric_limits<int>::max());
     add_output_file(
         command, arguments->output,

@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/collection_stream.h"
 #include "libshape/mesh/oddities.h"
@@ -32,9 +33,8 @@ struct Arguments
 
 void report(const Session& session, const Arguments& arguments, const MeshStream& meshes)
 {
-    session.message(join(arguments.output, ": ",
-                         counted(static_cast<std::size_t>(meshes.size()), "mesh", "meshes"), " of ",
-                         meshes.topology.vertex_count(), " vertices"));
+    session.message(join(arguments.output, ": ", counted(to_size(meshes.size()), "mesh", "meshes"),
+                         " of ", meshes.topology.vertex_count(), " vertices"));
     session.print_figures({{"outputs", {arguments.output}},
                            {"meshes", meshes.size()},
                            {"vertices", meshes.topology.vertex_count()},

@@ -79,7 +79,7 @@ Json find_effects(const Session& session, const Arguments& arguments,
                             embedding_options(session, arguments.embedding.options));
     const ShapePoint start = start_of(difference, difference.from_size);
     return write_effects(session, arguments.effects, difference.topology,
-                         embedder.embed(start).points, effects, arguments.mesh.colours);
+                         embedder.embed(start).points, effects, arguments.mesh);
 }
 
 /// The start of a transfer: a mesh, brought to the size that is wanted.
@@ -109,7 +109,10 @@ public:
             onto_ = choose_meshes(choice, run);
             names = onto_.names;
         }
-        output_ = std::make_unique<MeshOutput>(session, arguments.mesh, names, inputs);
+        MeshOutputArguments form = arguments.mesh;
+        if (!arguments.effects.empty() && !arguments.embedding.residuals)
+            form.colours.clear(); // they are of the effects
+        output_ = std::make_unique<MeshOutput>(session, form, names, inputs);
     }
 
     [[nodiscard]] Json apply(const std::vector<DifferenceVector>& differences)
@@ -305,11 +308,11 @@ Run set_up_difference(CLI::App& command)
 {
     command.description(
         "Find the mean difference of pairs of meshes in edge-length space (for example of the\n"
-        "same person with two expressions), or of two groups without pairs, and apply it, or "
-        "several that were saved: to the mean\n"
-        "of the meshes it starts from, or to any mesh (expression transfer). Meshes without a\n"
-        "partner are left out. A difference of --scale unit changes the shape of a mesh of any\n"
-        "size and keeps that size; one of --scale none adds lengths as they are.");
+        "same person with two expressions), or of two groups without pairs, and apply it, or\n"
+        "several that were saved: to the mean of the meshes it starts from, or to any mesh\n"
+        "(expression transfer). Meshes without a partner are left out. A difference of --scale\n"
+        "unit changes the shape of a mesh of any size and keeps that size; one of --scale none\n"
+        "adds lengths as they are.");
     command.footer(
         "Examples:\n"
         "  shape difference faces.h5 --pair-by subject --from expression=neutral \\\n"

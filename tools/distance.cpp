@@ -238,8 +238,9 @@ void write_all(const Session& session, const Arguments& arguments, const MeshLab
         text += join(", mean ", extent.mean(meshes.size()), ", largest ", extent.largest);
     }
     session.message(text);
-    figures["mds_share"] =
-        scaling.total > 0.0 ? scaling.eigenvalues.cwiseMax(0.0).sum() / scaling.total : 1.0;
+    if (!arguments.scaling.empty() || !arguments.plot.empty())
+        figures["mds_share"] =
+            scaling.total > 0.0 ? scaling.eigenvalues.cwiseMax(0.0).sum() / scaling.total : 1.0;
     session.print_figures(figures);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -176,8 +177,8 @@ void run(const Session& session, const Arguments& arguments)
                              options.value_high));
     Json figures{{"outputs", {arguments.output}},
                  {"meshes", collection.size()},
-                 {"width_px", picture.width()},
-                 {"height_px", picture.height()}};
+                 {"width_px", std::lround(picture.width())},
+                 {"height_px", std::lround(picture.height())}};
     if (has_values)
         figures["color_range"] = {options.value_low, options.value_high};
     session.print_figures(figures);

@@ -333,7 +333,7 @@ Run set_up_explore(CLI::App& command)
         ->option_text("TEXT");
     command
         .add_option("--about", arguments->about,
-                    "Where the meshes come from, whose they are: stands with the figures")
+                    "Where the meshes come from, whose they are: shown with the figures")
         ->option_text("TEXT");
     add_label(command, "--color-by", arguments->color_by,
               "Label whose values get a colour each in the plot of the scores, and whose means\n"

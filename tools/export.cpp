@@ -124,7 +124,9 @@ void write_csv(const fs::path& folder, const Exported& exported)
         "# Reads what `shape export --to csv` wrote, from the folder that it lies in:\n"
         "# A, p x k x n, as geomorph (gpagen, procD.lm) and Morpho (procSym) take it; faces, "
         "counted\n"
-        "# from 1, as mesh3d$it takes them, transposed; labels and scores, a row a mesh.\n"
+        "# from 1, as mesh3d$it takes them, transposed; labels and position_scores (of --to csv, "
+        "not those\n"
+        "# of `shape project`), one row per mesh.\n"
         "landmarks <- read.csv(\"landmarks.csv\", colClasses = c(mesh = \"character\"))\n"
         "n <- unique(landmarks$mesh)\n"
         "p <- max(landmarks$vertex)\n"
@@ -133,7 +135,7 @@ void write_csv(const fs::path& folder, const Exported& exported)
         "dimnames(A) <- list(NULL, c(\"x\", \"y\", \"z\"), n)\n"
         "faces <- as.matrix(read.csv(\"faces.csv\"))\n"
         "labels <- read.csv(\"labels.csv\", colClasses = c(mesh = \"character\"))\n"
-        "scores <- read.csv(\"scores.csv\", colClasses = c(mesh = \"character\"))\n");
+        "position_scores <- read.csv(\"scores.csv\", colClasses = c(mesh = \"character\"))\n");
 }
 
 /// A project of ShapeWorks Studio: the vertices of each mesh are its particles.
@@ -188,69 +190,120 @@ void write_slicermorph(const fs::path& folder, const Exported& exported)
         data.rows.push_back(std::move(row));
     }
     write_table(folder / "outputData.csv", data);
-    Table average{{"Landmark", "X", "Y", "Z"}, {}};
+    Table average{{"", "X", "Y", "Z"}, {}};
     for (Eigen::Index v = 0; v < mean.rows(); ++v)
-        average.rows.push_back({join(v + 1), print_number(mean(v, 0)), print_number(mean(v, 1)),
-                                print_number(mean(v, 2))});
+        average.rows.push_back({join("LM ", v + 1), print_number(mean(v, 0)),
+                                print_number(mean(v, 1)), print_number(mean(v, 2))});
     write_table(folder / "meanShape.csv", average);
-    const Json analysis{{"GPALog", Json::array({{{"OutputPath", "."},
-                                                 {"NumberInputs", exported.meshes.size()},
-                                                 {"NumberLandmarks", mean.rows()},
-                                                 {"ScalingEnabled", false},
-                                                 {"MeanShape", "meanShape.csv"},
-                                                 {"Eigenvalues", "eigenvalues.csv"},
-                                                 {"OutputData", "outputData.csv"},
-                                                 {"PCScores", "pcScores.csv"},
-                                                 {"Note",
-                                                  "made by libshape: scores and eigenvalues are of "
-                                                  "positions linearised at the mean of a model of "
-                                                  "edge lengths"}}})}};
-    Table values{{"PC", "eigenvalue"}, {}};
-    for (Eigen::Index k = 0; k < exported.linear.variances.size(); ++k)
-        values.rows.push_back({join("PC ", k + 1), print_number(exported.linear.variances[k])});
-    write_table(folder / "eigenvalues.csv", values);
-    write_file_atomically(folder / "analysis.json", analysis.dump(4) + "\n");
+
+    Table vectors{{""}, {}};
+    std::string values; // which has no line of headings
+    for (Eigen::Index k = 0; k < exported.linear.variances.size(); ++k) {
+        vectors.columns.push_back(join("PC ", k + 1));
+        values += join("PC ", k + 1, ",", print_number(exported.linear.variances[k]), "\n");
+    }
+    for (Eigen::Index row = 0; row < exported.linear.basis.rows(); ++row) {
+        std::vector<std::string> cells{join("LM ", row / 3 + 1, "_", "XYZ"[row % 3])};
+        for (const double value : exported.linear.basis.row(row))
+            cells.push_back(print_number(value));
+        vectors.rows.push_back(std::move(cells));
+    }
+    write_table(folder / "eigenvector.csv", vectors);
+    write_file_atomically(folder / "eigenvalues.csv", values);
+
+    const Json log{{"InputPath", "."},
+                   {"OutputPath", "."},
+                   {"Files", exported.model.names},
+                   {"LMFormat", ".mrk.json"},
+                   {"NumberLM", mean.rows()},
+                   {"ExcludedLM", Json::array()},
+                   {"Boas", true}, // sizes are kept
+                   {"MeanShape", "meanShape.csv"},
+                   {"Eigenvalues", "eigenvalues.csv"},
+                   {"Eigenvectors", "eigenvector.csv"},
+                   {"OutputData", "outputData.csv"},
+                   {"PCScores", "pcScores.csv"},
+                   {"SemiLandmarks", Json::array()},
+                   {"Covariates", ""},
+                   {"Note",
+                    "made by libshape: the landmarks are all vertices; scores, eigenvalues "
+                    "and eigenvectors are of positions linearised at the mean of a model "
+                    "of edge lengths"}};
+    write_file_atomically(folder / "analysis.json", Json{{"GPALog", {log}}}.dump(4) + "\n");
 }
 
-/// A folder that appears as a whole.
-void write_folder(const fs::path& output, const std::function<void(const fs::path&)>& write)
+/// Writes a new folder, which appears as a whole, or into a folder that is there, where files replace those of
+/// the same names and nothing else is touched.
+void write_folder(const fs::path& folder, const fs::path& model,
+                  const std::function<void(const fs::path&)>& write)
 {
-    const fs::path target = output.has_filename() ? output : output.parent_path();
-    fs::path staging = target;
+    const bool is_new = !fs::exists(folder);
+    fs::path staging = is_new ? folder : folder / "export";
     staging += ".unfinished";
     fs::remove_all(staging);
     fs::create_directory(staging);
     try {
         write(staging);
         throw_if_interrupted();
+        if (is_new) {
+            fs::rename(staging, folder);
+            return;
+        }
+        const auto all_files = fs::recursive_directory_iterator(staging);
+        std::vector<fs::path> files;
+        for (const fs::directory_entry& entry : all_files)
+            if (entry.is_regular_file())
+                files.push_back(entry.path().lexically_relative(staging));
+        std::ranges::sort(files);
+        for (const fs::path& file : files) {
+            const fs::path target = folder / file;
+            if (fs::exists(target) && fs::equivalent(target, model))
+                throw UsageError(join(target.string(), ": the output is an input of the run"));
+            if (fs::exists(target) && !fs::is_regular_file(target))
+                throw FileError(join(target.string(), ": exists and is not a regular file"));
+        }
+        for (const fs::path& file : files) {
+            fs::create_directories((folder / file).parent_path());
+            fs::rename(staging / file, folder / file);
+        }
+        fs::remove_all(staging);
     } catch (...) {
         std::error_code ignored;
         fs::remove_all(staging, ignored);
         throw;
     }
-    fs::remove_all(target); // --force, or it is not there
-    fs::rename(staging, target);
 }
 
-void check_folder(const Session& session, const fs::path& output)
+/// @return The folder, without a slash at its end.
+fs::path check_folder(const Session& session, const fs::path& output)
 {
-    const fs::path target = output.has_filename() ? output : output.parent_path();
-    if (fs::is_directory(target)) {
-        if (!session.force)
-            throw FileError(join(target.string(), ": exists; --force replaces the folder"));
-        return;
+    if (output.extension() == ".h5") // what `-` stands for too
+        throw UsageError(join("-o: '", output.string(),
+                              "' is a file; all but --to statismo write a folder: name that"));
+    const fs::path folder = output.has_filename() ? output : output.parent_path();
+    if (!fs::is_directory(folder)) {
+        if (fs::exists(fs::symlink_status(folder)))
+            throw FileError(join(folder.string(), ": exists and is not a folder; name another"));
+        check_output(session, folder, {});
+        return folder;
     }
-    check_output(session, target, {});
+    if (!session.force && !fs::is_empty(folder))
+        throw FileError(join(folder.string(),
+                             ": exists and is not empty; --force writes into it, over files of the "
+                             "same names"));
+    check_output(session, folder / "export.unfinished.txt", {}); // whether files can be made there
+    return folder;
 }
 
 void run(const Session& session, const Arguments& arguments)
 {
     const bool is_file = arguments.client == Client::Statismo;
+    fs::path folder;
     if (is_file) {
         check_ending("-o", arguments.output, ".h5");
         check_output(session, arguments.output, {arguments.model});
     } else {
-        check_folder(session, arguments.output);
+        folder = check_folder(session, arguments.output);
     }
     const ShapeModel model = read_model(arguments.model);
     if (arguments.modes > model.mode_count())
@@ -262,13 +315,13 @@ void run(const Session& session, const Arguments& arguments)
         write_statismo(arguments.output, model.topology, exported.linear, model.names);
     } else {
         exported.meshes = make_meshes(session, model, exported.linear.mean);
-        write_folder(arguments.output, [&](const fs::path& folder) {
+        write_folder(folder, arguments.model, [&](const fs::path& staging) {
             if (arguments.client == Client::Csv)
-                write_csv(folder, exported);
+                write_csv(staging, exported);
             else if (arguments.client == Client::ShapeWorks)
-                write_shapeworks(folder, exported);
+                write_shapeworks(staging, exported);
             else
-                write_slicermorph(folder, exported);
+                write_slicermorph(staging, exported);
         });
     }
     const bool is_linear = std::holds_alternative<ProcrustesSpace>(model.space);
@@ -308,12 +361,13 @@ Run set_up_export(CLI::App& command)
                 {"csv", Client::Csv}})
         ->required();
     command
-        .add_option("-o,--output", arguments->output,
-                    "File (.h5) for statismo, else a new folder, whose parent must exist")
+        .add_option(
+            "-o,--output", arguments->output,
+            "File (.h5) for statismo, else a folder; where it is not there its parent must be")
         ->required()
         ->option_text("PATH REQUIRED");
     add_integer(command, "--modes", arguments->modes,
-                "The first so many modes, [1, number of modes] (default: all)", 1,
+                "Number of leading modes, [1, number of modes] (default: all)", 1,
                 std::numeric_limits<int>::max());
     return [arguments](const Session& session) { run(session, *arguments); };
 }

@@ -261,10 +261,10 @@ Run set_up_groups(CLI::App& command)
     command.description(
         "Compare groups of meshes: do their mean shapes differ, all at once and two at a time, by\n"
         "how much, and do their members spread equally far (distances from the mean of the group,\n"
-        "Anderson 2006)? Labels are permuted to see how much\n"
-        "chance would do (Procrustes ANOVA, PERMANOVA). With --within, labels that differ inside\n"
-        "a block (a subject in several states) are permuted inside it; if every block lies in one\n"
-        "group (repeated scans of a subject), the means of the blocks are compared instead.");
+        "Anderson 2006)? Labels are permuted to see what chance alone would do (Procrustes ANOVA,\n"
+        "PERMANOVA). With --within, labels that differ inside a block (a subject in several\n"
+        "states) are permuted inside it; if every block lies in one group (repeated scans of a\n"
+        "subject), the means of the blocks are compared instead.");
     command.footer(
         "Example:\n"
         "  shape groups faces.h5 --by expression --within subject -o groups.csv --means means/");

@@ -91,7 +91,7 @@ Description describe(const std::string& file)
 void run(const Session& session, const std::string& file)
 {
     const Description description = describe(file);
-    Json figures{{"file", file}};
+    Json figures{{"file", session.readable(file)}};
     figures.update(description.figures);
     if (session.json)
         return session.print_figures(figures);

@@ -157,7 +157,7 @@ void run(const Session& session, const Arguments& arguments)
     const Shard& shard = arguments.shard;
     if (shard.is_given() && blends.is_sequence)
         throw UsageError(
-            "--shard and mpirun are for blends that are no path: a frame of a path is placed as "
+            "--shard and mpirun are for blends that are not a path: a frame of a path is placed as "
             "the one before it");
     Sequence sequence{topology, collection.points, {}, blends.is_sequence};
     for (const std::size_t i : shard.own(blends.weights.size()))

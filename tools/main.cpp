@@ -82,9 +82,8 @@ enum ExitCode
 
 constexpr const char* program_footer =
     "MESHES is any mix of mesh files (.obj .ply .off .stl .vtk .vtp .glb), directories (their\n"
-    "mesh files in natural name order) and collection files (.h5). Lengths have the unit of the "
-    "input. `-` is standard\n"
-    "input, and after -o standard output.\n"
+    "mesh files in natural name order) and collection files (.h5). Lengths have the\n"
+    "unit of the input. `-` is standard input, and after -o standard output.\n"
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 4 numerical failure,\n"
     "5 input/output, 6 over a limit, 130 interrupted.\n"
     "`shape COMMAND --help` explains a command and gives an example; `shape help --write DIR` "
@@ -110,7 +109,7 @@ void refuse_pipes(const CLI::App& command)
 {
     for (const CLI::Option* option : command.get_options())
         for (const std::string& value : option->results()) {
-            std::error_code ignored; // most values are no paths
+            std::error_code ignored; // most values are not paths
             const std::filesystem::file_status status = std::filesystem::status(value, ignored);
             if (std::filesystem::exists(status) && std::filesystem::is_other(status))
                 throw FileError(join(value, ": is not a regular file"));
@@ -165,7 +164,7 @@ void read_first_words(const CLI::App& program, std::vector<std::string>& argumen
                               "; `shape --help` lists them"));
 }
 
-/// Whether an argument is no long option, or one of the command.
+/// Whether an argument is not a long option, or is one of the command.
 bool is_known(const CLI::App& command, const std::string& argument)
 {
     const std::vector<std::string> options = option_names(command);

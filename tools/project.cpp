@@ -193,12 +193,12 @@ Run set_up_project(CLI::App& command)
         ->needs(plot);
     command
         .add_option("--axes", arguments->axes,
-                    "The modes that go to the right and up (default: 1,2)")
+                    "Modes on the horizontal and on the vertical axis (default: 1,2)")
         ->option_text("K,L")
         ->needs(plot);
     command
         .add_flag("--equal-scales", arguments->equal_scales,
-                  "A unit is as long to the right as up, so that distances can be compared")
+                  "Scale both axes alike, so that distances can be compared")
         ->needs(plot);
     add_point_plot(command, arguments->points, plot);
     return [arguments](const Session& session) { run(session, *arguments); };

@@ -280,7 +280,7 @@ Run set_up_quality(CLI::App& command)
               "Leave out all meshes with one value of this label together (of one person)")
         ->excludes(folds);
     add_integer(command, "--tests", arguments->tests,
-                "Reconstruct at most this many of the meshes, drawn by chance, >= 1 (default: 25)",
+                "Reconstruct at most this many of the meshes, drawn at random, >= 1 (default: 25)",
                 1, std::numeric_limits<int>::max());
     add_integer(command, "--samples", arguments->samples, "Random meshes, >= 1 (default: 25)", 1,
                 1'000'000);

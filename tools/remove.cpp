@@ -101,7 +101,7 @@ Run set_up_remove(CLI::App& command)
     CLI::Option_group* what = command.add_option_group("Nuisance", "exactly one of");
     CLI::Option* modes =
         add_integer(*what, "--modes", arguments->modes,
-                    "The first K modes, [1, number of modes], of MESHES or of --model", 1,
+                    "The K leading modes, [1, number of modes], of MESHES or of --model", 1,
                     std::numeric_limits<int>::max());
     what->add_option("--direction", arguments->direction,
                      "The direction of a difference made by `shape difference` (.h5); what is\n"

@@ -96,7 +96,8 @@ void make_scans(const Session& session, const Arguments& arguments)
     namespace fs = std::filesystem;
     const bool is_given = !arguments.of.paths.empty();
     if (is_given && arguments.count > 0)
-        throw UsageError("--count counts what is made up; with --of, all its meshes are scanned");
+        throw UsageError(
+            "--count is for shapes that are made up; with --of, all its meshes are scanned");
     const Collection truth =
         is_given ? read_meshes(session, arguments.of)
                  : make_synthetic("faces", {.count = static_cast<int>(arguments.count),

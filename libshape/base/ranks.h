@@ -14,7 +14,7 @@ struct Ranks
 {
     int number = 0; ///< Of this process, in [0, count).
     int count = 1;  ///< A power of two, at most `lots`.
-    /// Sums over the meshes are taken in so many parts, which are added as a tree: those of one process
+    /// Sums over the meshes are taken in this many parts, which are added as a tree: those of one process
     /// first, then over processes. 1 where processes are not in play: no array is held twice then.
     int lots = 1;
     /// Adds the arrays of all processes, as a tree over the bits of their numbers, the highest first; all

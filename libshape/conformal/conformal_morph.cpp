@@ -57,7 +57,9 @@ struct Constraint
 };
 
 /// Projects x, relative lengths of about 1, onto the inequalities with Hildreth's method: one at a
-/// time, until a sweep moves none by more than 1e-14, some units of the last place.
+/// time, until a sweep moves none by more than 1e-14, some units of the last place. There is always a
+/// solution (all lengths alike), but no bound on how fast it is approached: the limit of sweeps only
+/// makes sure of an end.
 void project(Eigen::VectorXd& x, std::vector<Constraint>& constraints)
 {
     for (int sweep = 0; sweep < 100000; ++sweep) {

@@ -35,7 +35,7 @@ struct DiscMap
 
 /// Flattens a disc conformally with given factors on its boundary (Springborn, Schröder, Pinkall
 /// 2008), on its own triangulation where that has a solution and with few flipped edges where not
-/// (flat_metric.h). A face that breaks at a boundary edge cannot be repaired: Unsolved.
+/// (about faces that break). A face that breaks at a boundary edge cannot be repaired: Unsolved.
 ///
 /// @param lengths  #E [length], > 0, finite.
 /// @throws InvalidInput if the mesh has not exactly one boundary loop and genus 0, or lengths or

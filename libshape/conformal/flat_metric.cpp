@@ -158,7 +158,8 @@ private:
             else
                 release_around(f);
         }
-        // Reflex vertices leave the link if they may, vertices that break a link edge join it.
+        // Reflex vertices leave the link if they may, vertices that break a link edge join it. A defect
+        // within 1e-9 of pi is a straight angle but for what Newton's method leaves (stuck_residual).
         const Eigen::VectorXd defects = measure_angle_defects(t_, u_, removed_).defects;
         for (const int h : star_)
             if (released_[to_size(t_.edge(h))] && defects[t_.target(h)] < std::numbers::pi - 1e-9)

@@ -116,7 +116,8 @@ MoebiusBalance balance_on_sphere(const Eigen::VectorXcd& positions, const Eigen:
     problem.derivatives(result.frame, mean, hessian);
     result.residual = mean.norm();
     // The residual is the mean of points on the unit sphere: 1e-15 is its rounding. Steps of at
-    // most 0.9 keep the frame inside the ball.
+    // most 0.9 keep the frame inside the ball. The limit of iterations is for what
+    // rounding keeps from ending.
     while (result.residual > 1e-15 && result.iterations < 100) {
         Eigen::Vector3d step = hessian.ldlt().solve(mean);
         step *= std::min(1.0, 0.9 / step.norm());

@@ -34,6 +34,8 @@ bool is_delaunay(const IntrinsicTriangulation& t, const Eigen::VectorXd& u, int 
                                 t.scaled_log_length(t.edge(Topology::previous(h)), u));
     };
     const int h = t.halfedge(edge);
+    // Of four points on a circle the sum is 0 but for rounding: both diagonals count as Delaunay, or
+    // flips would go on for ever.
     return !(cosine(h) + cosine(t.opposite(h)) < -1e-12);
 }
 
@@ -109,6 +111,8 @@ ScaleFactors solve_scale_factors(const IntrinsicTriangulation& triangulation,
         // The energy is convex: where its slope along the step is still negative it has only
         // fallen. An overshoot to a tenth of the slope is let through, else the last steps would be
         // halved. Within 1e-10 [rad] of flat, rounding decides: a step that does not halve is the last.
+        // A length of 1e-10, after 33 halvings, is taken as it is: slopes are continuous, so that one that
+        // still rises so near is wrong by rounding.
         double length = std::min(1.0, largest_step / step.lpNorm<Eigen::Infinity>());
         Place next = go_to(place.triangulation, place.u + length * step, problem);
         while (next.angles.defects.dot(step) > 0.1 * std::abs(slope) && length > 1e-10) {

@@ -17,7 +17,7 @@ struct SphereMapOptions
 {
     /// The star of this vertex is taken out to solve, >= -1; -1: that of central_vertex().
     int infinite_vertex = -1;
-    /// How a triangulation without solution is repaired.
+    /// A triangulation without solution is repaired as these options say.
     TriangulationRepairOptions repair = {};
 };
 
@@ -45,7 +45,7 @@ struct SphereMap
 [[nodiscard]] std::string why_not_spherical(const Topology& topology);
 
 /// Maps a closed mesh of genus 0 conformally to the sphere, on its own triangulation where that has
-/// a solution and with few flipped edges where not (flat_metric.h). The map is unique up to the
+/// a solution and with few flipped edges where not (about faces that break). The map is unique up to the
 /// Möbius transformations of the sphere; these are used to bring the area-weighted mean of the
 /// points to 0, which leaves rotations: the infinite vertex is at (0, 0, -1).
 ///

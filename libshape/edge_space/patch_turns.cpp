@@ -17,6 +17,9 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+/// Smaller patches follow creases better; but in a fist neighbours of 16 faces turn by up to 180 degrees
+/// against each other, where a rotation vector is not unique (16, 32 and 64 are compared in
+/// docs/embedding.md).
 constexpr int faces_per_patch = 32;
 
 VectorXd face_areas(const Topology& topology, const Points& points)

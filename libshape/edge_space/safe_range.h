@@ -31,8 +31,8 @@ struct SafeReach
                                    const Eigen::VectorXd& start, const Eigen::VectorXd& direction,
                                    LengthBlend lengths);
 
-/// The same for weights beyond the inputs: start is their positive part, scaled to sum 1, and
-/// direction leads to them. They are safe if the reach exceeds 1; infinite if none is negative.
+/// The same for weights beyond the inputs: start is their positive part, scaled to sum 1, and direction leads
+/// to them. Safe if the reach exceeds 1; infinite if none is negative. @throws as above, or if none is positive.
 [[nodiscard]] SafeReach safe_reach(const Topology& topology, const ShapeVectors& vectors,
                                    const Eigen::VectorXd& weights, LengthBlend lengths);
 

@@ -55,6 +55,8 @@ ShapePosterior posterior(const ShapePrior& prior, const VectorXd& lengths,
     ShapePosterior result;
     result.scores = VectorXd::Zero(modes);
     VectorXd predicted = mean;
+    // Size and scores are found in turn; steps of unit sum change a size little, so that the first rounds do
+    // most of it. What four of them leave is not on record.
     constexpr int rounds = 4;
     for (int round = 0; round < rounds; ++round) {
         const VectorXd part = predicted.cwiseProduct(mask);

@@ -38,8 +38,8 @@ using ShapeSpace = std::variant<EdgeSpace, ProcrustesSpace>;
 
 enum class SpaceKind
 {
-    Edge,
-    Procrustes,
+    Edge,       ///< EdgeSpace.
+    Procrustes, ///< ProcrustesSpace.
 };
 
 /// How edges are weighted against each other.
@@ -52,7 +52,7 @@ enum class EdgeWeighting
 /// coordinates, weighting and dihedral_weight belong to edge space and may be set there alone.
 struct SpaceOptions
 {
-    /// The space in which shapes are points.
+    /// Shapes are points of this space.
     SpaceKind kind = SpaceKind::Edge;
     /// Unit: every mesh is brought to one size first. None: size is a part of shape.
     Scale scale = Scale::Unit;
@@ -61,7 +61,7 @@ struct SpaceOptions
     /// Edges count alike, or by the area around them.
     EdgeWeighting weighting = EdgeWeighting::Uniform;
     /// Where > 0, dihedral angles are coordinates too: 1 rad counts as much as a relative change of
-    /// length by so much; >= 0.
+    /// length by this; >= 0.
     double dihedral_weight = 0.0;
 };
 
@@ -82,7 +82,7 @@ void check(const SpaceOptions& options);
 ///     of edge space are set for another.
 [[nodiscard]] ShapeSpace make_space(const Collection& collection, const SpaceOptions& options);
 
-[[nodiscard]] Scale scale_of(const ShapeSpace& space);
+[[nodiscard]] Scale scale_of(const ShapeSpace& space); ///< What the space does about size.
 
 /// Whether the coordinates are edge lengths and nothing else.
 [[nodiscard]] bool is_plain(const ShapeSpace& space);

@@ -39,6 +39,7 @@ void unify_column(Eigen::Ref<Eigen::VectorXd, 0, Eigen::InnerStride<>> column)
 
 double circular_mean(double cosines, double sines, double count)
 {
+    // Unit vectors that cancel leave a sum of about 1e-16 * count, of any direction.
     return std::hypot(cosines, sines) <= 1e-12 * count ? 0.0 : std::atan2(sines, cosines);
 }
 

@@ -16,7 +16,7 @@ struct ShapePoint
     Eigen::VectorXd edge_lengths;    ///< #E [length].
     Eigen::VectorXd dihedral_angles; ///< #E [rad], 0 on the boundary; may leave (-pi, pi].
     Eigen::VectorXd patch_turns =
-        {}; ///< [rad] against a reference mesh (patch_turns.h); may be empty.
+        {}; ///< [rad] of patches of faces against each other since a reference; or empty.
 };
 
 /// What is done about size.
@@ -32,7 +32,7 @@ struct ShapeVectors
     RowMatrix edge_lengths;     ///< N by #E; unit sum, or [length] for Scale::None.
     RowMatrix dihedral_angles;  ///< N by #E [rad], on one branch per edge (unify_branches).
     Eigen::VectorXd sizes;      ///< N sums of edge lengths [length].
-    RowMatrix patch_turns = {}; ///< N rows [rad], against the first mesh; see patch_turns.h.
+    RowMatrix patch_turns = {}; ///< N rows [rad], as in ShapePoint, since the first mesh.
 };
 
 /// Encodes the meshes of a collection.
@@ -53,10 +53,10 @@ struct ShapeVectors
 /// @param angles  N by #E [rad] in (-pi, pi].
 [[nodiscard]] RowMatrix unify_branches(RowMatrix angles);
 
-/// The parts of that rule: the mean angle in (-pi, pi] of `count` unit vectors from the sums of their
-/// cosines and sines, 0 if they cancel; and the angle on the branch around such a mean.
+/// The parts of that rule: first, the mean angle in (-pi, pi] [rad] of `count` unit vectors from the sums
+/// of their cosines and sines, 0 if they cancel.
 [[nodiscard]] double circular_mean(double cosines, double sines, double count);
-[[nodiscard]] double on_branch(double angle, double mean);
+[[nodiscard]] double on_branch(double angle, double mean); ///< On the branch around `mean`.
 
 /// How lengths are combined.
 enum class LengthBlend

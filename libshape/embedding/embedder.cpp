@@ -23,6 +23,10 @@ namespace shape {
 using namespace internal;
 namespace {
 
+// Stated twice, since a public header does not include an internal one.
+static_assert(default_smoothness == DihedralEmbeddingOptions{}.smoothness);
+static_assert(default_anchor == DihedralEmbeddingOptions{}.anchor);
+
 double seconds_since(std::chrono::steady_clock::time_point start)
 {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -19,8 +19,8 @@ namespace shape {
 /// How a point of edge-length space becomes a mesh.
 enum class EmbeddingMethod
 {
-    Dihedral,   ///< Ours: linear start, then lengths and dihedral angles together. The default.
-    Closure,    ///< Rojas 2014, section 2, as published.
+    Dihedral, ///< Of libshape: linear start, then lengths and dihedral angles together. The default.
+    Closure,  ///< Rojas 2014, section 2, as published.
     Multiscale, ///< Winkler 2010, section 3, as published.
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "libshape/base/order_statistics.h"
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/mesh/defects.h"
@@ -13,21 +14,6 @@
 
 namespace shape {
 using namespace internal;
-namespace {
-
-/// The smallest value that at least share * #values are not above.
-double quantile(std::vector<double> values, double share)
-{
-    if (values.empty())
-        return 0.0;
-    const auto rank =
-        static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
-    const auto nth = values.begin() + std::max<std::ptrdiff_t>(rank, 0);
-    std::nth_element(values.begin(), nth, values.end());
-    return *nth;
-}
-
-} // namespace
 
 EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                   const ShapePoint& target)
@@ -63,12 +49,12 @@ EmbeddingReport measure_embedding(const Topology& topology, const Points& points
             inverted[to_size(defect.face)] = 1;
     report.inverted_faces = static_cast<int>(std::count(inverted.begin(), inverted.end(), 1));
     report.edge_max = *std::max_element(relative.begin(), relative.end());
-    report.edge_p999 = quantile(relative, 0.999);
-    report.edge_p99 = quantile(std::move(relative), 0.99);
+    report.edge_p999 = quantile_of(relative, 0.999);
+    report.edge_p99 = quantile_of(std::move(relative), 0.99);
     if (!drift.empty()) {
         report.dihedral_rms_deg = std::sqrt(drift_squares / static_cast<double>(drift.size()));
         report.dihedral_max_deg = *std::max_element(drift.begin(), drift.end());
-        report.dihedral_p99_deg = quantile(std::move(drift), 0.99);
+        report.dihedral_p99_deg = quantile_of(std::move(drift), 0.99);
     }
     const Admissibility admissibility = check_admissibility(topology, target.edge_lengths);
     report.reason = describe(admissibility, topology, target.edge_lengths);

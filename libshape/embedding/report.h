@@ -54,13 +54,13 @@ struct EmbeddingReport
     double setup_seconds = 0.0; ///< Wall time spent once for the topology [s].
 };
 
-/// Measures a mesh against its target: all figures but those of the solver (closure_energy,
-/// iterations, converged, seconds, setup_seconds) and those that need references (companion_rms,
-/// self_intersections, new_self_intersections), which are left at their defaults.
+/// Measures a mesh against its target: all figures but those of the solver (closure_energy, iterations,
+/// converged, seconds, setup_seconds) and of references (companion_rms, self_intersections,
+/// new_self_intersections). @throws InvalidInput if points or target do not fit the topology.
 [[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                                 const ShapePoint& target);
 
-/// The same with edge_residuals() found before.
+/// The same with edge_residuals() found before. @throws as they do.
 [[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                                 const ShapePoint& target,
                                                 const EdgeResiduals& residuals);

@@ -30,7 +30,7 @@ struct ResidualField
 };
 
 [[nodiscard]] ResidualField residual_field(const Topology& topology,
-                                           const EdgeResiduals& residuals);
+                                           const EdgeResiduals& residuals); ///< Cost: O(#E).
 
 /// @throws InvalidInput if points or target do not fit the topology.
 [[nodiscard]] ResidualField residual_field(const Topology& topology, const Points& points,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libshape/base/order_statistics.h"
 #include "libshape/base/require.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -27,13 +28,6 @@ Eigen::VectorXd areas_at_edges(const Topology& topology, const Points& points)
             areas[edge] += area;
     }
     return areas;
-}
-
-double median(std::vector<double> values)
-{
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
 /// Step k in units of an ordinary step nearby; 0 where too few are nearby.

@@ -57,7 +57,7 @@ struct ModelBlock
 /// The layout is told in docs/formats.md.
 [[nodiscard]] std::vector<unsigned char> write_block(const ModelBlock& block);
 
-/// @throws InvalidInput if the bytes are none of write_block().
+/// @throws InvalidInput if the bytes are not those of write_block().
 [[nodiscard]] ModelBlock read_block(std::span<const unsigned char> bytes);
 
 } // namespace shape::internal

@@ -104,8 +104,9 @@ DecodedModelPoint ModelDecoder::draft(const VectorXd& scores, const VectorXd& am
     if (Points* const points = std::get_if<Points>(&shape))
         return linear(std::move(*points));
     const ShapePoint& target = std::get<ShapePoint>(shape);
-    // Where a linear step costs as much as looking at all vertices, few of them; they do most.
-    const int linear_steps = block_.topology.vertex_count() > 50000 ? 3 : 9;
+    // The first linear steps do most; from some thousand vertices on there is no time for others (docs/explore.md).
+    const int vertices = block_.topology.vertex_count();
+    const int linear_steps = vertices > 8000 ? 3 : vertices > 3000 ? 4 : 9;
     const DihedralEmbedding swept = embedder_->sweep(target, first_order(scores, amounts, size),
                                                      linear_steps, block_.smoothness);
     DecodedModelPoint result;

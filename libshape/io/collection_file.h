@@ -34,7 +34,7 @@ void write_collection(const std::filesystem::path& path, const MeshStream& meshe
                       const CollectionFileOptions& options = {}, const Progress& progress = {});
 
 /// @throws FileError if the file cannot be read; LimitExceeded if it is larger than the limits.
-/// @throws InvalidInput naming the dataset and the rule if it is not one of our collections, is
+/// @throws InvalidInput naming the dataset and the rule if it is not a collection of libshape, is
 ///     truncated or damaged, or has wrong shapes, types or values.
 [[nodiscard]] Collection read_collection(const std::filesystem::path& path);
 

@@ -114,6 +114,7 @@ Topology read_topology(const Hdf5File& file, Eigen::Index vertex_count)
 void check_boundary_angles(const Hdf5File& file, const std::string& name, const Topology& topology,
                            const RowMatrix& angles)
 {
+    // They are written as 0, and other programs may measure them to rounding.
     for (Eigen::Index e = 0; e < topology.edge_count(); ++e)
         if (topology.is_boundary_edge(static_cast<int>(e)) &&
             !(angles.col(e).cwiseAbs().maxCoeff() <= 1e-9))

@@ -57,7 +57,7 @@ public:
             fail(join("the JSON chunk is damaged: ", error.what()));
         }
         if (!root_.is_object())
-            fail("the JSON chunk is no object");
+            fail("the JSON chunk is not an object");
         const std::size_t next = 20 + (size + 3) / 4 * 4;
         if (next + 8 <= content.size() && content.substr(next + 4, 4) == std::string("BIN\0", 4)) {
             if (number(next) > content.size() - next - 8)
@@ -103,7 +103,7 @@ public:
         if (found == object.end())
             return none;
         if (!found->is_array())
-            fail(join("'", name, "' is no list"));
+            fail(join("'", name, "' is not a list"));
         return *found;
     }
 
@@ -182,7 +182,8 @@ private:
         std::int64_t stride;
         std::int64_t size; ///< Of a component.
 
-        [[nodiscard]] double value(std::int64_t row, int column, std::int64_t type, bool is_normalised) const
+        [[nodiscard]] double value(std::int64_t row, int column, std::int64_t type,
+                                   bool is_normalised) const
         {
             const char* const at = bytes + row * stride + column * size;
             const auto read = [&]<class Value>(Value value) {
@@ -216,7 +217,8 @@ private:
     }
 
     /// @param part  An accessor, or the indices or values of a sparse one.
-    [[nodiscard]] View view_of(const Json& part, std::int64_t count, int components, std::int64_t type) const
+    [[nodiscard]] View view_of(const Json& part, std::int64_t count, int components,
+                               std::int64_t type) const
     {
         const std::int64_t size = type == 5120 || type == 5121   ? 1
                                   : type == 5122 || type == 5123 ? 2
@@ -257,7 +259,7 @@ Eigen::Matrix4d local_matrix(const Glb& glb, const Json& node)
             glb.fail(join("'", name, "' of a node has ", list.size(), " numbers"));
         for (std::size_t i = 0; i < standard.size(); ++i) {
             if (!list[i].is_number())
-                glb.fail(join("'", name, "' of a node holds what is no number"));
+                glb.fail(join("'", name, "' of a node holds something other than numbers"));
             standard[i] = list[i].get<double>();
         }
         return standard;
@@ -288,7 +290,7 @@ std::vector<PlacedMesh> placed_meshes(const Glb& glb)
     const auto push = [&](const Json& nodes, const Eigen::Matrix4d& parent) {
         for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
             if (!node->is_number_unsigned())
-                glb.fail("a node is named by what is no number");
+                glb.fail("a node is referred to by something other than a number");
             open.emplace_back(node->get<std::int64_t>(), parent);
         }
     };
@@ -331,8 +333,31 @@ std::vector<std::string> target_names(const Glb& glb, const Json& mesh, std::siz
     names.resize(count);
     for (std::size_t i = 0; i < count; ++i)
         if (names[i].empty())
-            names[i] = join("target ", i + 1);
+            names[i] = join("target_", i + 1);
     return names;
+}
+
+/// Refuses what would read as another mesh: later versions, and extensions that a reader must know, but for those
+/// of colours, light and the types of numbers.
+void check_claims(const Glb& glb)
+{
+    const auto asset = glb.root().find("asset");
+    const std::string version =
+        asset != glb.root().end() && asset->is_object() ? glb.text(*asset, "version") : "";
+    if (!version.starts_with("2."))
+        glb.fail(join("the version of glTF is ", in_quotes(version), ", must be 2.0"));
+    for (const Json& required : glb.list(glb.root(), "extensionsRequired")) {
+        const std::string name = required.is_string() ? required.get<std::string>() : "";
+        const bool is_compression = name.find("compression") != std::string::npos;
+        bool is_harmless = name == "KHR_mesh_quantization";
+        for (const char* of_looks : {"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                     "KHR_lights_", "EXT_lights_", "MSFT_texture_"})
+            is_harmless = is_harmless || name.starts_with(of_looks);
+        if (!is_harmless)
+            glb.fail(join("needs the extension ", in_quotes(name),
+                          ", which is not read; export without ",
+                          is_compression ? "compression" : "it"));
+    }
 }
 
 /// The mesh itself, then each of its morph targets with weight one.
@@ -420,6 +445,7 @@ MeshFileContent parse_glb(std::string_view content, const std::filesystem::path&
                           const MeshReadOptions& options)
 {
     const Glb glb(content, path.string());
+    check_claims(glb);
     const std::vector<PlacedMesh> placed = placed_meshes(glb);
     if (placed.empty())
         glb.fail("no node of the scene has a mesh");

@@ -14,7 +14,7 @@
 
 namespace shape::internal {
 
-/// The name as it is, or with the bytes that are no text as %XX: tables, pictures and JSON take
+/// The name as it is, or with the bytes that are not text as %XX: tables, pictures and JSON take
 /// nothing but text, and on Linux a file may be called anything.
 [[nodiscard]] std::string text_name(const std::string& name);
 

@@ -138,6 +138,7 @@ void write_mesh(const std::filesystem::path& path, const Points& points, const F
            ".ply, .vtk and .vtp");
     refuse(options.colours.rows() > 0 && !format.has_scalars, "colours of vertices",
            ".ply, .vtk and .vtp");
+    refuse(!options.quality.empty() && kind != MeshFormat::Ply, "property `quality`", ".ply files");
     refuse(options.obj_template != nullptr && kind != MeshFormat::Obj, "template", ".obj files");
     check_mesh(points, faces);
     check_scalars(options, points.rows());

@@ -26,7 +26,7 @@ enum class MeshFormat
 
 struct MeshReadOptions
 {
-    bool triangulate = false; ///< Split polygons as fans from their first corner; else refuse them.
+    bool triangulate = false; ///< Polygons are split as fans from their first corner, else refused.
 };
 
 /// The meshes of one file, and what its format has cost them.
@@ -37,7 +37,7 @@ struct MeshFileContent
     std::vector<NamedMesh> meshes;
     /// STL, VTK, VTP and GLB: coordinates are float32, of about 7 digits.
     bool single_precision = false;
-    /// STL: so many corners became the vertices, by equal coordinates, numbered in the order of their
+    /// STL: this many corners became the vertices, by equal coordinates, numbered in the order of their
     /// first appearance. Else 0.
     Eigen::Index merged_corners = 0;
 };

@@ -22,18 +22,19 @@ using VertexColours = Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 3, Eigen::RowM
 /// What a mesh file holds beside the mesh, and how.
 struct MeshWriteOptions
 {
-    /// Numbers as text. PLY, STL, VTK, VTP; OBJ and OFF are text always.
+    /// Numbers are written as text (PLY, STL, VTK, VTP); OBJ and OFF are text always.
     bool ascii = false;
-    /// Coordinates and scalars as float32, about 7 digits. PLY, VTK, VTP; STL and GLB are always.
+    /// Coordinates and scalars are written as float32, about 7 digits (PLY, VTK, VTP); STL and GLB are always.
     bool single_precision = false;
-    /// PLY, VTK, VTP.
+    /// These values are written at the vertices (PLY, VTK, VTP).
     std::vector<VertexScalar> scalars = {};
-    /// The scalar that a PLY file holds once more as `quality`: the one name that ParaView, MeshLab and
-    /// Blender all show. Empty: none.
+    /// The scalar of this name is written once more as `quality`, the one name that ParaView, MeshLab and
+    /// Blender all show (PLY). Empty: none is.
     std::string quality = {};
-    /// #V by 3, or empty. PLY (`uchar red, green, blue`), VTK, VTP (an array `colours`).
+    /// #V by 3: these colours are written at the vertices, in PLY as `uchar red, green, blue`, in VTK and VTP
+    /// as an array `colours`. Empty: none are.
     VertexColours colours = {};
-    /// OBJ: all but positions and normals is taken from there.
+    /// All but positions and normals is taken from there (OBJ).
     std::shared_ptr<const ObjTemplate> obj_template = nullptr;
 };
 

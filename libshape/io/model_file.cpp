@@ -18,6 +18,11 @@ namespace shape {
 using namespace internal;
 namespace {
 
+// The bounds below are not tuned: far above what rounding does to the values in question (1e-12 and less),
+// so that files of other programs pass, and far below what a wrong or exchanged value does. Relative 1e-9
+// where a value is a sum of others; 1e-6 where it comes of an eigenproblem; 1e-4 [rad] for angles, which
+// multiply errors of lengths at slivers.
+
 /// Throws InvalidInput about one value of what is written or read.
 class Check
 {
@@ -228,6 +233,7 @@ void check_first_mesh(const Hdf5File& file, const ShapeModel& model)
         file.fail("/scores",
                   join("value (0, ", mode, ") is ", model.scores(0, mode),
                        ", mean, modes and /reference_points give ", first.scores(0, mode)));
+    // Within 1e-8 of a deviation the modes span it: what they leave out else is a part of a mode.
     if (has_companions(model.space) && first.residuals[0] <= 1e-8 * unit)
         check_first_angles(file, model);
 }

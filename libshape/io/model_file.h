@@ -10,7 +10,7 @@
 
 namespace shape {
 
-/// What an HDF5 file of ours holds.
+/// What an HDF5 file of libshape holds.
 enum class FileKind
 {
     Collection,
@@ -21,16 +21,16 @@ enum class FileKind
 /// @throws as read_collection() if the file is not written by libshape.
 [[nodiscard]] FileKind file_kind(const std::filesystem::path& path);
 
-/// Written and checked as write_collection().
+/// Writes and checks a model as write_collection() does a collection; likewise a difference, below.
 /// @param asked  What the model was fitted, or the difference taken with; kept as attributes.
 /// @throws InvalidInput if a value is one that the readers refuse; FileError if it cannot be written.
 void write_model(const std::filesystem::path& path, const ShapeModel& model,
                  const std::optional<ModelOptions>& asked = {});
 void write_difference(const std::filesystem::path& path, const DifferenceVector& difference,
-                      const std::optional<DifferenceOptions>& asked = {});
+                      const std::optional<DifferenceOptions>& asked = {}); ///< As write_model().
 
-/// @throws as read_collection().
+/// Reads a model or, below, a difference, checking every value. @throws as read_collection().
 [[nodiscard]] ShapeModel read_model(const std::filesystem::path& path);
-[[nodiscard]] DifferenceVector read_difference(const std::filesystem::path& path);
+[[nodiscard]] DifferenceVector read_difference(const std::filesystem::path& path); ///< Likewise.
 
 } // namespace shape

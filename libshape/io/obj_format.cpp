@@ -44,7 +44,7 @@ bool is_statement(std::string_view keyword)
 }
 
 /// Joins the lines that continue a statement by backslashes. After a name (`mtllib C:\models\`) a
-/// backslash continues it only if what follows is no statement of its own.
+/// backslash continues it only if what follows is not a statement of its own.
 void join_lines(LineReader& reader, std::string_view keyword)
 {
     const bool is_naming = is_among(keyword, naming);

@@ -18,28 +18,14 @@
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
+#include "libshape/io/scalar_type.h"
 #include "libshape/io/vertex_scalars.h"
 
 namespace shape {
 using namespace internal;
 namespace {
 
-enum class Scalar
-{
-    Int8,
-    Uint8,
-    Int16,
-    Uint16,
-    Int32,
-    Uint32,
-    Int64,
-    Uint64,
-    Float16,
-    Float32,
-    Float64,
-};
-
-/// Those of the format, and what some writers add to them.
+/// Those of the format, and what some writers add to them, in the order of ScalarType.
 constexpr std::array<std::array<std::string_view, 3>, 11> scalar_names = {
     {{"char", "int8", "byte"},
      {"uchar", "uint8", "ubyte"},
@@ -52,25 +38,14 @@ constexpr std::array<std::array<std::string_view, 3>, 11> scalar_names = {
      {"float16", "half", "half"},
      {"float", "float32", "float32"},
      {"double", "float64", "float64"}}};
-constexpr std::array<std::int64_t, 11> scalar_sizes = {1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};
-
-std::int64_t size_of(Scalar type)
-{
-    return scalar_sizes[static_cast<std::size_t>(type)];
-}
-
-bool is_integer(Scalar type)
-{
-    return type < Scalar::Float16;
-}
 
 struct Property
 {
     std::string name;
-    Scalar type = Scalar::Int8;
-    std::optional<Scalar> count_type; ///< A list is counted by this.
-    int coordinate = -1;              ///< 0, 1, 2 for x, y, z of a vertex.
-    bool is_corners = false;          ///< The list of the vertices of a face.
+    ScalarType type = ScalarType::Int8;
+    std::optional<ScalarType> count_type; ///< A list is counted by this.
+    int coordinate = -1;                  ///< 0, 1, 2 for x, y, z of a vertex.
+    bool is_corners = false;              ///< The list of the vertices of a face.
 };
 
 struct Element
@@ -113,12 +88,12 @@ Encoding parse_encoding(LineReader& reader)
                      ", must be ascii, binary_little_endian or binary_big_endian"));
 }
 
-Scalar parse_scalar(const LineReader& reader, std::string_view name)
+ScalarType parse_scalar(const LineReader& reader, std::string_view name)
 {
     for (std::size_t i = 0; i < scalar_names.size(); ++i)
         if (std::find(scalar_names[i].begin(), scalar_names[i].end(), name) !=
             scalar_names[i].end())
-            return static_cast<Scalar>(i);
+            return static_cast<ScalarType>(i);
     reader.fail(join("unknown type ", in_quotes(name), "; export the property as float or int"));
 }
 
@@ -224,19 +199,6 @@ Header parse_header(LineReader& reader)
     reader.fail(encoding ? "the header has no end_header" : "must be 'format <encoding> 1.0'");
 }
 
-/// The value of an IEEE 754 binary16: sign, 5 bits of exponent, 10 of mantissa.
-double half_value(std::uint16_t bits)
-{
-    const int exponent = (bits >> 10) & 31;
-    const int mantissa = bits & 1023;
-    double value =
-        std::ldexp(exponent == 0 ? mantissa : mantissa + 1024, std::max(exponent, 1) - 25);
-    if (exponent == 31)
-        value = mantissa == 0 ? std::numeric_limits<double>::infinity()
-                              : std::numeric_limits<double>::quiet_NaN();
-    return (bits >> 15) == 0 ? value : -value;
-}
-
 /// Values of an ascii body: one line an element.
 class AsciiBody
 {
@@ -247,16 +209,16 @@ public:
     }
 
     [[nodiscard]] std::int64_t remaining() const { return remaining_; }
-    static std::int64_t least_size(Scalar) { return 2; } ///< A digit and what ends it.
+    static std::int64_t least_size(ScalarType) { return 2; } ///< A digit and what ends it.
 
     void begin(const Element& element, std::int64_t index)
     {
         if (!reader_.next_line())
             fail(join("the file ends before ", element.name, " ", index, " of ", element.count));
     }
-    double number(Scalar) { return reader_.number("coordinate"); }
-    std::int64_t integer(Scalar) { return reader_.integer("entry of a list"); }
-    void skip(Scalar, std::int64_t count)
+    double number(ScalarType) { return reader_.number("coordinate"); }
+    std::int64_t integer(ScalarType) { return reader_.integer("entry of a list"); }
+    void skip(ScalarType, std::int64_t count)
     {
         for (; count > 0; --count)
             (void)reader_.word("a property");
@@ -287,54 +249,28 @@ public:
     {
         return static_cast<std::int64_t>(content_.size() - offset_);
     }
-    static std::int64_t least_size(Scalar type) { return size_of(type); }
+    static std::int64_t least_size(ScalarType type) { return size_of(type); }
 
     void begin(const Element& element, std::int64_t index) const
     {
         if (remaining() == 0)
             fail(join("the file ends before ", element.name, " ", index, " of ", element.count));
     }
-    double number(Scalar type)
+    double number(ScalarType type)
     {
-        switch (type) {
-            case Scalar::Float16:
-                return half_value(take<std::uint16_t>());
-            case Scalar::Float32:
-                return take<float>();
-            case Scalar::Float64:
-                return take<double>();
-            default:
-                return static_cast<double>(integer(type));
-        }
+        const char* bytes = next(type);
+        offset_ += to_size(size_of(type));
+        return number_at(bytes, type, swap_);
     }
-    std::int64_t integer(Scalar type)
+    std::int64_t integer(ScalarType type)
     {
-        switch (type) {
-            case Scalar::Int8:
-                return take<std::int8_t>();
-            case Scalar::Uint8:
-                return take<std::uint8_t>();
-            case Scalar::Int16:
-                return take<std::int16_t>();
-            case Scalar::Uint16:
-                return take<std::uint16_t>();
-            case Scalar::Int32:
-                return take<std::int32_t>();
-            case Scalar::Uint32:
-                return take<std::uint32_t>();
-            case Scalar::Int64:
-                return take<std::int64_t>();
-            case Scalar::Uint64: {
-                const auto value = take<std::uint64_t>();
-                if (value > std::numeric_limits<std::int64_t>::max())
-                    fail(join("an integer is ", value, ", beyond what can be counted"));
-                return static_cast<std::int64_t>(value);
-            }
-            default:
-                fail("an integer has a type that is none");
-        }
+        const std::optional<std::int64_t> value = integer_at(next(type), type, swap_);
+        if (!value)
+            fail("an integer is beyond what can be counted, 2^63 - 1");
+        offset_ += to_size(size_of(type));
+        return *value;
     }
-    void skip(Scalar type, std::int64_t count)
+    void skip(ScalarType type, std::int64_t count)
     {
         if (count > remaining() / size_of(type))
             fail("the file ends within an element");
@@ -353,17 +289,11 @@ public:
     }
 
 private:
-    template <class Value>
-    Value take()
+    [[nodiscard]] const char* next(ScalarType type) const
     {
-        if (remaining() < static_cast<std::int64_t>(sizeof(Value)))
+        if (remaining() < size_of(type))
             fail("the file ends within an element");
-        std::array<char, sizeof(Value)> bytes;
-        std::memcpy(bytes.data(), content_.data() + offset_, sizeof(Value));
-        if (swap_)
-            std::reverse(bytes.begin(), bytes.end());
-        offset_ += sizeof(Value);
-        return std::bit_cast<Value>(bytes);
+        return content_.data() + offset_;
     }
 
     std::string_view content_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -71,6 +72,14 @@ std::uint32_t stated_count(std::string_view content)
     return count;
 }
 
+/// Keywords may be written in capitals.
+bool is_keyword(std::string_view found, std::string_view keyword)
+{
+    return std::ranges::equal(found, keyword, {}, [](unsigned char c) {
+        return static_cast<char>(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c);
+    });
+}
+
 /// Binary files may start with `solid` too: their length tells.
 bool is_binary(std::string_view content)
 {
@@ -78,7 +87,8 @@ bool is_binary(std::string_view content)
         return false;
     if (content.size() == head_size + face_size * std::size_t{stated_count(content)})
         return true;
-    return !content.starts_with("solid") || content.substr(0, 512).find('\0') != content.npos;
+    return !is_keyword(content.substr(0, 5), "solid") ||
+           content.substr(0, 512).find('\0') != content.npos;
 }
 
 void parse_binary(std::string_view content, const std::string& path, MeshBuilder& mesh,
@@ -105,7 +115,7 @@ void parse_binary(std::string_view content, const std::string& path, MeshBuilder
 void expect(LineReader& reader, std::string_view word)
 {
     const std::string_view found = reader.token();
-    if (found != word)
+    if (!is_keyword(found, word))
         reader.fail(join("must be ", in_quotes(word), ", is ", in_quotes(found)));
 }
 
@@ -124,11 +134,11 @@ void parse_text(LineReader& reader, MeshBuilder& mesh)
     bool is_open = false;
     while (reader.next_line()) {
         const std::string_view keyword = reader.token();
-        if (keyword == (is_open ? "endsolid" : "solid")) {
+        if (is_keyword(keyword, is_open ? "endsolid" : "solid")) {
             is_open = !is_open;
             continue;
         }
-        if (keyword != "facet" || !is_open)
+        if (!is_keyword(keyword, "facet") || !is_open)
             reader.fail(join("must be ", is_open ? "'facet' or 'endsolid'" : "'solid'", ", is ",
                              in_quotes(keyword), "; is this an STL file?"));
         expect_line(reader, "outer", "loop");

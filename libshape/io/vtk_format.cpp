@@ -85,10 +85,11 @@ public:
         return *value;
     }
 
-    VtkType type()
+    ScalarType type() { return type(word("the type of an array")); }
+
+    ScalarType type(std::string_view name) const
     {
-        const std::string_view name = word("the type of an array");
-        const std::optional<VtkType> found = legacy_vtk_type(name);
+        const std::optional<ScalarType> found = legacy_vtk_type(name);
         if (!found)
             fail(join("an array of type ", in_quotes(name), " is not read"));
         return *found;
@@ -96,7 +97,7 @@ public:
 
     /// take(index, bytes or null, word) for each of `count` values behind this line.
     template <class Take>
-    void values(VtkType type, std::int64_t count, const Take& take)
+    void values(ScalarType type, std::int64_t count, const Take& take)
     {
         if (is_binary)
             (void)line();
@@ -116,14 +117,14 @@ public:
             }
     }
 
-    std::vector<std::int64_t> integers(VtkType type, std::int64_t count)
+    std::vector<std::int64_t> integers(ScalarType type, std::int64_t count)
     {
         std::vector<std::int64_t> result;
         if (!is_integer(type))
             fail("indices must have an integer type");
         values(type, count, [&](std::int64_t, const char* bytes, std::string_view text) {
             const std::optional<std::int64_t> value =
-                bytes != nullptr ? vtk_integer(bytes, type, swap_bytes) : spelled_integer(text);
+                bytes != nullptr ? integer_at(bytes, type, swap_bytes) : spelled_integer(text);
             if (!value)
                 fail(join("an index is ", bytes != nullptr ? "too large" : in_quotes(text),
                           ", must be an integer"));
@@ -132,12 +133,46 @@ public:
         return result;
     }
 
-    void skip(VtkType type, std::int64_t count)
+    /// Passes over an array of a field, which may hold texts and bits as well.
+    void skip(std::int64_t count)
     {
-        values(type, count, [](std::int64_t, const char*, std::string_view) {});
+        const std::string_view name = word("the type of an array");
+        if (name == "string" || name == "utf8_string")
+            skip_texts(count);
+        else if (name == "bit" && is_binary)
+            values(ScalarType::Uint8, (count + 7) / 8, ignore);
+        else
+            values(name == "bit" ? ScalarType::Uint8 : type(name), count, ignore);
     }
 
 private:
+    static void ignore(std::int64_t /*index*/, const char* /*bytes*/, std::string_view /*word*/) {}
+
+    /// Texts are lines, or bytes behind their number: two bits that say of how many bytes that is, and it.
+    void skip_texts(std::int64_t count)
+    {
+        (void)line();
+        for (std::int64_t i = 0; i < count; ++i) {
+            if (offset_ >= content_.size())
+                fail("the file ends within an array of texts");
+            if (!is_binary) {
+                (void)line();
+                continue;
+            }
+            const auto first = static_cast<unsigned char>(content_[offset_]);
+            const std::size_t size = std::size_t{8} >> (first >> 6);
+            if (size > content_.size() - offset_)
+                fail("the file ends within an array of texts");
+            std::uint64_t length = first & 0x3f;
+            for (std::size_t k = 1; k < size; ++k)
+                length = length << 8 | static_cast<unsigned char>(content_[offset_ + k]);
+            offset_ += size;
+            if (length > content_.size() - offset_)
+                fail(join("a text of ", length, " bytes does not fit in the file"));
+            offset_ += length;
+        }
+    }
+
     std::string_view content_;
     std::string path_;
     std::size_t offset_ = 0;
@@ -169,13 +204,13 @@ void parse_points(VtkReader& reader, MeshBuilder& mesh, bool& is_single)
     const std::int64_t count = reader.count("the number of points");
     if (count > MeshBuilder::vertex_limit)
         mesh.reserve(count, 0); // says so
-    const VtkType type = reader.type();
-    is_single = type == VtkType::Float32;
+    const ScalarType type = reader.type();
+    is_single = type == ScalarType::Float32;
     std::array<double, 3> point{};
     reader.values(type, 3 * count, [&](std::int64_t i, const char* bytes, std::string_view text) {
         const auto axis = to_size(i % 3);
         if (bytes != nullptr) {
-            point[axis] = vtk_number(bytes, type, swap_bytes);
+            point[axis] = number_at(bytes, type, swap_bytes);
         } else {
             const std::optional<double> value = spelled_number(text);
             if (!value)
@@ -197,18 +232,18 @@ VtkCells parse_cells(VtkReader& reader, bool has_offsets)
             return cells;
         if (reader.word("OFFSETS") != "OFFSETS")
             reader.fail("OFFSETS must follow the counts");
-        const VtkType type = reader.type();
+        const ScalarType type = reader.type();
         cells.ends = reader.integers(type, count);
         if (cells.ends.front() != 0)
             reader.fail("the first of OFFSETS must be 0");
         cells.ends.erase(cells.ends.begin());
         if (reader.word("CONNECTIVITY") != "CONNECTIVITY")
             reader.fail("CONNECTIVITY must follow OFFSETS");
-        const VtkType corner_type = reader.type();
+        const ScalarType corner_type = reader.type();
         cells.connectivity = reader.integers(corner_type, size);
         return cells;
     }
-    const std::vector<std::int64_t> list = reader.integers(VtkType::Int32, size);
+    const std::vector<std::int64_t> list = reader.integers(ScalarType::Int32, size);
     for (std::size_t i = 0; i < list.size(); i += 1 + to_size(list[i])) {
         if (list[i] < 0 || list[i] > std::ssize(list) - static_cast<std::int64_t>(i) - 1)
             reader.fail(join("a cell has ", list[i], " corners, which its list does not hold"));
@@ -244,8 +279,7 @@ void skip_field(VtkReader& reader)
         const std::int64_t tuples = reader.count("the number of tuples");
         if (components > 0 && tuples > (std::int64_t{1} << 40) / components)
             reader.fail("an array of a field does not fit in the file");
-        const VtkType type = reader.type();
-        reader.skip(type, components * tuples);
+        reader.skip(components * tuples);
     }
 }
 

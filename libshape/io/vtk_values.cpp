@@ -4,18 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cstring>
-#include <limits>
 
 #include "libshape/base/format.h"
-#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 namespace {
 
-/// Names in legacy and in XML files, in the order of VtkType.
-constexpr std::array<std::array<std::string_view, 3>, 10> type_names = {
+/// Two names in legacy files and one in XML files, in the order of ScalarType; VTK has no float16.
+constexpr std::array<std::array<std::string_view, 3>, 11> type_names = {
     {{"char", "signed_char", "Int8"},
      {"unsigned_char", "unsigned_char", "UInt8"},
      {"short", "short", "Int16"},
@@ -24,89 +20,30 @@ constexpr std::array<std::array<std::string_view, 3>, 10> type_names = {
      {"unsigned_int", "unsigned_int", "UInt32"},
      {"vtktypeint64", "long", "Int64"}, // `long` as Linux has it
      {"vtktypeuint64", "unsigned_long", "UInt64"},
+     {"", "", ""},
      {"float", "float", "Float32"},
      {"double", "double", "Float64"}}};
-constexpr std::array<std::int64_t, 10> type_sizes = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-
-template <class Value>
-Value value_at(const char* bytes, bool swap)
-{
-    std::array<char, sizeof(Value)> copy;
-    std::memcpy(copy.data(), bytes, sizeof(Value));
-    if (swap)
-        std::reverse(copy.begin(), copy.end());
-    return std::bit_cast<Value>(copy);
-}
 
 } // namespace
 
-std::optional<VtkType> legacy_vtk_type(std::string_view name)
+std::optional<ScalarType> legacy_vtk_type(std::string_view name)
 {
     if (name == "vtkIdType") // written as int, whatever it is in memory
-        return VtkType::Int32;
+        return ScalarType::Int32;
     if (name == "vtktypeint32")
-        return VtkType::Int32;
+        return ScalarType::Int32;
     for (std::size_t i = 0; i < type_names.size(); ++i)
-        if (name == type_names[i][0] || name == type_names[i][1])
-            return static_cast<VtkType>(i);
+        if (!name.empty() && (name == type_names[i][0] || name == type_names[i][1]))
+            return static_cast<ScalarType>(i);
     return std::nullopt;
 }
 
-std::optional<VtkType> xml_vtk_type(std::string_view name)
+std::optional<ScalarType> xml_vtk_type(std::string_view name)
 {
     for (std::size_t i = 0; i < type_names.size(); ++i)
-        if (name == type_names[i][2])
-            return static_cast<VtkType>(i);
+        if (!name.empty() && name == type_names[i][2])
+            return static_cast<ScalarType>(i);
     return std::nullopt;
-}
-
-std::int64_t size_of(VtkType type)
-{
-    return type_sizes[static_cast<std::size_t>(type)];
-}
-
-bool is_integer(VtkType type)
-{
-    return type < VtkType::Float32;
-}
-
-double vtk_number(const char* bytes, VtkType type, bool swap)
-{
-    if (type == VtkType::Float32)
-        return value_at<float>(bytes, swap);
-    if (type == VtkType::Float64)
-        return value_at<double>(bytes, swap);
-    if (type == VtkType::Uint64)
-        return static_cast<double>(value_at<std::uint64_t>(bytes, swap));
-    return static_cast<double>(*vtk_integer(bytes, type, swap));
-}
-
-std::optional<std::int64_t> vtk_integer(const char* bytes, VtkType type, bool swap)
-{
-    switch (type) {
-        case VtkType::Int8:
-            return value_at<std::int8_t>(bytes, swap);
-        case VtkType::Uint8:
-            return value_at<std::uint8_t>(bytes, swap);
-        case VtkType::Int16:
-            return value_at<std::int16_t>(bytes, swap);
-        case VtkType::Uint16:
-            return value_at<std::uint16_t>(bytes, swap);
-        case VtkType::Int32:
-            return value_at<std::int32_t>(bytes, swap);
-        case VtkType::Uint32:
-            return value_at<std::uint32_t>(bytes, swap);
-        case VtkType::Int64:
-            return value_at<std::int64_t>(bytes, swap);
-        case VtkType::Uint64: {
-            const auto value = value_at<std::uint64_t>(bytes, swap);
-            if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
-                return std::nullopt;
-            return static_cast<std::int64_t>(value);
-        }
-        default:
-            return std::nullopt;
-    }
 }
 
 void add_cells(MeshBuilder& mesh, const VtkCells& cells, std::int64_t first_vertex, bool are_strips,

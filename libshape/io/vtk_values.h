@@ -11,38 +11,15 @@
 #include <vector>
 
 #include "libshape/io/mesh_builder.h"
+#include "libshape/io/scalar_type.h"
 
 // What the two formats of VTK, legacy and XML, share. Internal to their readers and writers.
 
 namespace shape::internal {
 
-enum class VtkType
-{
-    Int8,
-    Uint8,
-    Int16,
-    Uint16,
-    Int32,
-    Uint32,
-    Int64,
-    Uint64,
-    Float32,
-    Float64,
-};
-
-/// The type that a legacy file ("unsigned_char", "vtkIdType") or an XML file ("UInt8") names.
-[[nodiscard]] std::optional<VtkType> legacy_vtk_type(std::string_view name);
-[[nodiscard]] std::optional<VtkType> xml_vtk_type(std::string_view name);
-
-[[nodiscard]] std::int64_t size_of(VtkType type); // [byte]
-[[nodiscard]] bool is_integer(VtkType type);
-
-/// The value whose first byte is given.
-/// @param swap  Whether the order of its bytes is not that of this machine.
-[[nodiscard]] double vtk_number(const char* bytes, VtkType type, bool swap);
-
-/// The same of an integer type; none if it exceeds 63 bits.
-[[nodiscard]] std::optional<std::int64_t> vtk_integer(const char* bytes, VtkType type, bool swap);
+/// The type that a legacy file ("unsigned_char", "vtkIdType") or an XML file ("UInt8") names; none for other words.
+[[nodiscard]] std::optional<ScalarType> legacy_vtk_type(std::string_view name);
+[[nodiscard]] std::optional<ScalarType> xml_vtk_type(std::string_view name);
 
 /// Cells as VTK keeps them: cell i has the corners connectivity[ends[i - 1] .. ends[i]), ends[-1] = 0.
 struct VtkCells

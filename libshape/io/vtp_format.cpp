@@ -120,9 +120,9 @@ public:
         return *value;
     }
 
-    VtkType type(pugi::xml_node array) const
+    ScalarType type(pugi::xml_node array) const
     {
-        const std::optional<VtkType> type = xml_vtk_type(array.attribute("type").value());
+        const std::optional<ScalarType> type = xml_vtk_type(array.attribute("type").value());
         if (!type)
             fail(join("an array of type ", in_quotes(array.attribute("type").value()),
                       " is not read"));
@@ -131,22 +131,22 @@ public:
 
     std::vector<double> numbers(pugi::xml_node array, std::int64_t count) const
     {
-        const VtkType kind = type(array);
+        const ScalarType kind = type(array);
         return values<double>(
-            array, count, [&](const char* bytes) { return vtk_number(bytes, kind, swap_); },
+            array, count, [&](const char* bytes) { return number_at(bytes, kind, swap_); },
             [](std::string_view text) { return spelled_number(text); });
     }
 
     std::vector<std::int64_t> integers(pugi::xml_node array, std::int64_t count) const
     {
-        const VtkType kind = type(array);
+        const ScalarType kind = type(array);
         if (!is_integer(kind))
             fail("indices must have an integer type");
         return values<std::int64_t>(
             array, count,
             [&](const char* bytes) {
                 // what is too large to be counted is out of any range
-                return vtk_integer(bytes, kind, swap_)
+                return integer_at(bytes, kind, swap_)
                     .value_or(std::numeric_limits<std::int64_t>::max());
             },
             [](std::string_view text) { return spelled_integer(text); });
@@ -207,14 +207,14 @@ private:
             fail(join("the format of an array is ", in_quotes(format),
                       ", must be ascii, binary or appended"));
         }
-        // At most so many bytes from its start.
+        // At most `most` bytes from its start.
         const auto bytes = [&](std::size_t most) {
             return is_base64 ? decode_base64(source, most) : std::string(source.substr(0, most));
         };
         const auto word = [&](const std::string& from, std::size_t index) -> std::size_t {
             const auto found =
-                vtk_integer(from.data() + index * head_size_,
-                            head_size_ == 8 ? VtkType::Uint64 : VtkType::Uint32, swap_);
+                integer_at(from.data() + index * head_size_,
+                           head_size_ == 8 ? ScalarType::Uint64 : ScalarType::Uint32, swap_);
             const std::size_t value = found ? to_size(*found) : source.size() + 1;
             return value;
         };
@@ -317,7 +317,7 @@ MeshFileContent parse_vtp(std::string_view content, const std::filesystem::path&
             const pugi::xml_node array = piece.child("Points").child("DataArray");
             if (reader.count(array, "NumberOfComponents") != 3)
                 reader.fail("points must have three components");
-            is_single = is_single || reader.type(array) == VtkType::Float32;
+            is_single = is_single || reader.type(array) == ScalarType::Float32;
             const std::vector<double> numbers = reader.numbers(array, 3 * count);
             for (std::size_t i = 0; i < numbers.size(); i += 3)
                 mesh.add_vertex(numbers[i], numbers[i + 1], numbers[i + 2]);

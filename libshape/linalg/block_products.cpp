@@ -46,7 +46,7 @@ constexpr Eigen::Index strip = 1024; ///< Columns, of which the rows stay in the
 
 using Lanes = double __attribute__((vector_size(32), aligned(8)));
 
-/// c(i, j) += the inner product of `count` numbers, count a multiple of 4, of row i of a and row j of b.
+/// add_two_by_four(), or the other way to it.
 using AddTwoByFour = void (*)(const double* a, Eigen::Index a_stride, const double* b,
                               Eigen::Index b_stride, Eigen::Index count, double* c,
                               Eigen::Index c_stride);
@@ -60,6 +60,16 @@ void add_sums(const Lanes (&sums)[2][4], double* c, Eigen::Index c_stride)
         }
 }
 
+/// c(i, j) += sum_k a(i, k) b(j, k),  i < 2, j < 4, k < count, which is a multiple of 4.
+///
+///     a:  row 0:  [a00 a01 a02 a03] [a04 ..        b:  row 0:  [b00 b01 b02 b03] [b04 ..
+///         row 1:  [a10 ..                              rows 1 to 3, a stride apart
+///
+///     sums[i][j] = [k = 0, 4, ..  k = 1, 5, ..  k = 2, 6, ..  k = 3, 7, ..], added up at the end.
+///
+/// The plain loop loads two numbers for a multiplication and waits for each addition to end; here six
+/// loads serve eight products of four lanes, whose eight sums do not wait for each other and fit
+/// into the 16 registers of AVX2 with what is loaded.
 SHAPE_VECTORISED void add_two_by_four(const double* a, Eigen::Index a_stride, const double* b,
                                       Eigen::Index b_stride, Eigen::Index count, double* c,
                                       Eigen::Index c_stride)

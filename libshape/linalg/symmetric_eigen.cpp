@@ -56,6 +56,7 @@ bool are_largest(const Eigenpairs& pairs, const Eigen::MatrixXd& matrix)
     const double tolerance =
         4.0 * static_cast<double>(matrix.rows()) * std::numeric_limits<double>::epsilon() * scale;
     const auto a = matrix.selfadjointView<Eigen::Lower>();
+    // 100 times what Lanczos is asked for: rounding adds to that, and whatever fails is solved directly.
     if (!v.allFinite() || !(v.transpose() * v).isIdentity(1e-11) ||
         !((a * v - v * pairs.values.asDiagonal()).cwiseAbs().maxCoeff() <= 1e-11 * scale))
         return false;

@@ -44,7 +44,7 @@ struct VertexChoice
                                 const std::vector<VertexGroup>& groups);
 
 /// Keeps these faces and the vertices that they have; both keep their order.
-/// @param kept  One entry a face.
+/// @param kept  One entry a face. @throws InvalidInput if not, or if a vertex is out of range.
 [[nodiscard]] VertexChoice keep_faces(const Faces& faces, int vertex_count,
                                       const std::vector<bool>& kept);
 

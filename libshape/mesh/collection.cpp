@@ -116,8 +116,12 @@ Collection subset(const Collection& collection, const std::vector<std::size_t>& 
     Collection result{collection.topology, {}, {}, {}};
     for (const LabelColumn& column : collection.labels)
         result.labels.push_back({column.name, {}});
-    for (const std::size_t mesh : meshes) {
-        result.names.push_back(collection.names.at(mesh));
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        const std::size_t mesh = meshes[i];
+        if (mesh >= collection.size())
+            throw InvalidInput(
+                join("meshes[", i, "] is ", mesh, ", must be in [0, ", collection.size(), ")"));
+        result.names.push_back(collection.names[mesh]);
         result.points.push_back(collection.points[mesh]);
         for (std::size_t c = 0; c < result.labels.size(); ++c)
             result.labels[c].values.push_back(collection.labels[c].values[mesh]);

@@ -22,8 +22,8 @@ struct Collection
     [[nodiscard]] std::size_t size() const { return points.size(); }
 };
 
-/// Some meshes of a collection, with their labels.
-/// @param meshes  Indices in [0, N).
+/// Some meshes of a collection, with their labels, by indices in [0, N).
+/// @throws InvalidInput naming an index that is not.
 [[nodiscard]] Collection subset(const Collection& collection,
                                 const std::vector<std::size_t>& meshes);
 

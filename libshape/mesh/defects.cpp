@@ -205,8 +205,10 @@ std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& p
         const Vector3<double> normal = cross(along, back);
         const double square = // of the longest edge
             std::max(std::max(dot(along, along), dot(opposite, opposite)), dot(back, back));
+        // No root is needed to see that: the rule below, squared, is |normal|^2 > 4e-28 square^2; a quarter
+        // more leaves room for rounding. Below 1e-60 the squares would underflow.
         if (dot(normal, normal) > 5e-28 * square * square && square > 1e-60)
-            continue; // no root is needed to see that
+            continue;
         const Eigen::RowVector3d a = points.row(faces(f, 0));
         const Eigen::RowVector3d b = points.row(faces(f, 1));
         const Eigen::RowVector3d c = points.row(faces(f, 2));

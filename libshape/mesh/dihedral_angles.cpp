@@ -17,7 +17,13 @@ namespace shape {
 using namespace internal;
 namespace {
 
-/// Vectors in the direction of the angles of hinges, from edges and normals.
+/// Vectors in the direction of the angles of hinges, from edges e and normals n, m left and right:
+///
+///     (sine, cosine) = (e . (n x m), |e| n . m)      (mesh/hinge.h).
+///
+/// In memory a coordinate of 128 hinges is a row, edges.x: x0 x1 .. x127. The plain loop over edges takes
+/// products of three coordinates and an atan2 at a time; here a lane is a hinge, and vector_angles() takes
+/// the row of vectors afterwards.
 SHAPE_VECTORISED void hinge_angles(int count, const VectorRows& edges, const VectorRows& left,
                                    const VectorRows& right, double* __restrict sines,
                                    double* __restrict cosines)

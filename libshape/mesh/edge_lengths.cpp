@@ -16,6 +16,8 @@ namespace shape {
 using namespace internal;
 namespace {
 
+/// l = sqrt((x^2 + y^2) + z^2). In memory a coordinate of 128 vectors is a row, x: x0 x1 .. x127: the plain
+/// loop over edges reads x y z of two vertices, which do not fill a register, and takes a root at a time.
 SHAPE_VECTORISED void norms(int count, const VectorRows& vectors, double* __restrict lengths)
 {
     for (int i = 0; i < count; ++i)
@@ -24,7 +26,14 @@ SHAPE_VECTORISED void norms(int count, const VectorRows& vectors, double* __rest
 }
 
 /// Vectors in the direction of half the angles between sides a and b of triangles with the third side c.
-/// Kahan's form of the law of cosines: accurate for needles too.
+/// Kahan's form of the law of cosines, accurate for needles too: with high >= low for a and b,
+///
+///     tan^2(gamma / 2) = ((high - low) + c) s / ((high + (low + c)) ((high - c) + low)),
+///     s = c - (high - low) or low - (high - c), whichever differences are exact.
+///
+/// In memory a side of 128 triangles is a row, a: a0 a1 .. a127. The plain loop branches by which side is
+/// longest and calls atan2 for each; here these are choices between values, and vector_angles() takes
+/// the whole row of (cosine, sine) afterwards.
 SHAPE_VECTORISED void half_angles(int count, const double* a, const double* b, const double* c,
                                   double* __restrict sines, double* __restrict cosines)
 {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "libshape/base/threads.h"
@@ -66,9 +67,24 @@ struct LeafBoxes
             high[axis][place] = box.high[static_cast<Eigen::Index>(axis)];
         }
     }
+    [[nodiscard]] Box get(std::size_t place) const
+    {
+        Box box;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.low[static_cast<Eigen::Index>(axis)] = low[axis][place];
+            box.high[static_cast<Eigen::Index>(axis)] = high[axis][place];
+        }
+        return box;
+    }
 };
 
-/// Of every face in a leaf whether its box meets another.
+/// Of every face in a leaf whether its box meets another:
+///
+///     meets[i] = low_i <= high and low <= high_i, in x, y and z.
+///
+/// In memory low and high are rows of 16 floats, one a coordinate (LeafBoxes), so that a comparison is of
+/// 4 or 8 faces. The plain loop, which stops at the first coordinate that is apart, takes one face at a
+/// time and mispredicts: hence & in the place of &&.
 SHAPE_VECTORISED void meet(const LeafBoxes& boxes, const float* low, const float* high,
                            std::array<std::uint8_t, LeafBoxes::places>& meets)
 {
@@ -175,6 +191,69 @@ bool cross(const Corners& s, const Corners& t)
     return false;
 }
 
+/// The faces of a mesh as triangles in space.
+struct Triangles
+{
+    const int* faces;
+    const double* points;
+
+    [[nodiscard]] Corners corners(int face) const
+    {
+        const int* const v = faces + 3 * face;
+        return {points + 3 * v[0], points + 3 * v[1], points + 3 * v[2]};
+    }
+    /// Faces that share a side meet there alone, or lie in one plane.
+    [[nodiscard]] bool share_a_side(int a, int b) const
+    {
+        int shared = 0;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                shared += faces[3 * a + i] == faces[3 * b + j] ? 1 : 0;
+        return shared >= 2;
+    }
+};
+
+/// A leaf of the tree in one mesh.
+struct Leaf
+{
+    std::span<const int> faces;
+    LeafBoxes boxes; ///< Of the faces.
+    Box bounds;      ///< Of all of them.
+};
+
+/// Finds the boxes of a leaf.
+/// @param rounding  Boxes are made larger by this [length].
+void measure(Leaf& leaf, const Triangles& mesh, float rounding)
+{
+    for (std::size_t i = 0; i < leaf.faces.size(); ++i) {
+        Box box;
+        for (const double* const corner : mesh.corners(leaf.faces[i]))
+            box.add(Eigen::Map<const Eigen::Array3d>(corner).cast<float>());
+        box.widen(rounding);
+        leaf.boxes.set(i, box);
+        leaf.bounds.add(box);
+    }
+}
+
+/// Adds the pairs that cross of a face of one leaf and a face of another, or of the faces of one.
+void add_crossings(const Triangles& mesh, const Leaf& one, const Leaf& other,
+                   std::vector<FacePair>& found)
+{
+    std::array<std::uint8_t, LeafBoxes::places> meets{};
+    for (std::size_t i = 0; i < one.faces.size(); ++i) {
+        const Box box = one.boxes.get(i);
+        if (!box.meets(other.bounds))
+            continue;
+        meet(other.boxes, box.low.data(), box.high.data(), meets);
+        const int face = one.faces[i];
+        for (std::size_t j = &one == &other ? i + 1 : 0; j < other.faces.size(); ++j)
+            if (const int against = other.faces[j];
+                meets[j] != 0 && !mesh.share_a_side(face, against) &&
+                cross(mesh.corners(face), mesh.corners(against)))
+                found.push_back({std::min(face, against), std::max(face, against)});
+    }
+}
+
 } // namespace
 
 int side_of_plane(const double* a, const double* b, const double* c, const double* d)
@@ -233,32 +312,27 @@ FaceTree::FaceTree(const Topology& topology, const Points& reference)
 
 std::vector<FacePair> FaceTree::crossings(const Points& points) const
 {
-    const int* const faces = topology_.faces().data();
+    const Triangles mesh{topology_.faces().data(), points.data()};
     std::vector<Box> boxes(nodes_.size());
-    std::vector<LeafBoxes> leaf_boxes;
-    std::vector<std::size_t> leaves;               // nodes
+    std::vector<Leaf> leaves;
+    std::vector<std::size_t> nodes;                // of the leaves
     std::vector<std::size_t> ranks(nodes_.size()); // of nodes among leaves
     for (std::size_t n = 0; n < nodes_.size(); ++n)
-        if (nodes_[n].right == 0) {
+        if (const Node& node = nodes_[n]; node.right == 0) {
             ranks[n] = leaves.size();
-            leaves.push_back(n);
+            nodes.push_back(n);
+            leaves.push_back(
+                {std::span(order_).subspan(to_size(node.first), to_size(node.last - node.first)),
+                 {},
+                 {}});
         }
-    leaf_boxes.resize(leaves.size());
+    // Of the largest coordinate: single precision rounds a coordinate by 6e-8 of it, and the bound of the
+    // box once more when it is moved.
     const auto rounding = static_cast<float>(2e-7 * points.cwiseAbs().maxCoeff());
     parallel_for(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const Node& leaf = nodes_[leaves[k]];
-            for (int i = leaf.first; i < leaf.last; ++i) {
-                Box box;
-                for (int c = 0; c < 3; ++c)
-                    box.add(points.row(faces[3 * order_[to_size(i)] + c])
-                                .transpose()
-                                .array()
-                                .cast<float>());
-                box.widen(rounding);
-                leaf_boxes[k].set(to_size(i - leaf.first), box);
-                boxes[leaves[k]].add(box);
-            }
+            measure(leaves[k], mesh, rounding);
+            boxes[nodes[k]] = leaves[k].bounds;
         }
     });
     for (std::size_t n = nodes_.size(); n-- > 0;) // children come after their parents
@@ -267,59 +341,21 @@ std::vector<FacePair> FaceTree::crossings(const Points& points) const
             boxes[n].add(boxes[to_size(nodes_[n].right)]);
         }
 
-    const auto corners = [&](int face) {
-        const int* const v = faces + 3 * face;
-        return Corners{points.data() + 3 * v[0], points.data() + 3 * v[1],
-                       points.data() + 3 * v[2]};
-    };
-    // Faces that share a side meet there alone, or lie in one plane.
-    const auto share_a_side = [&](int a, int b) {
-        int shared = 0;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                shared += faces[3 * a + i] == faces[3 * b + j] ? 1 : 0;
-        return shared >= 2;
-    };
-    // Each face of a leaf against those after it in the order of the tree.
+    // Each leaf against itself and those after it in the order of the tree.
     constexpr std::size_t grain = 16;
     std::vector<std::vector<FacePair>> found((leaves.size() + grain - 1) / grain);
     parallel_for(leaves.size(), grain, [&](std::size_t begin, std::size_t end) {
         std::vector<std::size_t> stack;
-        std::array<std::uint8_t, LeafBoxes::places> meets{};
-        const auto compare = [&](std::size_t mine, std::size_t theirs) {
-            const Node& leaf = nodes_[leaves[mine]];
-            const Node& other = nodes_[leaves[theirs]];
-            const Box& bounds = boxes[leaves[theirs]];
-            for (int i = leaf.first; i < leaf.last; ++i) {
-                const auto place = to_size(i - leaf.first);
-                Box box;
-                for (std::size_t axis = 0; axis < 3; ++axis) {
-                    box.low[static_cast<Eigen::Index>(axis)] = leaf_boxes[mine].low[axis][place];
-                    box.high[static_cast<Eigen::Index>(axis)] = leaf_boxes[mine].high[axis][place];
-                }
-                if (!box.meets(bounds))
-                    continue;
-                meet(leaf_boxes[theirs], box.low.data(), box.high.data(), meets);
-                const int face = order_[to_size(i)];
-                for (int j = mine == theirs ? i + 1 : other.first; j < other.last; ++j)
-                    if (const int against = order_[to_size(j)];
-                        meets[to_size(j - other.first)] != 0 && !share_a_side(face, against) &&
-                        cross(corners(face), corners(against)))
-                        found[begin / grain].push_back(
-                            {std::min(face, against), std::max(face, against)});
-            }
-        };
         for (std::size_t k = begin; k < end; ++k) {
-            const Box& box = boxes[leaves[k]];
             stack.assign(1, 0);
             while (!stack.empty()) {
                 const std::size_t n = stack.back();
                 stack.pop_back();
                 const Node& node = nodes_[n];
-                if (node.last <= nodes_[leaves[k]].first || !box.meets(boxes[n]))
+                if (node.last <= nodes_[nodes[k]].first || !leaves[k].bounds.meets(boxes[n]))
                     continue;
                 if (node.right == 0) {
-                    compare(k, ranks[n]);
+                    add_crossings(mesh, leaves[k], leaves[ranks[n]], found[begin / grain]);
                 } else {
                     stack.push_back(to_size(node.right));
                     stack.push_back(n + 1);

@@ -33,7 +33,7 @@ Kernel build_kernel(const Faces& faces, int vertex_count)
     return kernel;
 }
 
-/// Our half-edge 3 f + c of every half-edge of the kernel, -1 for those outside the surface.
+/// The half-edge 3 f + c (mesh/topology.h) of every half-edge of the kernel, -1 for those outside the surface.
 std::vector<int> number_halfedges(const Kernel& kernel, const Faces& faces)
 {
     std::vector<int> number(kernel.n_halfedges(), -1);

@@ -13,7 +13,7 @@ namespace shape {
 /// Volume inside a mesh [length^3]: sum over the faces of det(a, b, c) / 6. Positive if the faces run
 /// counter-clockwise seen from outside, negative if the mesh is inside out. Every loop of the boundary
 /// is filled by a fan around its centroid. A mirror image has the negative.
-/// Cost: O(#F).
+/// @throws InvalidInput if points do not fit the topology. Cost: O(#F).
 [[nodiscard]] double signed_volume(const Topology& topology, const Points& points);
 
 /// What the volumes and dihedral angles of meshes of one triangulation say of their orientation.

@@ -12,6 +12,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
@@ -19,6 +20,7 @@
 #include "libshape/mesh/handedness.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/mesh/partition.h"
+#include "libshape/mesh/unit_ratio.h"
 
 namespace shape {
 using namespace internal;
@@ -262,6 +264,7 @@ std::vector<std::vector<bool>> pieces_of(const Faces& faces)
 /// Pieces are chosen, and vertices without a face go.
 std::vector<Batch> choose_pieces(const Batch& batch, Components components, Changes& changes)
 {
+    // Each takes time for the whole mesh and becomes a file of its own: more are crumbs of a scan, not parts.
     constexpr std::size_t most_pieces = 1000;
     std::vector<std::vector<bool>> pieces = pieces_of(batch.faces);
     const bool splits = components == Components::Split && pieces.size() > 1;
@@ -306,16 +309,6 @@ void repair_orientation(Batch& batch, Changes& changes)
     changes.push_back(join(batch.who(), ": faces reversed (inside out)"));
 }
 
-/// The ratio of two units that this ratio is within a twentieth of the logarithm of 2 ... 1000.
-double nearest_unit_ratio(double ratio)
-{
-    for (const double known : {2.54, 10.0, 25.4, 39.37007874015748, 100.0, 304.8, 1000.0})
-        for (const double exact : {known, 1.0 / known})
-            if (std::abs(std::log(ratio / exact)) < std::log(1.25))
-                return exact;
-    return 1.0;
-}
-
 void repair_sizes(Batch& batch, Changes& changes)
 {
     const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
@@ -331,14 +324,13 @@ void repair_sizes(Batch& batch, Changes& changes)
     for (std::size_t i = 0; i < sizes.size(); ++i)
         if (!std::binary_search(odd.begin(), odd.end(), i))
             usual.push_back(sizes[i]);
-    std::sort(usual.begin(), usual.end());
     std::map<double, std::vector<std::size_t>> scaled;
     for (const std::size_t i : odd) {
-        const double factor = nearest_unit_ratio(usual[usual.size() / 2] / sizes[i]);
-        if (factor == 1.0)
+        const std::optional<UnitRatio> units = unit_ratio_near(median(usual) / sizes[i]);
+        if (!units)
             continue;
-        batch.points[i] *= factor;
-        scaled[factor].push_back(i);
+        batch.points[i] *= units->value;
+        scaled[units->value].push_back(i);
     }
     for (const auto& [factor, meshes] : scaled)
         changes.push_back(join(list_names(batch.names, meshes), ": scaled by ", factor,
@@ -356,7 +348,7 @@ RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes, const MeshRepairOpti
         weld_seams(batch, result.changes);
         drop_repeated_faces(batch, result.changes);
         orient_faces(batch, result.changes);
-        for (Batch& part : choose_pieces(std::move(batch), options.components, result.changes)) {
+        for (Batch& part : choose_pieces(batch, options.components, result.changes)) {
             repair_orientation(part, result.changes);
             repair_sizes(part, result.changes);
             for (std::size_t i = 0; i < part.names.size(); ++i)

@@ -18,7 +18,7 @@ enum class Components
 
 struct MeshRepairOptions
 {
-    Components components = Components::KeepLargest;
+    Components components = Components::KeepLargest; ///< A surface in several pieces is treated so.
 };
 
 /// Meshes made from others, and what was done.
@@ -40,8 +40,8 @@ struct RepairedMeshes
 /// 5. meshes whose sizes differ from the others' by the ratio of two units are scaled to theirs.
 /// Meshes of one face list are treated alike, so that they stay in correspondence. What is left to
 /// repair, find_defects() and collect() say.
-/// @param meshes  Finite; faces name vertices that exist.
-/// Cost: about that of collect().
+/// @param meshes  Finite; faces name vertices that exist. Cost: about that of collect().
+/// @throws LimitExceeded if a surface would be split into more than 1000 pieces.
 [[nodiscard]] RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes,
                                            const MeshRepairOptions& options = {});
 

@@ -36,8 +36,12 @@ MeshStream subset(const MeshStream& stream, const std::vector<std::size_t>& mesh
     MeshStream result{stream.topology, {}, {}, stream.bytes_per_mesh, {}};
     for (const LabelColumn& column : stream.labels)
         result.labels.push_back({column.name, {}});
-    for (const std::size_t mesh : meshes) {
-        result.names.push_back(stream.names.at(mesh));
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        const std::size_t mesh = meshes[i];
+        if (mesh >= stream.names.size())
+            throw InvalidInput(
+                join("meshes[", i, "] is ", mesh, ", must be in [0, ", stream.names.size(), ")"));
+        result.names.push_back(stream.names[mesh]);
         for (std::size_t c = 0; c < result.labels.size(); ++c)
             result.labels[c].values.push_back(stream.labels[c].values[mesh]);
     }
@@ -65,7 +69,7 @@ MeshStream joined(const MeshStream& first, const MeshStream& second)
     result.fetch = [count = first.size(), a = first.fetch,
                     b = second.fetch](std::vector<Index> meshes) -> MeshStream::Unpack {
         const auto border = std::lower_bound(meshes.begin(), meshes.end(), count);
-        const auto before = static_cast<std::size_t>(border - meshes.begin());
+        const auto before = to_size(border - meshes.begin());
         std::vector<Index> added(border, meshes.end());
         for (Index& mesh : added)
             mesh -= count;

@@ -34,8 +34,8 @@ struct MeshStream
 /// A collection in memory as a stream, which refers to it.
 [[nodiscard]] MeshStream stream_of(const Collection& collection);
 
-/// Some meshes of a stream, with their labels.
-/// @param meshes  Ascending indices in [0, N).
+/// Some meshes of a stream, with their labels, by ascending indices in [0, N).
+/// @throws InvalidInput naming an index that is not in [0, N).
 [[nodiscard]] MeshStream subset(const MeshStream& stream, const std::vector<std::size_t>& meshes);
 
 /// The meshes of both, one after the other. Where one has a label that the other lacks, its values

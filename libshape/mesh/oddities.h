@@ -9,7 +9,7 @@
 
 namespace shape {
 
-/// What a collection may have that is no defect of any mesh and is seldom meant.
+/// What a collection may have that is not a defect of any mesh and is seldom meant.
 enum class OddityKind
 {
     Seam,      ///< Boundary vertices lie on one another in all meshes (coincident_vertices()).

@@ -12,9 +12,10 @@ namespace {
 bool climb(const Eigen::Matrix3d& m, Eigen::Matrix3d& rotation)
 {
     constexpr int max_steps = 8;
-    constexpr double max_step = 0.5;     // |tan(angle / 2)|^2
-    constexpr double last_step = 1e-10;  // the next step would be its cube
-    constexpr double flat_limit = 1e-12; // determinant over cubed trace
+    constexpr double max_step = 0.5; // |tan(angle / 2)|^2: beyond 70 degrees another branch is near
+    constexpr double last_step = 1e-10; // the next step would be its cube
+    constexpr double flat_limit =
+        1e-12; // determinant over cubed trace: a line, any turn about it fits
 
     for (int step = 0; step < max_steps; ++step) {
         const Eigen::Matrix3d s = rotation.transpose() * m;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 
@@ -31,7 +32,7 @@ Quaterniond rotation_by(const Vector3d& vector)
 
 Rotations face_frames(const Topology& topology, const Points& points)
 {
-    Rotations frames(static_cast<std::size_t>(topology.face_count()));
+    Rotations frames(to_size(topology.face_count()));
     parallel_for(frames.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
             const auto row = topology.faces().row(static_cast<Eigen::Index>(f));

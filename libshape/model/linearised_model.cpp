@@ -41,6 +41,7 @@ LinearisedModel linearise(const ShapeModel& model, int modes, const EmbeddingOpt
     report(count);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(moves.transpose() * moves);
     const Eigen::VectorXd& ascending = solver.eigenvalues();
+    // Below 1e-12 of the largest, eigenvalues of inner products are their rounding.
     const double least = 1e-12 * ascending[count - 1];
     const auto kept = static_cast<int>((ascending.array() > std::max(least, 0.0)).count());
     if (kept == 0)

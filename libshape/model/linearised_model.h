@@ -26,7 +26,7 @@ struct LinearisedModel
 /// the mesh at t standard deviations, laid onto that of the mean. The covariance of the positions is then
 /// sum_k d_k d_k^T; its eigenvectors and eigenvalues are the basis and the variances, which are fewer than K
 /// where the d_k depend on each other (eigenvalues below 1e-12 times the largest).
-/// @param modes  The first so many of the model's, in [1, K]; 0: all.
+/// @param modes  Number of leading modes of the model, in [1, K]; 0: all.
 /// @throws InvalidInput if modes is out of its range; else as Embedder.
 /// Cost: 2 K + 1 embeddings, and O(#V K^2).
 [[nodiscard]] LinearisedModel linearise(const ShapeModel& model, int modes = 0,

@@ -18,7 +18,7 @@ namespace shape {
 
 struct QualityOptions
 {
-    /// The space that models are made in.
+    /// Models are made in this space.
     SpaceOptions space = {};
     /// Models are measured at these numbers of modes; ascending, >= 1, at least one.
     std::vector<int> modes = {};
@@ -26,7 +26,7 @@ struct QualityOptions
     int tests = 25;
     /// This many random meshes are made; >= 1.
     int samples = 25;
-    /// How meshes are made.
+    /// Meshes are made as these options say.
     EmbeddingOptions embedding = {};
     /// All draws depend on this.
     std::uint64_t seed = 1;

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/dense.h"
@@ -20,14 +21,8 @@ namespace shape {
 using namespace internal;
 namespace {
 
+/// The median and the median deviation of five withstand two strange values, those of fewer only one.
 constexpr std::size_t least_meshes = 5;
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 /// One figure of every mesh, and what it must exceed to be far from the others'.
 struct Figure

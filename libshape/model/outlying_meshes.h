@@ -13,7 +13,7 @@ namespace shape {
 struct OutlyingMesh
 {
     std::size_t mesh = 0;
-    /// Distance of its shape vector (unit sum) to the nearest other one that is no copy of it [1].
+    /// Distance of its shape vector (unit sum) to the nearest other one that is not a copy of it [1].
     double distance = 0.0;
     /// Largest mean over the edges at a vertex of abs(log(l / l')), l' the nearest length of the edge
     /// in any other mesh (unit sums) [1].
@@ -25,7 +25,7 @@ struct OutlyingMesh
 };
 
 /// Finds meshes that are far from all others, as those with exchanged vertices or landmarks are, or
-/// those of which the registration failed. Groups of meshes near to one another are no outliers.
+/// those of which the registration failed. Groups of meshes near to one another are not outliers.
 ///
 /// A mesh is one if, with the median m of a figure over all meshes and 1.4826 times the median
 /// deviation d from it,

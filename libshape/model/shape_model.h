@@ -41,7 +41,7 @@ struct ModelOptions
     /// The modes kept have at least this share of the total variance; in (0, 1], and 1 unless `modes`
     /// is 0.
     double variance = 1.0;
-    /// The space that the model is made in.
+    /// The model is made in this space.
     SpaceOptions space = {};
 };
 

@@ -7,15 +7,11 @@
 #include <cmath>
 #include <numbers>
 
-namespace shape {
-namespace {
+#include "libshape/report/srgb.h"
 
-std::uint8_t encoded(double linear)
-{
-    const double c = std::clamp(linear, 0.0, 1.0);
-    const double srgb = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(std::lround(255.0 * srgb));
-}
+namespace shape {
+using namespace internal;
+namespace {
 
 /// Oklab to sRGB.
 Colour from_oklab(double lightness, double a, double b)
@@ -23,9 +19,9 @@ Colour from_oklab(double lightness, double a, double b)
     const double l = std::pow(lightness + 0.3963377774 * a + 0.2158037573 * b, 3);
     const double m = std::pow(lightness - 0.1055613458 * a - 0.0638541728 * b, 3);
     const double s = std::pow(lightness - 0.0894841775 * a - 1.2914855480 * b, 3);
-    return {encoded(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
-            encoded(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
-            encoded(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
+    return {srgb_encoded(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+            srgb_encoded(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+            srgb_encoded(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
 }
 
 } // namespace

@@ -24,12 +24,12 @@ struct Colour
 /// A raster image, rows from the top.
 struct Image
 {
-    int width = 0;  ///< [pixel]
-    int height = 0; ///< [pixel]
-    std::vector<Colour> pixels;
+    int width = 0;              ///< [pixel]
+    int height = 0;             ///< [pixel]
+    std::vector<Colour> pixels; ///< Row by row from the top, from left to right.
 
     Image() = default;
-    Image(int w, int h, Colour fill);
+    Image(int w, int h, Colour fill); ///< All pixels of one colour.
 
     [[nodiscard]] Colour& at(int x, int y) { return pixels[index(x, y)]; }
     [[nodiscard]] const Colour& at(int x, int y) const { return pixels[index(x, y)]; }

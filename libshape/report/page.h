@@ -17,8 +17,8 @@ struct Page
     std::string pictures; ///< An SVG document, for browsers that draw no meshes; may be empty.
     std::vector<std::string> drawings;           ///< SVG documents.
     std::vector<std::vector<std::string>> table; ///< The first row is its head; may be empty.
-    std::string model;               ///< JSON: what the page's program knows of the model.
-    std::vector<unsigned char> block; ///< What its decoder does (explore/model_block.h).
+    std::string model;                ///< JSON: what the page's program knows of the model.
+    std::vector<unsigned char> block; ///< The model as that program decodes it.
 };
 
 /// Fills a page: one HTML document that needs no other file and no network.

@@ -15,6 +15,7 @@
 #include "libshape/base/require.h"
 #include "libshape/base/to_size.h"
 #include "libshape/report/rasterise.h"
+#include "libshape/report/srgb.h"
 #include "libshape/report/studio.h"
 
 namespace shape {
@@ -37,22 +38,11 @@ Eigen::Matrix3d rotation_towards(const Vector3d& viewer, const Vector3d& right)
 
 // --- Colour ---------------------------------------------------------------------------------------
 
-float decoded(std::uint8_t channel)
-{
-    const double c = channel / 255.0;
-    return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
-
 Vector3f decoded(Colour colour)
 {
-    return {decoded(colour.red), decoded(colour.green), decoded(colour.blue)};
-}
-
-std::uint8_t encoded(float linear)
-{
-    const double c = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-    const double srgb = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(std::lround(255.0 * srgb));
+    return Eigen::Vector3d(srgb_decoded(colour.red), srgb_decoded(colour.green),
+                           srgb_decoded(colour.blue))
+        .cast<float>();
 }
 
 // --- What is seen ---------------------------------------------------------------------------------
@@ -219,6 +209,8 @@ Patch mean_of(const std::vector<Patch>& patches)
 Vector3f light_of(const std::vector<Patch>& patches, const Studio& studio, double pixel_size)
 {
     const Patch mean = mean_of(patches);
+    // Normals within 11 degrees of the mean, and no step of depth: across an edge of the surface the mean
+    // would have a normal and a place that are nowhere. Set by the looks of pictures, not measured.
     const auto near_mean = [&](const Patch& patch) {
         return patch.normal.dot(mean.normal) > 0.98F &&
                (patch.place - mean.place).norm() < 4.0 * pixel_size;
@@ -260,7 +252,7 @@ Eigen::Matrix3d view_rotation(const ViewDirection& direction)
 Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
 {
     check_mesh(faces, points);
-    // Area-weighted, so that dense regions do not count more; +z wins ties.
+    // Area-weighted, so that dense regions do not count more; +z wins ties by a thousandth of the spread.
     Vector3d mean = Vector3d::Zero();
     Vector3d facing = Vector3d::Zero();
     double area = 0.0;
@@ -281,9 +273,12 @@ Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
     Eigen::Matrix3d spread = away.transpose() * areas.asDiagonal() * away / area;
     spread(2, 2) -= 1e-3 * spread.trace();
     Vector3d viewer = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+    // Models mostly stand along the axes: a view within 25 degrees of one is meant to be along it.
     for (int axis = 0; axis < 3; ++axis)
         if (std::abs(viewer[axis]) > std::cos(25.0 * pi / 180.0))
             viewer = std::copysign(1.0, viewer[axis]) * Vector3d::Unit(axis);
+    // Open meshes show their outer side. The area vectors of closed ones cancel, but for the digits that
+    // files have in single precision; these are seen along the positive axis, +z before +y before +x if equal.
     if (std::abs(facing.dot(viewer)) > 1e-6 * area)
         viewer *= std::copysign(1.0, facing.dot(viewer));
     else {
@@ -291,7 +286,7 @@ Eigen::Matrix3d automatic_view(const Faces& faces, const Points& points)
         (viewer.cwiseAbs() + Vector3d(0.0, 1e-9, 2e-9)).maxCoeff(&largest);
         viewer *= std::copysign(1.0, viewer[largest]);
     }
-    // +y is up; seen from above or below, +x is right.
+    // +y is up; seen from above or below (within 0.06 degrees, where its last digits would decide), +x is right.
     const Vector3d right = Vector3d::UnitY().cross(viewer);
     return rotation_towards(viewer,
                             right.norm() > 1e-3 ? Vector3d(right.normalized()) : Vector3d::UnitX());
@@ -335,7 +330,8 @@ Image render_mesh(const Faces& faces, const Points& points, const RenderOptions&
             const auto count = static_cast<float>(patches.size());
             const Vector3f light =
                 (light_of(patches, studio, options.pixel_size) + (all - count) * background) / all;
-            image.at(x, y) = {encoded(light.x()), encoded(light.y()), encoded(light.z())};
+            image.at(x, y) = {srgb_encoded(light.x()), srgb_encoded(light.y()),
+                              srgb_encoded(light.z())};
         }
     return image;
 }

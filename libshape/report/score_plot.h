@@ -31,7 +31,7 @@ struct ScorePlotOptions
     bool names = false;
     /// This is drawn around the points of each of several label values, numbers on a scale apart.
     GroupOutline outline = GroupOutline::None;
-    /// What the label values are called beside a scale of colours.
+    /// Beside a scale of colours the label values have this name.
     std::string label_name = {};
 };
 

@@ -47,9 +47,9 @@ enum class Marker
 class Svg
 {
 public:
-    Svg(double width, double height);
+    Svg(double width, double height); ///< An empty document [px]; so are all lengths below.
 
-    void rectangle(double x, double y, double width, double height, Colour fill);
+    void rectangle(double x, double y, double width, double height, Colour fill); ///< Without rim.
     void line(double x0, double y0, double x1, double y1, Colour colour, double width = 1.0);
     /// @param points  n by 2.
     void polyline(const Eigen::MatrixX2d& points, Colour colour, double width = 1.5);

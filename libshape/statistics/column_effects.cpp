@@ -48,6 +48,7 @@ ColumnEffects effects(const RowMatrix& first, const RowMatrix& second, const Eig
     const Eigen::Index count = means.size();
     ColumnEffects result{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Ones(count), {}};
     for (Eigen::Index e = 0; e < count; ++e) {
+        // Deviations and means below this are what rounding leaves of equal values (1e-16 each).
         const double limit = 1e-12 * std::max(first.col(e).cwiseAbs().maxCoeff(),
                                               second.col(e).cwiseAbs().maxCoeff());
         if (deviations[e] > limit) {

@@ -70,6 +70,7 @@ RowMatrix decorrelating_rotation(Eigen::MatrixXd scores)
         for (Index j = 0; j < count; ++j)
             for (Index k = j + 1; k < count; ++k) {
                 const double product = scores.col(j).dot(scores.col(k));
+                // Uncorrelated but for the rounding of a sum over some hundred or thousand scores.
                 if (std::abs(product) <= 1e-13 * std::sqrt(squares[j] * squares[k]))
                     continue;
                 Eigen::JacobiRotation<double> turn;

@@ -31,7 +31,7 @@ struct ExchangeableRows
 };
 
 /// Crossed: the observations, within the blocks. Nested: the means of the blocks, freely; repeated
-/// measurements of one specimen are no independent observations.
+/// measurements of one specimen are not independent observations.
 /// @param products  N by N inner products of the observations.
 /// @throws InvalidInput as block_design().
 [[nodiscard]] ExchangeableRows exchangeable_rows(const Eigen::MatrixXd& products,

@@ -46,6 +46,7 @@ Coordinates principal_coordinates(MatrixXd products)
 /// from the leading unit vectors.
 MatrixXd leading_subspace(const VectorXd& d, const MatrixXd& b, Index count)
 {
+    // Where these are not enough, eigenvalues lie close to each other, and the whole problem is solved below.
     constexpr int most_steps = 300;
     constexpr double tolerance = 1e-9; // of the eigenvalues: scores to about as much
     const Index width = std::min(d.size(), 2 * count + 10);

@@ -296,6 +296,7 @@ LinearModelTest LinearModelPlan::conclude(const SumAnswers& answers) const
     result.residual_sum_of_squares = left - result.sum_of_squares;
     result.r_squared = result.sum_of_squares / result.total_sum_of_squares;
     const double mean_square = result.sum_of_squares / result.degrees_of_freedom;
+    // `left` less what is explained: what rounding leaves of two equal sums.
     const bool is_perfect = result.residual_sum_of_squares <= 1e-14 * left;
     result.f =
         is_perfect

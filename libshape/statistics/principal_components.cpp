@@ -79,7 +79,7 @@ PrincipalComponents principal_components(RowMatrix data, const PrincipalComponen
     const RowMatrix& centred = data;
     { // what is N by N goes before the modes come
         const Eigen::MatrixXd gram = inner_products(centred);
-        if (gram.trace() <= 1e-24 * squares)
+        if (gram.trace() <= 1e-24 * squares) // deviations of 1e-12 of the values are their rounding
             throw InvalidInput(join("principal components: all ", data.rows(),
                                     " observations are equal, they have no modes"));
         result.total_variance = gram.trace() / static_cast<double>(data.rows() - 1);

@@ -37,7 +37,7 @@ RowMatrix dual_basis(const Eigen::MatrixXd& centred)
     for (Index k = 0; k < scaled.cols(); ++k)
         scaled.col(k) /= lengths[k];
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
-    qr.setThreshold(1e-9);
+    qr.setThreshold(1e-9); // far above rounding, far below what a covariate of its own leaves
     if (!lengths.allFinite() || !scaled.allFinite() || qr.rank() < scaled.cols())
         throw InvalidInput(
             "regression: a covariate is constant or a combination of the other covariates");

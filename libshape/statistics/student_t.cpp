@@ -15,7 +15,8 @@ namespace {
 /// fast for x < (a + 1) / (a + b + 2).
 double beta_fraction(double a, double b, double x)
 {
-    constexpr double tiny = 1e-300;
+    constexpr double tiny =
+        1e-300; // takes the place of a denominator of 0, as Lentz's method has it
     constexpr int most_terms = 10'000;
     const auto not_zero = [](double value) { return value == 0.0 ? tiny : value; };
     double upper = 1.0;

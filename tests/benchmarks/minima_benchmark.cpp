@@ -2,7 +2,7 @@
 //
 // minima_benchmark A B [--smoothness MU] [--threads N]
 //
-// What energy the methods that were measured before reach beside ours, at equal mu, half-way between
+// What energy the methods that were measured before reach beside that of libshape, at equal mu, half-way between
 // two meshes: Gauss-Newton from the preview and from the fine result, and walks from either mesh in
 // five steps of t, each Gauss-Newton from the result before. Prints the energies as JSON. Each
 // Gauss-Newton step factors a matrix of three rows a vertex: minutes at 10,000 vertices.

@@ -21,7 +21,7 @@ def arguments(usage, count):
 
 
 @contextlib.contextmanager
-def workshop(program):
+def arena(program):
     """A folder with four meshes, a collection, a model and two single meshes; work goes on there."""
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -59,4 +59,4 @@ def finish(findings, summary):
     sys.exit(1 if findings else 0)
 
 
-__all__ = ["Path", "arguments", "finish", "left_over", "random", "run", "time", "workshop"]
+__all__ = ["Path", "arena", "arguments", "finish", "left_over", "random", "run", "time"]

@@ -64,17 +64,17 @@ TEST(ConformalMorph, FollowsEquation13)
     }
 }
 
-TEST(ConformalMorph, MendsBrokenFacesAsLittleAsItCan)
+TEST(ConformalMorph, CorrectsBrokenFacesAsLittleAsItCan)
 {
     const test::TestMesh mesh = test::stretched(test::random_inscribed(500, 5), {1, 1, 10});
     const ConformalMorph morph = morph_of(mesh);
-    int mended = 0;
+    int corrected = 0;
     for (int i = 0; i <= 20; ++i) {
         const double k = i / 20.0;
         const MorphFrame frame = morph_frame(morph, k);
         const Eigen::VectorXd wanted = (morph.log_lengths + k * morph.log_ratios).array().exp();
         EXPECT_TRUE(check_admissibility(mesh.topology, frame.point.edge_lengths).triangles.empty());
-        mended += static_cast<int>(frame.corrected_faces.size());
+        corrected += static_cast<int>(frame.corrected_faces.size());
         EXPECT_EQ(frame.largest_correction == 0.0, frame.corrected_faces.empty());
         for (const TriangleViolation& violation :
              check_admissibility(mesh.topology, wanted).triangles)
@@ -93,7 +93,7 @@ TEST(ConformalMorph, MendsBrokenFacesAsLittleAsItCan)
             }
         EXPECT_GT(worst, 0.0);
     }
-    EXPECT_GT(mended, 0);
+    EXPECT_GT(corrected, 0);
 }
 
 TEST(ConformalMorph, CorrectsToTheNearestLengths)

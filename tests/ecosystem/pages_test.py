@@ -4,6 +4,7 @@ those of R where it is installed.
 
 A block of ```sh runs as a whole, one of ```r too; blocks without a language are for the eye.
 """
+import csv
 import os
 import re
 import shutil
@@ -45,6 +46,12 @@ for page in PAGES:
                 done = run(name, language, lines)
             assert done.returncode == 0, f"docs/{page}.md:\n{lines}\n{done.stdout}"
             count += len(lines.splitlines())
+        if page == "r" and r_lines and shutil.which("Rscript"):  # one session, and no name is used for two things
+            with open(Path(name) / "scores.csv", encoding="utf-8") as file:
+                largest = max(float(row["pc2"]) for row in csv.DictReader(file))
+            with open(Path(name) / "wanted.csv", encoding="utf-8") as file:
+                (wanted,) = csv.DictReader(file)
+            assert abs(float(wanted["pc2"]) - largest) <= 1e-12, (wanted, largest)
         if page == "tutorial":  # the figures that it promises
             for figure in ("fitted/fit.svg", "quality.svg", "scores.svg", "modes.svg", "distances.svg", "means.svg",
                            "smile.glb", "tables/read.R"):

@@ -19,15 +19,15 @@ with tempfile.TemporaryDirectory() as name:
         """
 source("read.R")
 stopifnot(is.array(A), length(dim(A)) == 3, dim(A)[2] == 3, dim(A)[3] == 12)
-stopifnot(identical(dimnames(A)[[3]], labels$mesh), identical(labels$mesh, scores$mesh))
+stopifnot(identical(dimnames(A)[[3]], labels$mesh), identical(labels$mesh, position_scores$mesh))
 first <- subset(landmarks, mesh == labels$mesh[5] & vertex == 7)
 stopifnot(A[7, , 5] == unlist(first[c("x", "y", "z")]))
 stopifnot(min(faces) == 1, max(faces) == dim(A)[1])
 # The principal components of the positions are ours, up to their signs.
 flat <- t(apply(A, 3, c))
 p <- prcomp(flat)
-k <- ncol(scores) - 1
-ours <- as.matrix(scores[, -1])
+k <- ncol(position_scores) - 1
+ours <- as.matrix(position_scores[, -1])
 theirs <- p$x[, 1:k]
 stopifnot(max(abs(abs(ours) - abs(theirs))) < 1e-6 * max(abs(ours)))
 cat("k =", k, " largest difference of scores:", max(abs(abs(ours) - abs(theirs))), "\\n")

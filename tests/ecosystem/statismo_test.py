@@ -115,8 +115,26 @@ with tempfile.TemporaryDirectory() as name:
     for row, mesh in zip(data[1:], points):
         assert abs(float(row[2]) - np.linalg.norm(centred(mesh))) < 1e-9 * float(row[2])
         assert abs(float(row[1]) - np.linalg.norm(mesh - mean)) < 1e-9 * float(row[2])
-    log = json.loads((folder / "slicer/analysis.json").read_text())
-    assert log["GPALog"][0]["PCScores"] == "pcScores.csv"
+    # As SlicerMorph reads its results: eigenvalues without headings, columns whose names hold "PC " or are X, Y, Z.
+    with open(folder / "slicer/eigenvalues.csv", encoding="utf-8") as file:
+        values = list(csv.reader(file))
+    assert [row[0] for row in values] == ["PC 1", "PC 2", "PC 3", "PC 4"]
+    variances = np.array([float(row[1]) for row in values])
+    with open(folder / "slicer/eigenvector.csv", encoding="utf-8") as file:
+        vectors = list(csv.reader(file))
+    assert vectors[0] == ["", "PC 1", "PC 2", "PC 3", "PC 4"] and vectors[1][0] == "LM 1_X" and vectors[6][0] == "LM 2_Z"
+    basis = np.array([[float(x) for x in row[1:]] for row in vectors[1:]])
+    assert np.abs(basis.T @ basis - np.eye(4)).max() < 1e-9
+    scores = np.array([[float(x) for x in row[1:]] for row in rows[1:]])
+    assert np.allclose((scores**2).sum(0) / 14, variances, rtol=0.5)  # linearised: not the same
+    assert (np.diff(variances) <= 0).all() and variances[-1] > 0
+    with open(folder / "slicer/meanShape.csv", encoding="utf-8") as file:
+        assert next(csv.reader(file)) == ["", "X", "Y", "Z"]
+    (log,) = json.loads((folder / "slicer/analysis.json").read_text())["GPALog"]
+    assert log["Boas"] is True and log["ExcludedLM"] == [] and log["NumberLM"] == len(mean)
+    for key in ("MeanShape", "Eigenvalues", "Eigenvectors", "OutputData", "PCScores"):
+        assert (folder / "slicer" / log[key]).is_file(), key
+    assert {"InputPath", "OutputPath", "Files", "LMFormat", "SemiLandmarks", "Covariates"} <= set(log)
 
     # ShapeWorks
     shape(folder, "export", "model.h5", "--to", "shapeworks", "-o", "works", "--modes", "2")

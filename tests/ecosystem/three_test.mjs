@@ -48,7 +48,7 @@ window.read = (ending, text) => {
 };
 `;
 
-/// Vertices and faces of a PLY file of ours, binary with doubles.
+/// Vertices and faces of a PLY file of libshape, binary with doubles.
 function readPly(path) {
     const data = readFileSync(path);
     const head = data.subarray(0, data.indexOf("end_header\n")).toString();

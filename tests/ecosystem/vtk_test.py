@@ -36,6 +36,16 @@ def poly_data(V, F):
     heat = numpy_to_vtk(V[:, 0].copy(), deep=True)
     heat.SetName("heat")
     data.GetPointData().SetScalars(heat)
+    texts = vtk.vtkStringArray()
+    texts.SetName("who is it")
+    for text in ("short", "", "two words", 70 * "x", "two\nlines", 20000 * "y"):  # lengths of each size
+        texts.InsertNextValue(text)
+    bits = vtk.vtkBitArray()
+    bits.SetName("bits")
+    for i in range(11):
+        bits.InsertNextValue(i % 2)
+    for array in (texts, bits):
+        data.GetFieldData().AddArray(array)
     return data
 
 

@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "tests/support/meshes.h"
 
@@ -62,7 +63,7 @@ TEST(FaceFrames, LieAsTheFacesDo)
         const auto corner = [&](int c) -> Vector3d {
             return mesh.points.row(mesh.topology.faces()(f, c));
         };
-        const Eigen::Matrix3d frame = frames[static_cast<std::size_t>(f)].toRotationMatrix();
+        const Eigen::Matrix3d frame = frames[to_size(f)].toRotationMatrix();
         const Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
         EXPECT_LT((frame.col(0) - (corner(1) - corner(0)).normalized()).norm(), 1e-12);
         EXPECT_LT((frame.col(2) - normal.normalized()).norm(), 1e-12);
@@ -112,7 +113,7 @@ TEST(PatchTurns, OfTheMirrorImageAreMirrored)
     const VectorXd turns = PatchTurns(mesh.topology, mesh.points).of(other);
     const VectorXd images = PatchTurns(mesh.topology, mirrored(mesh.points)).of(mirrored(other));
     for (Eigen::Index k = 0; k < turns.size(); k += 3) {
-        const Vector3d expected(turns[k], -turns[k + 1], -turns[k + 2]); // an axis is no arrow
+        const Vector3d expected(turns[k], -turns[k + 1], -turns[k + 2]); // an axis is not an arrow
         EXPECT_LT((images.segment<3>(k) - expected).norm(), 1e-9);
     }
 }

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::test {
 using namespace internal;
@@ -48,7 +49,7 @@ TEST(ShapePrior, FindsScoresAndSizeOfItsOwnShapesFromAFractionOfTheEdges)
     std::vector<char> seen(edges, 0);
     for (int e = 0; e < edges; ++e)
         if (e % 4 == 0)
-            seen[static_cast<std::size_t>(e)] = 1;
+            seen[to_size(e)] = 1;
         else
             lengths[e] = 1e3; // does not count
     const ShapePosterior found = posterior(prior, lengths, seen);

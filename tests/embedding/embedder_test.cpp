@@ -12,6 +12,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
@@ -289,8 +290,7 @@ TEST(Embedder, GivesMeshesBackFromTheirTurns)
     for (int i = 0; i < 2; ++i) {
         const Embedding embedding = embedder.embed(blend(vectors, Eigen::Vector2d::Unit(i)));
         EXPECT_EQ(embedding.report.status, EmbeddingStatus::Exact);
-        EXPECT_LT(rigid_distance(embedding.points, pair.meshes.points[static_cast<std::size_t>(i)]),
-                  1e-9);
+        EXPECT_LT(rigid_distance(embedding.points, pair.meshes.points[to_size(i)]), 1e-9);
         EXPECT_LT(embedding.report.companion_rms, 1e-7);
     }
 }

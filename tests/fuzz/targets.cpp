@@ -14,6 +14,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/embedder.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/hdf5/untrusted_files.h"
@@ -138,7 +139,7 @@ void embed(std::string_view bytes)
     ShapePoint point{Eigen::VectorXd::Constant(edges, 1.4142135623730951),
                      Eigen::VectorXd::Constant(edges, 1.2309594173407747)};
     for (Eigen::VectorXd* values : {&point.edge_lengths, &point.dihedral_angles}) {
-        const std::size_t size = std::min(bytes.size(), 8 * static_cast<std::size_t>(edges));
+        const std::size_t size = std::min(bytes.size(), 8 * to_size(edges));
         std::memcpy(values->data(), bytes.data(), size / 8 * 8);
         bytes.remove_prefix(size);
     }

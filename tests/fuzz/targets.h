@@ -19,7 +19,7 @@ struct Target
 
 [[nodiscard]] const std::vector<Target>& targets();
 
-/// @throws std::invalid_argument listing the names if there is none of this one.
+/// @throws std::invalid_argument listing the names if this is not one of them.
 [[nodiscard]] const Target& find_target(std::string_view name);
 
 } // namespace shape::fuzz

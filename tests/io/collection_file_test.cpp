@@ -347,7 +347,7 @@ TEST(CollectionFile, IsReadFromDatasetsWithoutChunksAndWithoutLabels)
     write_collection(directory / "c.h5", collection);
     const auto files = test::edit_with_h5py(
         directory / "c.h5", {replaced("points", "data=v") + "; del f['labels']",
-                             replaced("names", "data=v") + "; f['note'] = 'more is no harm'"});
+                             replaced("names", "data=v") + "; f['note'] = 'more does no harm'"});
     expect_equal(read_collection(files[1]), collection);
     collection.labels.clear();
     expect_equal(read_collection(files[0]), collection);

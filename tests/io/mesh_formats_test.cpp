@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstring>
 
 #include "libshape/base/error.h"
@@ -70,6 +72,10 @@ TEST(StlFile, MergesEqualCornersInTheOrderOfTheirFirstAppearance)
     expect_square(text);
     EXPECT_EQ(text.merged_corners, 6);
     EXPECT_FALSE(text.single_precision);
+    std::string capitals = stl_text;
+    std::ranges::transform(capitals, capitals.begin(),
+                           [](unsigned char c) { return std::toupper(c); });
+    expect_square(read("a.stl", capitals));
 
     const TestMesh mesh = test::icosphere(2);
     for (const bool ascii : {false, true}) {
@@ -141,6 +147,41 @@ TEST(VtkFile, ReadsEveryFormOfPolydata)
                           bytes_of<std::int32_t>({3, 0, 1, 2, 3, 0, 2, 3}, true) + "\n");
     expect_square(bytes);
     EXPECT_TRUE(bytes.single_precision);
+}
+
+TEST(VtkFile, PassesOverTextsAndBitsOfFields)
+{
+    const std::string points = "POINTS 4 double\n0 0 0 1 0 0\n1 1 0.5 0 1 0\n";
+    expect_square(read("a.vtk", vtk_head +
+                                    "ASCII\nDATASET POLYDATA\nFIELD FieldData 2\n"
+                                    "who 1 3 string\nfirst\n\nPOINTS%20x\n"
+                                    "odd 1 3 bit\n1 0 1\n" +
+                                    points + "POLYGONS 2 8\n3 0 1 2\n3 0 2 3\n"));
+    // A text is bytes behind their number, of one, two, four or eight bytes.
+    const std::string texts = std::string("\xc5") + "first\xc0" +
+                              ("\x80\x46" + std::string(70, 'x')) +
+                              (std::string("\x40\x00\x4e\x20", 4) + std::string(20000, '\n')) +
+                              (std::string("\x00\x00\x00\x00\x00\x00\x00\x02", 8) + "ab");
+    const std::string head = vtk_head +
+                             "BINARY\nDATASET POLYDATA\nFIELD FieldData 2\n"
+                             "who 1 5 string\n";
+    expect_square(read("b.vtk", head + texts + "\nodd 1 11 bit\nU@\nPOINTS 4 float\n" +
+                                    bytes_of<float>({0, 0, 0, 1, 0, 0, 1, 1, 0.5F, 0, 1, 0}, true) +
+                                    "\nPOLYGONS 2 8\n" +
+                                    bytes_of<std::int32_t>({3, 0, 1, 2, 3, 0, 2, 3}, true) + "\n"));
+    for (const std::string& rest :
+         {std::string("\xc5"
+                      "fir"),
+          std::string("\x80"), std::string("\x00\xff\xff\xff\xff\xff\xff\xff", 8)})
+        EXPECT_NE(
+            test::message_of<InvalidInput>([&] { (void)read("c.vtk", head + rest); }).find("byte"),
+            std::string::npos);
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)read("d.vtk", vtk_head +
+                                          "ASCII\nDATASET POLYDATA\nFIELD f 1\n"
+                                          "who 1 900000000000 string\nx\n");
+              }).find("ends within"),
+              std::string::npos);
 }
 
 TEST(VtkFile, RefusesInALineWhatItIsNot)
@@ -247,7 +288,7 @@ TEST(MeshWriteOptions, RoundTripInEveryFormThatHasDoubles)
                            {.ascii = ascii,
                             .single_precision = is_single,
                             .scalars = {{"heat", heat}, {"cold", -heat}},
-                            .quality = "cold",
+                            .quality = format == MeshFormat::Ply ? "cold" : "",
                             .colours = colours});
                 if (format == MeshFormat::Vtp)
                     SKIP_WITHOUT_VTP();
@@ -289,6 +330,8 @@ TEST(MeshWriteOptions, ThatAFormatCannotKeepAreRefused)
     EXPECT_NE(message(MeshFormat::Ply, {.colours = VertexColours::Zero(3, 3)}).find("3 rows"),
               std::string::npos);
     EXPECT_NE(message(MeshFormat::Ply, {.scalars = heat, .quality = "cold"}).find("'cold'"),
+              std::string::npos);
+    EXPECT_NE(message(MeshFormat::Vtp, {.scalars = heat, .quality = "heat"}).find("`quality`"),
               std::string::npos);
     EXPECT_NE(message(MeshFormat::Ply, {.obj_template = std::make_shared<ObjTemplate>()})
                   .find("template"),
@@ -391,6 +434,11 @@ TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
              {"\"count\":1", "\"count\":5", "sparse"},
              {"5121", "5126", "indices have the componentType 5126"},
              {"\"bufferView\":1,", "", "no bufferView"},
+             {"\"version\":\"2.0\"", "\"version\":\"1.0\"", "must be 2.0"},
+             {"\"scene\":0", "\"extensionsRequired\":[\"EXT_meshopt_compression\"]",
+              "without compression"},
+             {"\"scene\":0", "\"extensionsRequired\":[\"ACME_folded_meshes\"]",
+              "'ACME_folded_meshes'"},
              {"\"asset\"", "asset", "damaged"}}) {
         const std::string message =
             refusal("a.glb", glb_of(replaced(glb_json, what, by), glb_buffer));
@@ -399,6 +447,11 @@ TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
     EXPECT_NE(refusal("a.glb", "glTF").find("GLB file?"), std::string::npos);
     const std::string far = replaced(glb_json, "\"targets\":[{\"POSITION\":2},", "\"targets\":[");
     EXPECT_EQ(read("b.glb", glb_of(far, glb_buffer)).meshes.size(), 2U);
+    const std::string textured =
+        replaced(glb_json, "\"scene\":0", "\"extensionsRequired\":[\"KHR_texture_basisu\"]");
+    EXPECT_EQ(read("c.glb", glb_of(textured, glb_buffer)).meshes.size(), 3U);
+    const std::string nameless = replaced(glb_json, "targetNames", "names");
+    EXPECT_EQ(read("d.glb", glb_of(nameless, glb_buffer)).meshes[2].name, "d_target_2");
 }
 
 TEST(MeshFormats, TakeNoHarmFromDamage)

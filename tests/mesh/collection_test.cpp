@@ -68,6 +68,18 @@ TEST(Subset, KeepsChosenMeshesWithTheirLabels)
     EXPECT_TRUE(chosen.topology == collection.topology);
 }
 
+TEST(Subset, NamesAnIndexOutOfRange)
+{
+    const Collection collection =
+        collect({named("a", test::open_patch(4, 1)), named("b", test::open_patch(4, 2))});
+    try {
+        (void)subset(collection, {1, 2});
+        FAIL() << "nothing was thrown";
+    } catch (const InvalidInput& error) {
+        expect_says(error.what(), {"meshes[1] is 2", "in [0, 2)"});
+    }
+}
+
 TEST(Collect, NamesOtherCounts)
 {
     expect_says(

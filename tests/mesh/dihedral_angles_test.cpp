@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 
-TEST(DihedralAngle, IsTheAngleByWhichAWedgeWasBent)
+TEST(DihedralAngle, IsTheAngleByWhichAHingeWasBent)
 {
     // Seen from above, the edge runs along y; the left wing is flat, the right one is bent down.
     const Eigen::Vector3d a(0, -1, 0);
@@ -43,7 +43,7 @@ TEST(DihedralAngle, IsZeroWhereAFaceHasNoArea)
     EXPECT_EQ(dihedral_angle(a, a, b, on_edge), 0.0);
 }
 
-TEST(DihedralAngles, AreThoseOfTheWedgesAndNegatedByAMirror)
+TEST(DihedralAngles, AreThoseOfTheHingesAndNegatedByAMirror)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {
         SCOPED_TRACE(mesh.name);

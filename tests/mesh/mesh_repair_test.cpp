@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "libshape/base/error.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -110,6 +111,28 @@ TEST(MeshRepair, KeepsTouchingPartsApartWhereWeldingBreaksTheSurface)
     EXPECT_EQ(repaired.meshes[0].points, one.points);
     EXPECT_EQ(repaired.meshes[1].faces.rows(), 4);
     EXPECT_NE(repaired.changes[0].find("split into 2 pieces"), std::string::npos);
+}
+
+TEST(MeshRepair, SplitsAThousandPiecesAtMost)
+{
+    const auto pieces = [](int count) {
+        Points points(3 * count, 3);
+        Faces faces(count, 3);
+        for (int k = 0; k < count; ++k) {
+            points.middleRows(3 * k, 3) << 2 * k, 0, 0, 2 * k + 1, 0, 0, 2 * k, 1, 0;
+            faces.row(k) << 3 * k, 3 * k + 1, 3 * k + 2;
+        }
+        return std::vector<NamedMesh>{named("crumbs", points, faces)};
+    };
+    const MeshRepairOptions split{.components = Components::Split};
+    EXPECT_EQ(repair_meshes(pieces(20), split).meshes.size(), 20U);
+    try {
+        (void)repair_meshes(pieces(1001), split);
+        FAIL() << "nothing was thrown";
+    } catch (const LimitExceeded& error) {
+        EXPECT_STREQ(error.what(), "crumbs: the surface has 1001 pieces; at most 1000 are split");
+    }
+    EXPECT_EQ(repair_meshes(pieces(1001)).meshes.front().faces.rows(), 1);
 }
 
 TEST(MeshRepair, TakesAwayWhatBelongsToNoSurface)

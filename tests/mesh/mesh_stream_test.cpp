@@ -7,6 +7,7 @@
 #include <latch>
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 #include "libshape/mesh/joined_labels.h"
 #include "tests/support/collections.h"
 #include "tests/support/files.h"
@@ -40,9 +41,20 @@ TEST(MeshStream, WorksOnABlockWhileASlowReaderFetchesTheNext)
         if (first == 0)
             worked_on.count_down();
         firsts.push_back(first);
-        EXPECT_EQ(block.points.front(), collection.points[static_cast<std::size_t>(first)]);
+        EXPECT_EQ(block.points.front(), collection.points[internal::to_size(first)]);
     });
     EXPECT_EQ(firsts, (std::vector<Index>{0, 3, 6}));
+}
+
+TEST(MeshStream, SubsetNamesAnIndexOutOfRange)
+{
+    const Collection collection = test::bumpy_spheres(3, 1);
+    try {
+        (void)subset(stream_of(collection), {0, 3});
+        FAIL() << "nothing was thrown";
+    } catch (const InvalidInput& error) {
+        EXPECT_STREQ(error.what(), "meshes[1] is 3, must be in [0, 3)");
+    }
 }
 
 TEST(MeshStream, EndsWithTheErrorOfAReaderThatFailsInTheMiddle)

@@ -53,7 +53,7 @@ TEST(Oddities, ASeamIsCountedWithAPlaceAndAWayOut)
         join(2 * places, " boundary vertices lie on one another at ", places, " places")))
         << found[0].message;
     EXPECT_NE(found[0].message.find("--fix"), std::string::npos);
-    // What is apart in one mesh is no seam.
+    // What is apart in one mesh is not a seam.
     collection.points[3].bottomRows(places) *= 1.01;
     EXPECT_TRUE(find_oddities(collection).empty());
 }

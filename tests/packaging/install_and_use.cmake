@@ -27,6 +27,17 @@ function(expect_files)
     endforeach()
 endfunction()
 
+# README shows what is compiled and run below.
+file(READ ${SOURCE}/README.md readme)
+file(READ ${SOURCE}/tests/packaging/consumer/main.cpp consumer)
+string(REGEX MATCH "{\n.*\n}" body "${consumer}")
+string(REGEX REPLACE "^{\n|\n}$" "" body "${body}")
+string(REGEX REPLACE "(^|\n)    " "\\1" body "${body}")
+string(FIND "${readme}" "```cpp\n${body}\n```" found)
+if(found EQUAL -1)
+    message(FATAL_ERROR "README.md does not show tests/packaging/consumer/main.cpp:\n${body}")
+endif()
+
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
 file(GLOB_RECURSE configuration ${work}/prefix/*.cmake)
 foreach(file IN LISTS configuration)

@@ -11,6 +11,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 
 namespace shape {
@@ -88,7 +89,7 @@ TEST(ScorePlot, ManyCategoriesFoldAndThoseWithoutAValueStayApart)
     // Value k occurs k + 1 times, of 20; the first two meshes have none.
     std::vector<std::string> values{"", ""};
     for (int k = 0; k < 20; ++k)
-        values.insert(values.end(), static_cast<std::size_t>(k + 1), join("g", k));
+        values.insert(values.end(), to_size(k + 1), join("g", k));
     const Meshes all = meshes(static_cast<Eigen::Index>(values.size()));
     const Plot plot = score_plot(all.scores, all.names, values, {});
     ASSERT_EQ(plot.series.size(), most_plot_groups + 1);

@@ -16,7 +16,7 @@ struct XmlElement
     std::string text; ///< Directly inside, entities replaced.
 };
 
-/// The elements in document order: enough of XML for our pictures.
+/// The elements in document order: enough of XML for pictures of libshape.
 /// @throws std::runtime_error if the document is not well-formed.
 [[nodiscard]] std::vector<XmlElement> parse_xml(const std::string& document);
 

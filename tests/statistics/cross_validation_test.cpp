@@ -155,7 +155,7 @@ TEST(CrossValidateFaces, AgreesWithNumpy)
 {
     if (!test::has_ict_faces())
         GTEST_SKIP() << "no ict_faces600";
-    // Confusion of 600 faces by an independent program that decomposes every fold anew.
+    // Printed by tests/oracles/face_groups.py, which decomposes every fold anew.
     const Collection faces = test::ict_faces();
     const MatrixXd products =
         centred_inner_products(shape_vectors(faces, Scale::Unit).edge_lengths);

@@ -174,7 +174,7 @@ protected:
 
 TEST_F(CompareFaces, AgreesWithNumpy)
 {
-    // F of the 600 faces by an independent program, in double precision.
+    // Printed by tests/oracles/face_groups.py.
     const Collection faces = test::ict_faces();
     const MatrixXd products =
         centred_inner_products(shape_vectors(faces, Scale::Unit).edge_lengths);

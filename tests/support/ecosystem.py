@@ -29,7 +29,7 @@ def needs(test: str, *modules: str) -> List[Any]:
 
 
 def read_ascii_ply(path: Path) -> Tuple[Any, Any]:
-    """(V, F) of a PLY file of ours as text."""
+    """(V, F) of a PLY file of libshape as text."""
     import numpy as np
 
     head, _, body = path.read_text().partition("end_header\n")

@@ -32,17 +32,17 @@ void PrintTo(const BadInput& bad, std::ostream* out)
 void fill(const Folder& folder)
 {
     static const auto made = [] {
-        const Folder workshop;
-        write_bumpy_spheres(workshop);
+        const Folder arena;
+        write_bumpy_spheres(arena);
         const Outcome collected = run_shape(
-            workshop.path(),
+            arena.path(),
             {"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "good.h5"});
-        const Outcome derived = run_shape(workshop.path(), {"collect", "a.ply", "b.ply", "c.ply",
-                                                            "--store-derived", "-o", "derived.h5"});
-        const Outcome fitted = run_shape(workshop.path(), {"stats", "good.h5", "-o", "model.h5"});
+        const Outcome derived = run_shape(arena.path(), {"collect", "a.ply", "b.ply", "c.ply",
+                                                         "--store-derived", "-o", "derived.h5"});
+        const Outcome fitted = run_shape(arena.path(), {"stats", "good.h5", "-o", "model.h5"});
         if (collected.exit_code != 0 || derived.exit_code != 0 || fitted.exit_code != 0)
             throw std::runtime_error(collected.err + derived.err + fitted.err);
-        return workshop.content();
+        return arena.content();
     }();
     for (const auto& [name, content] : made)
         folder.write(name, content);

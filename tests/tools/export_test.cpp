@@ -30,14 +30,42 @@ TEST_F(Export, WritesAFileOrAFolderAsAWhole)
         EXPECT_EQ(figures["linearised"], true);
         const Outcome again = outcome({"export", "model.h5", "--to", client, "-o", client});
         EXPECT_EQ(again.exit_code, 5);
-        EXPECT_NE(again.err.find("--force replaces"), std::string::npos) << again.err;
+        EXPECT_NE(again.err.find("--force writes into it"), std::string::npos) << again.err;
         EXPECT_EQ(
             outcome({"export", "model.h5", "--to", client, "-o", client, "--force"}).exit_code, 0);
         EXPECT_FALSE(folder_.has(client + ".unfinished"));
+        EXPECT_FALSE(folder_.has(client + "/export.unfinished"));
     }
     EXPECT_TRUE(folder_.has("csv/read.R"));
     EXPECT_TRUE(folder_.has("shapeworks/model.swproj"));
     EXPECT_TRUE(folder_.has("slicermorph/analysis.json"));
+}
+
+TEST_F(Export, LeavesAloneWhatItDoesNotWrite)
+{
+    folder_.write("precious/thesis.txt", "x");
+    folder_.write("precious/scores.csv", "old");
+    EXPECT_EQ(outcome({"export", "model.h5", "--to", "csv", "-o", "precious"}).exit_code, 5);
+    EXPECT_EQ(folder_.read("precious/scores.csv"), "old");
+    EXPECT_EQ(outcome({"export", "model.h5", "--to", "csv", "-o", "precious", "--force"}).exit_code,
+              0);
+    EXPECT_EQ(folder_.read("precious/thesis.txt"), "x");
+    EXPECT_NE(folder_.read("precious/scores.csv"), "old");
+    // The folder that the program stands in, and that of its input.
+    EXPECT_EQ(outcome({"export", "model.h5", "--to", "csv", "-o", ".", "--force"}).exit_code, 0);
+    EXPECT_TRUE(folder_.has("model.h5"));
+    EXPECT_TRUE(folder_.has("a.ply"));
+    EXPECT_TRUE(folder_.has("landmarks.csv"));
+    // A file is not replaced by a folder, nor a folder by a file.
+    EXPECT_EQ(outcome({"export", "model.h5", "--to", "csv", "-o", "a.ply", "--force"}).exit_code,
+              5);
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder_.path() / "a.ply"));
+    std::filesystem::create_directories(folder_.path() / "blocked" / "faces.csv");
+    EXPECT_EQ(outcome({"export", "model.h5", "--to", "csv", "-o", "blocked", "--force"}).exit_code,
+              5);
+    EXPECT_FALSE(folder_.has("blocked/landmarks.csv"));
+    for (const std::string name : {"-", "x.h5"})
+        EXPECT_EQ(outcome({"export", "model.h5", "--to", "csv", "-o", name}).exit_code, 2) << name;
 }
 
 TEST_F(Export, RefusesWhatDoesNotGoTogether)
@@ -77,6 +105,11 @@ TEST_F(Export, MeshesOfEveryFormatGoInAndOut)
     EXPECT_EQ(run({"collect", "walk.glb", "-o", "walk.h5"})["meshes"], 5);
     EXPECT_EQ(outcome({"generate", "model.h5", "--mean", "-o", "x.obj", "--float"}).exit_code, 2);
     EXPECT_EQ(outcome({"generate", "model.h5", "--mean", "-o", "x.glb", "--ascii"}).exit_code, 2);
+    EXPECT_EQ(outcome({"generate", "model.h5", "--mean", "-o", "x.stl", "--float"}).exit_code, 0);
+    EXPECT_EQ(outcome({"generate", "model.h5", "--mean", "-o", "x.off", "--ascii"}).exit_code, 0);
+    const Outcome plain = outcome({"generate", "model.h5", "--mean", "-o", "c.ply", "--colors"});
+    EXPECT_EQ(plain.exit_code, 0);
+    EXPECT_NE(plain.err.find("add --residuals"), std::string::npos) << plain.err;
     EXPECT_EQ(
         outcome({"generate", "model.h5", "--mean", "-o", "x.ply", "--template", "t.obj"}).exit_code,
         2);

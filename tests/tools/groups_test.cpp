@@ -22,9 +22,9 @@ protected:
     Groups()
     {
         static const std::map<std::string, std::string> made = [] {
-            const Folder workshop;
-            fill(workshop);
-            return workshop.content();
+            const Folder arena;
+            fill(arena);
+            return arena.content();
         }();
         for (const auto& [name, content] : made)
             if (content != "(no file)")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Every key that --json prints is in docs/json.md, and every key there is printed; errors are JSON too."""
+"""Every key that --json prints is in docs/json.md with the type that it says, and every key there is printed; errors
+are JSON too."""
 import json
 import re
 import shutil
@@ -83,29 +84,57 @@ RUNS = [
 ]
 
 
-def paths_of(value, prefix=""):
-    """Of every key, with [] for each list on the way."""
+def values_of(value, prefix=""):
+    """Path and value of every key, with [] for each list on the way."""
     if isinstance(value, dict):
         for key, inner in value.items():
             path = f"{prefix}.{key}" if prefix else key
-            yield path
-            yield from paths_of(inner, path)
+            yield path, inner
+            yield from values_of(inner, path)
     elif isinstance(value, list):
         for inner in value:
-            yield from paths_of(inner, prefix + "[]")
+            yield from values_of(inner, prefix + "[]")
+
+
+def is_integer(value):
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def is_number(value):
+    return is_integer(value) or isinstance(value, float)
+
+
+def list_of(holds):
+    return lambda value: isinstance(value, list) and all(map(holds, value))
+
+
+TYPES = {
+    "integer": is_integer,
+    "number": is_number,
+    "text": lambda value: isinstance(value, str),
+    "true or false": lambda value: isinstance(value, bool),
+    "object": lambda value: isinstance(value, dict),
+    "list": lambda value: isinstance(value, list),
+    "list of text": list_of(lambda value: isinstance(value, str)),
+    "list of integers": list_of(is_integer),
+    "list of numbers": list_of(is_number),
+    "list of two numbers": lambda value: list_of(is_number)(value) and len(value) == 2,
+    "list of lists": list_of(lambda value: isinstance(value, list)),
+}
 
 
 def documented():
-    """Command -> keys: those of the sections whose headings name it, of `every command` for all."""
-    keys = defaultdict(set)
+    """Command -> key -> type, and whether it may be null: those of the sections whose headings name the command, of
+    `every command` for all."""
+    keys = defaultdict(dict)
     commands = []
     for line in PAGE.read_text(encoding="utf-8").splitlines():
         if line.startswith("## "):
             commands = re.findall(r"`([a-z]+)`", line) or (["*"] if "very command" in line else [])
-        row = re.match(r"\| `([^`]+)` \|", line)
+        row = re.match(r"\| `([^`]+)` \| ([^|]+) \|(.*)", line)
         if row and commands:
             for command in commands:
-                keys[command].add(row[1])
+                keys[command][row[1]] = (TYPES[row[2]], "`null`" in row[3])
     return keys
 
 
@@ -126,6 +155,7 @@ def run(folder, arguments):
 def main():
     keys = documented()
     printed = defaultdict(set)
+    wrong = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         # A square of two triangles that face opposite ways; a tetrahedron whose corner occurs twice; a tetrahedron.
@@ -152,18 +182,22 @@ def main():
             assert done.returncode == 0 or without_page or failing, (arguments, done.stderr)
             object_ = json.loads(done.stdout)
             if "--keys" in sys.argv:
-                print(" ".join(arguments), sorted(set(paths_of(object_))), sep="\n    ")
+                print(" ".join(arguments), sorted({path for path, _ in values_of(object_)}), sep="\n    ")
                 continue
             assert list(object_)[:2] == ["command", "schema"], arguments
             assert object_["command"] == command and object_["schema"] == 1
             assert without_page or ("error" in object_) == failing, (arguments, object_.get("error"))
             allowed = keys[command] | keys["*"]
-            for path in paths_of(object_):
+            for path, value in values_of(object_):
                 path = wild(path, allowed)
                 assert path in allowed, f"`shape {' '.join(arguments)}` prints {path}: not in docs/json.md"
+                holds, may_be_null = allowed[path]
+                if not (holds(value) or (value is None and may_be_null)):
+                    wrong.append(f"`shape {' '.join(arguments)}` prints {path}: {json.dumps(value)[:80]}: of another type")
                 printed[command].add(path)
             if without_page:
-                printed[command] |= keys[command]
+                printed[command] |= set(keys[command])
+        assert not wrong, "docs/json.md has other types:\n" + "\n".join(wrong)
         # Failures: each kind that can be had, with the exit code, as one object on stdout and a line on stderr.
         (folder / "cut.h5").write_bytes((folder / "model.h5").read_bytes()[:3000])
         for arguments, code, kind, word in (
@@ -192,7 +226,7 @@ def main():
             assert done.returncode == (0 if arguments[0] == "stats" else done.returncode)
     for command, wanted in keys.items():
         here = set().union(*printed.values()) if command == "*" else printed[command]
-        assert wanted <= here, f"docs/json.md has keys of {command} that no run printed: {sorted(wanted - here)}"
+        assert set(wanted) <= here, f"docs/json.md has keys of {command} that no run printed: {sorted(set(wanted) - here)}"
     print(f"{sum(len(found) for found in printed.values())} keys of {len(RUNS)} runs agree with docs/json.md")
 
 

@@ -36,6 +36,9 @@ def check_pages(folder, helps):
         missing = {word for word in re.findall(r"[A-Za-z]{4,}", text.lower())} - words - {
             "usage", "positionals", "options", "text", "number", "integer", "print", "this"}
         assert not missing, f"shape-{name}(1) lacks the words {missing}"
+        assert "REQUIRED" not in page, f"shape-{name}(1) says twice what is required"
+        codes = re.findall(r"^\.TP\n\\fB(\d+)\\fR$", page[page.index('.SH "EXIT STATUS"'):], re.MULTILINE)
+        assert codes == ["0", "1", "2", "3", "4", "5", "6", "130"], (name, codes)
         assert f"shape\\-{name}" in overview, f"shape(1) lacks {name}"
     if shutil.which("man"):
         for page in sorted(pages.iterdir()):

@@ -418,7 +418,7 @@ TEST_F(Scale, BlendsAndFitsComeInShardsToo)
     const Outcome path =
         outcome({"interpolate", "a.ply", "b.ply", "-o", "p", "--frames", "4", "--shard", "1/2"});
     EXPECT_EQ(path.exit_code, 2);
-    EXPECT_NE(path.err.find("no path"), std::string::npos) << path.err;
+    EXPECT_NE(path.err.find("not a path"), std::string::npos) << path.err;
 
     const Arguments fit{"fit", "a.ply", "a.ply", "b.ply", "--keep-failed"};
     (void)run(fit + Arguments{"-o", "fits"});

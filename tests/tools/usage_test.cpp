@@ -298,7 +298,7 @@ TEST(Words, NearMissesAreAnsweredByWhatWasMeant)
     EXPECT_NE(
         err({"stats", "x.h5", "--scael", "unit", "-o", "y.h5"}).find("did you mean '--scale'?"),
         std::string::npos);
-    // What was meant is missing then; that is no news.
+    // What was meant is missing then; that is not news.
     EXPECT_NE(err({"stats", "x.h5", "--outptu", "y.h5"}).find("did you mean '--output'?"),
               std::string::npos);
     EXPECT_NE(err({"stats", "x.h5", "--zzzzzzzzz", "-o", "y.h5"}).find("no option '--zzzzzzzzz'"),

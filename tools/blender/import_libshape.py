@@ -133,7 +133,7 @@ def read_glb(path: str) -> Tuple[Dict[str, Any], bytes]:
     with open(path, "rb") as file:
         data = file.read()
     if len(data) < 20 or data[:4] != b"glTF":
-        raise CannotImport(f"{path}: is no .glb file")
+        raise CannotImport(f"{path}: is not a .glb file")
     chunks: Dict[bytes, bytes] = {}
     at = 12
     while at + 8 <= len(data):
@@ -306,7 +306,7 @@ class DecodeHere(bpy.types.Operator):
         except CannotImport as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        except Exception as error:  # of the package: the model has moved, or is no model any more
+        except Exception as error:  # of the package: the model has moved, or is not a model any more
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self.report({"INFO"}, made["libshape report"])

@@ -48,8 +48,8 @@ void add_labelled_input(CLI::App& command, LabelledInput& input)
         .add_option(
             "--only", input.only,
             "Use only meshes whose label has this value, or any value (LABEL alone); may be\n"
-            "repeated: other values of the same label are let in too, other labels must hold\n"
-            "as well")
+            "repeated: values of the same label are alternatives, conditions on other labels\n"
+            "must hold as well")
         ->option_text("LABEL[=VALUE]")
         ->allow_extra_args(false);
 }

@@ -74,7 +74,7 @@ CLI::Option* add_memory(CLI::App& command, MemoryArgument& memory)
                 memory.bytes = read_bytes(text);
             },
             "What a large collection may take in memory, such as 500M or 8G (default: a quarter\n"
-            "of the machine's): it is read in passes, the more the less of it fits")
+            "of the machine's): it is read in passes, more of them the less of it fits")
         ->option_text("SIZE");
 }
 

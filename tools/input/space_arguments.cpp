@@ -31,7 +31,7 @@ CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options)
     const std::string group = "Space of shapes";
     CLI::Option* space =
         add_choice(command, "--space", options.kind,
-                   "edge: edge lengths, which know no pose (default); procrustes: vertex\n"
+                   "edge: edge lengths, which are pose-invariant (default); procrustes: vertex\n"
                    "positions after generalised Procrustes alignment",
                    {{"edge", SpaceKind::Edge}, {"procrustes", SpaceKind::Procrustes}});
     space->group(group);
@@ -50,7 +50,7 @@ CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options)
         .add_flag_callback(
             "--area-weighted", [&options] { options.weighting = EdgeWeighting::Area; },
             "Weight the squared relative change of a length by the share of the mean's area\n"
-            "around the edge, so that a densely meshed part does not rule")
+            "around the edge, so that a densely meshed part does not dominate")
         ->group(group);
     add_number(command, "--with-dihedrals", options.dihedral_weight,
                "Dihedral angles are coordinates too: 1 rad counts as much as a relative change\n"

@@ -42,7 +42,7 @@ CLI::Option* add_effects(CLI::App& command, std::string& path)
 {
     return command
         .add_option("--effects", path,
-                    "Where pairs or groups differ: the mean mesh as PLY (.vtk, .vtp) with the "
+                    "Where pairs or groups differ: the mean mesh (.ply, .vtk, .vtp) with the "
                     "values effect\n"
                     "(mean of Cohen's d over the edges at a vertex; > 0: longer), magnitude (of\n"
                     "its absolute value) and significant (share of edges with q <= 0.05), for\n"
@@ -54,14 +54,16 @@ CLI::Option* add_effects(CLI::App& command, std::string& path)
 void check_effects(const Session& session, const fs::path& path,
                    const std::vector<fs::path>& inputs)
 {
-    if (path.extension() != ".vtk" && path.extension() != ".vtp")
-        check_ending("--effects", path, ".ply");
+    if (path.extension() != ".ply" && path.extension() != ".vtk" && path.extension() != ".vtp")
+        throw UsageError(join("--effects: '", path.string(),
+                              "' must end in .ply, .vtk or .vtp, which hold values at vertices"));
     check_output(session, path, inputs);
     check_output(session, table_path(path), inputs);
 }
 
 Json write_effects(const Session& session, const fs::path& path, const Topology& topology,
-                   const Points& points, const ColumnEffects& effects, const std::string& colours)
+                   const Points& points, const ColumnEffects& effects,
+                   const MeshOutputArguments& form)
 {
     const Eigen::VectorXd significant =
         (effects.false_discovery_rates.array() <= significance).cast<double>();
@@ -71,7 +73,8 @@ Json write_effects(const Session& session, const fs::path& path, const Topology&
                        {{"effect", vertex_means(topology, effects.effects)},
                         {"magnitude", vertex_means(topology, magnitudes)},
                         {"significant", vertex_means(topology, significant)}},
-                       colours);
+                       form.colours,
+                       {.ascii = form.ascii, .single_precision = form.single_precision});
     const auto count = static_cast<int>(significant.sum());
     session.message(join(path.string(), ": ", count, " of ", topology.edge_count(),
                          " edges differ (q <= ", significance, "); largest effect ",

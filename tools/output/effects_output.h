@@ -9,6 +9,7 @@
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 #include "libshape/statistics/column_effects.h"
+#include "tools/output/mesh_output.h"
 #include "tools/program/session.h"
 
 namespace CLI {
@@ -28,10 +29,10 @@ void check_effects(const Session& session, const std::filesystem::path& path,
 
 /// Writes effects per edge as a table beside `path`, and averaged to the vertices of a mesh as
 /// `path`; says how many edges are significant.
-/// @param colours  As write_with_colours() takes it.
+/// @param form  Its --ascii, --float and --colors are heeded.
 /// @return The fields `outputs`, `edges`, `significant_edges` and `largest_effect`.
 [[nodiscard]] Json write_effects(const Session& session, const std::filesystem::path& path,
                                  const Topology& topology, const Points& points,
-                                 const ColumnEffects& effects, const std::string& colours);
+                                 const ColumnEffects& effects, const MeshOutputArguments& form);
 
 } // namespace shape::tools

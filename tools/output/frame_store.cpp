@@ -160,7 +160,7 @@ DirectoryLock::DirectoryLock(const fs::path& directory)
         struct stat there = {};
         if (!is_taken && ::fstat(descriptor_, &held) == 0 &&
             ::stat(directory.c_str(), &there) == 0 && held.st_ino == there.st_ino)
-            return; // some file systems have no locks; that is no reason to refuse
+            return; // some file systems have no locks; that is not a reason to refuse
         ::close(std::exchange(descriptor_, -1));
         if (is_taken)
             break;

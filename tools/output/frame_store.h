@@ -15,7 +15,7 @@ namespace shape::tools {
 class DirectoryLock
 {
 public:
-    /// @throws FileError if another process has it, or it is no directory.
+    /// @throws FileError if another process has it, or it is not a directory.
     explicit DirectoryLock(const std::filesystem::path& directory);
     ~DirectoryLock();
     DirectoryLock(const DirectoryLock&) = delete;

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 #include "tools/output/frame_store.h"
 #include "tools/output/output_rules.h"
@@ -117,7 +118,9 @@ void add_mesh_format(CLI::App& command, MeshOutputArguments& arguments)
                     "Format of the files in a directory (default: ply, binary with doubles)")
         ->check(CLI::IsMember({"obj", "ply", "off", "stl", "vtk", "vtp", "glb"}))
         ->option_text("obj|ply|off|stl|vtk|vtp|glb");
-    command.add_flag("--ascii", arguments.ascii, "Numbers as text in .ply, .stl, .vtk and .vtp")
+    command
+        .add_flag("--ascii", arguments.ascii,
+                  "Numbers as text in .ply, .stl, .vtk and .vtp; .obj and .off always are")
         ->group("Mesh files");
     command
         .add_flag("--float", arguments.single_precision,
@@ -240,11 +243,10 @@ void MeshOutput::prepare_writing(const MeshOutputArguments& arguments, const fs:
 {
     const bool is_text = format_ == MeshFormat::Obj || format_ == MeshFormat::Off;
     const bool is_glb = format_ == MeshFormat::Glb;
-    const bool is_stl = format_ == MeshFormat::Stl;
-    if (arguments.ascii && (is_text || is_glb))
-        throw UsageError("--ascii is for .ply, .stl, .vtk and .vtp");
-    if (arguments.single_precision && (is_text || is_glb || is_stl))
-        throw UsageError("--float is for .ply, .vtk and .vtp");
+    if (arguments.ascii && is_glb)
+        throw UsageError("--ascii is for .ply, .stl, .vtk and .vtp; .obj and .off are text always");
+    if (arguments.single_precision && is_text)
+        throw UsageError("--float is for .ply, .vtk and .vtp; .stl and .glb are so always");
     if (arguments.template_file.empty())
         return;
     if (format_ != MeshFormat::Obj)
@@ -273,13 +275,15 @@ void write_with_colours(const fs::path& path, const Points& points, const Faces&
             throw UsageError(join("--colors: no value '", colours, "' in ",
                                   path.filename().string(), "; there are:", names));
         }
-        chosen = static_cast<std::size_t>(found - scalars.begin());
+        chosen = to_size(found - scalars.begin());
     }
-    options.quality = scalars[chosen].name;
+    const MeshFormat format = mesh_format(path);
+    if (format == MeshFormat::Ply)
+        options.quality = scalars[chosen].name;
     if (!colours.empty())
         options.colours = vertex_colours(scalars[chosen].values);
     options.scalars = std::move(scalars);
-    write_mesh(path, points, faces, mesh_format(path), options);
+    write_mesh(path, points, faces, format, options);
 }
 
 void MeshOutput::write_scalars(const fs::path& path, const Points& points, const Faces& faces,
@@ -340,6 +344,8 @@ void MeshOutput::commit()
 {
     if (is_animation_)
         animation_ = write_glb_animation(paths_.front(), frames_, faces_, animation_options_);
+    if (!colours_.empty() && first_companion_ == 0)
+        session_.warn("--colors: these meshes have no values at their vertices; add --residuals");
     if (staging_.empty())
         return;
     if (fs::is_directory(directory_))

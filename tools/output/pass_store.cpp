@@ -96,7 +96,7 @@ public:
     [[noreturn]] void fail() const
     {
         throw InvalidInput(join(path_.string(),
-                                ": is no state of an interrupted run, or damaged; "
+                                ": is not the state of an interrupted run, or is damaged; "
                                 "remove it"));
     }
 

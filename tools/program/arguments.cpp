@@ -69,7 +69,7 @@ std::string explain_choice(const std::string& text, const std::vector<std::strin
 {
     if (std::ranges::find(names, text) != names.end())
         return {};
-    return join("'", text, "' is none of ", CLI::detail::join(names, ", "),
+    return join("'", text, "' is not one of ", CLI::detail::join(names, ", "),
                 did_you_mean(text, names));
 }
 

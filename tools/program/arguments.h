@@ -42,7 +42,7 @@ CLI::Option* add_integer(CLI::App& command, const std::string& name,
                          std::int64_t low,
                          std::int64_t high = std::numeric_limits<std::int64_t>::max());
 
-/// Why a text is none of the names, with the one that is spelled most like it; empty if it is one.
+/// Why a text is not one of the names, with the one that is spelled most like it; empty if it is one.
 [[nodiscard]] std::string explain_choice(const std::string& text,
                                          const std::vector<std::string>& names);
 

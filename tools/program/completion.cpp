@@ -65,7 +65,7 @@ std::string short_text(const CLI::Option& option)
     return text;
 }
 
-/// `shape help` completes a command too; it is none of CLI11's.
+/// `shape help` completes a command too; it is not one of CLI11's.
 constexpr const char* help_summary = "Explain a command";
 
 } // namespace

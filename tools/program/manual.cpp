@@ -64,7 +64,9 @@ std::string term_of(const CLI::Option& option)
     const std::string name =
         option.get_positional() ? option.get_name(true) : option.get_name(false, true);
     const std::string bare = name.substr(0, name.find('{'));
-    const std::string value = value_name(option);
+    std::string value = value_name(option); // without REQUIRED, which the conditions say
+    if (const std::size_t at = value.find("REQUIRED"); at != std::string::npos)
+        value.resize(at > 0 ? at - 1 : 0);
     return bold(bare) + (value.empty() ? "" : " \\fI" + escaped(value) + "\\fR");
 }
 
@@ -94,6 +96,26 @@ std::string examples(const std::string& footer)
         return "";
     return section(footer.substr(0, footer.find(':'))) + ".nf\n" +
            escaped(footer.substr(first + 1)) + "\n.fi\n";
+}
+
+/// The sentence of the program's last words on exit codes, as a list.
+std::string exit_status(const CLI::App& program)
+{
+    const std::string footer = program.get_footer();
+    const std::string start = "Exit codes: ";
+    const std::size_t begin = footer.find(start);
+    if (begin == std::string::npos)
+        return "";
+    std::string sentence = footer.substr(begin + start.size());
+    sentence.resize(std::min(sentence.size(), sentence.find('.')));
+    std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+    std::string list;
+    for (const std::string& code : CLI::detail::split(sentence, ',')) {
+        const std::string trimmed = CLI::detail::trim_copy(code);
+        const std::size_t blank = trimmed.find(' ');
+        list += entry(bold(trimmed.substr(0, blank)), trimmed.substr(blank + 1));
+    }
+    return section("exit status") + list;
 }
 
 std::string page_name(const CLI::App& command)
@@ -132,14 +154,14 @@ std::string man_page(const CLI::App& program, const CLI::App* command)
             page << entry(term_of(*option) + conditions_of(*option), option->get_description());
     }
     if (command != nullptr) {
-        page << examples(app.get_footer());
+        page << exit_status(program) << examples(app.get_footer());
         page << ".SH SEE ALSO\n.BR shape (1)\n";
         return page.str();
     }
     page << ".SH COMMANDS\n";
     for (const CLI::App* each : program.get_subcommands({}))
         page << entry("\\fB" + escaped(page_name(*each)) + "\\fR(1)", summary_of(*each));
-    page << ".SH NOTES\n" << flowing(program.get_footer()) << "\n";
+    page << exit_status(program) << ".SH NOTES\n" << flowing(program.get_footer()) << "\n";
     return page.str();
 }
 

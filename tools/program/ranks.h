@@ -10,7 +10,7 @@ namespace shape::tools {
 [[nodiscard]] const Ranks& ranks();
 
 /// Joins them, if the program was started by mpirun.
-/// @throws UsageError if the program was built without MPI, or their number is no power of two.
+/// @throws UsageError if the program was built without MPI, or their number is not a power of two.
 void join_ranks();
 
 /// Leaves them: all end well together, or, where one has failed, all with its exit code at once.

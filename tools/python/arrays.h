@@ -13,7 +13,7 @@
 #include "libshape/linalg/dense.h"
 #include "libshape/mesh/points.h"
 
-// Arrays of numpy from ours, without copies, and ours from numpy's. The Python files have checked kinds and
+// Arrays of NumPy from those of Eigen, without copies, and the reverse. The Python files have checked kinds and
 // shapes.
 
 namespace shape::python {

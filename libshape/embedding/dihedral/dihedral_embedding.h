@@ -33,9 +33,9 @@ struct DihedralEmbeddingOptions
     /// Folds are repaired after this many linear steps; ascending, >= 0. Those beyond max_iterations
     /// are left out.
     std::vector<int> repairs = {24, 60};
-    /// What is folded.
+    /// Edges that these options select are repaired as folds.
     FoldRegionOptions folds = {};
-    /// How hot spots and folds are solved anew.
+    /// Hot spots and folds are solved anew as these options say.
     RegionRepairOptions repair = {};
     /// The descent has converged once a Newton step of k linear steps lowers E by
     /// <= k * decrease_tolerance * E; >= 0.
@@ -63,7 +63,7 @@ struct DihedralEmbedding
 /// Root mean square of the distances of vertices over the diagonal of the bounding box of points [1].
 [[nodiscard]] double relative_distance(const Points& points, const Points& companion);
 
-/// Our embedding: the closed mesh nearest to wanted lengths and dihedral angles.
+/// The embedding of libshape: the closed mesh nearest to wanted lengths and dihedral angles.
 ///
 /// 1. Frames: every face laid out by lengths and angles, oriented patch by patch, transitions
 ///    trusted by how well the walks around their ends close (patch_frames.h, face_layout.h).

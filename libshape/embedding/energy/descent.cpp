@@ -44,7 +44,7 @@ void zero_at(const std::vector<int>& vertices, LaneVectors& vectors)
 /// that still rises is not too long, there is a jump of E on the way.
 constexpr int halvings = 3;
 
-/// A Newton step is given up after so many trials, halved up to 16 times by then:
+/// A Newton step is given up after this many trials, halved up to 16 times by then:
 /// what it could still win is below the float digits of its linear system.
 constexpr int most_trials = 20;
 

@@ -269,6 +269,8 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
             result.value = value;
             if (!result.converged)
                 result.value = evaluate(energy, result.points, options.stiffness, &linear);
+            // Down slowly and up fast, as is the custom with this method (Levenberg 1944, Marquardt 1963): a
+            // failed step costs a factorisation.
             damping = std::max(0.2 * damping, least_damping);
         } else {
             damping *= 10.0;

@@ -55,7 +55,7 @@ public:
     /// a_v being the shares of the vertices in the area of y, and D^2 = 12 sum_v a_v |y_v - centre|^2:
     /// of a box full of points that is the square of its diagonal. E is soft against what bends a mesh a
     /// little everywhere; so even a small weight keeps such a bend as it is in y, and lengths and
-    /// angles hardly notice. As E itself knows no pose, x moves to its best fit to y on its own.
+    /// angles hardly notice. As E itself is pose-invariant, x moves to its best fit to y on its own.
     /// @param points  y: #V by 3, row by row in one vector [length].
     /// @param weight  [1], >= 0.
     void hold_near(Eigen::VectorXd points, double weight);

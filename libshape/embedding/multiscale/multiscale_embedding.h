@@ -18,7 +18,7 @@ struct MultiscaleOptions
     std::uint64_t seed = 1;
     /// A patch is split into this many, m of the paper; in [4, 16].
     int children = 6;
-    /// How neighbouring patches are registered.
+    /// Neighbouring patches are registered as these options say.
     RegistrationOptions registration{};
 };
 

@@ -89,7 +89,7 @@ struct HierarchyOptions
 void check(const HierarchyOptions& options);
 
 /// Splits a mesh as Winkler 2010, section 3.3, does: from m random seed triangles, regions grow
-/// until they meet. The seeds are moved twice to the middle of what they reach (that is ours). Where two
+/// until they meet. The seeds are moved twice to the middle of what they reach (not in the paper). Where two
 /// regions meet, the one that comes first takes the triangle behind the edge: neighbours overlap in
 /// a strip of width one. Patches of less than m triangles, and those that no split makes smaller,
 /// are leaves.

@@ -26,7 +26,10 @@ struct Problem
     std::array<Eigen::Matrix<double, 3, max_patches>, max_patches> shifts;
 
     [[nodiscard]] Block& block(int k, int l) { return blocks[to_size(k * max_patches + l)]; }
-    [[nodiscard]] const Block& block(int k, int l) const { return blocks[to_size(k * max_patches + l)]; }
+    [[nodiscard]] const Block& block(int k, int l) const
+    {
+        return blocks[to_size(k * max_patches + l)];
+    }
 };
 
 Moments gather_moments(const PaddedPoint* first, const PaddedPoint* second,
@@ -118,6 +121,8 @@ Eigen::MatrixXd translation_inverse(int patch_count, std::span<const PatchOverla
     }
     const Eigen::Index rest = patch_count - 1;
     const Eigen::LDLT<Eigen::MatrixXd> factor(laplacian.bottomRightCorner(rest, rest));
+    // Where links are missing a pivot is 0 but for rounding (1e-16); of patches that are linked, at most 16,
+    // none is as small as this unless their overlaps differ by more than a million times.
     if (!(factor.vectorD().minCoeff() > 1e-9 * factor.vectorD().maxCoeff()))
         throw InvalidInput(
             join("registration: the overlaps do not link all ", patch_count, " patches"));

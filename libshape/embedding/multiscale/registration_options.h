@@ -4,7 +4,7 @@
 
 namespace shape {
 
-/// Where the rotations of patches start from (patch_registration.h).
+/// Where the rotations of patches start from when neighbours are registered.
 enum class RegistrationStart
 {
     Incremental, ///< Each patch in turn gets the best fit to those before it.

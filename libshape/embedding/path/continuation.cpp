@@ -128,7 +128,7 @@ struct Continuation::State
     /// The mesh with the target's lengths and bending as far as Laplace solves can have them.
     Points linear_start(const Points& from, const ShapePoint& target)
     {
-        constexpr int face_steps = 3;
+        constexpr int face_steps = 3; // as DihedralEmbeddingOptions.local_global_steps
         laplacian.set_lengths(target.edge_lengths);
         const FaceLayout layout =
             lay_out_faces(topology, target.edge_lengths, target.dihedral_angles);

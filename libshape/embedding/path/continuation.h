@@ -28,14 +28,14 @@ void check(const ContinuationOptions& options);
 
 struct ContinuedMesh
 {
-    Points points;       ///< #V by 3 [length], in the pose of the mesh before.
-    double energy = 0.0; ///< E of length_dihedral_energy.h.
-    int iterations = 0;
-    bool converged = false;
+    Points points;          ///< #V by 3 [length], in the pose of the mesh before.
+    double energy = 0.0;    ///< E of docs/embedding.md.
+    int iterations = 0;     ///< Gauss-Newton steps.
+    bool converged = false; ///< A step met decrease_tolerance, or none lowers E.
 };
 
 /// Moves meshes of one topology to targets nearby, as in a sequence. Edge lengths may range over
-/// ten orders of magnitude (graded_unknowns.h). The patterns of the two factors are analysed once.
+/// ten orders of magnitude (fine regions also move as wholes). The patterns of the two factors are analysed once.
 ///
 /// Sizes, targets and options that break a rule throw InvalidInput.
 class Continuation
@@ -49,7 +49,7 @@ public:
     Continuation& operator=(Continuation&&) noexcept;
 
     /// To another target: the faces give the frames, which the target's lengths and angles refine
-    /// (face_fit.h); then as adjust().
+    /// by turning every face to its best fit; then as adjust().
     /// @param from  #V by 3 [length], without degenerate faces.
     /// Cost: a sparse Cholesky factorisation of size #V, and adjust().
     [[nodiscard]] ContinuedMesh move(const Points& from, const ShapePoint& target,

@@ -56,7 +56,9 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
     next_ = next_stop();
 }
 
-/// Adjusts a mesh until its lengths are met, bending it as little as that takes.
+/// Adjusts a mesh until its lengths are met, bending it as little as that takes: the angles give way by
+/// degrees, to 0.8 % of their weight in four rounds. 0.3 is a compromise between the rounds (each some
+/// factorisations) and how far a round bends the mesh; other factors are not on record.
 ContinuedMesh PathFollower::settle(ContinuedMesh mesh, const VectorXd& lengths)
 {
     double smoothness = options_.smoothness;

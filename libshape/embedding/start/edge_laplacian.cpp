@@ -67,7 +67,15 @@ struct FaceBlock
 /// What a block of faces pulls its corners by: x, y, z of the first, of the second, of the third.
 using Pulls = std::array<Row, 9>;
 
-/// The weighted side that comes in at a corner less that which goes out.
+/// The weighted side that comes in at a corner less that which goes out: with R the frame of the face,
+///
+///     pull_1 = w_3 R s_3 - w_1 R s_1,      pull_2 = w_1 R s_1 - w_2 R s_2,      pull_3 = w_2 R s_2 - w_3 R s_3,
+///
+///     s_1 = (u_1, 0),  s_2 = (u_2, v_2),  s_3 = (u_3, -v_2)     in the plane of the face.
+///
+/// In memory a number of 128 faces is a row, first_u: u0 u1 .. u127; pulls[3 (k - 1) + c] is coordinate c of
+/// pull_k. The plain loop would build a matrix of three by three for each face and add to vertices as it
+/// goes; here nothing but two columns of R is needed, coordinate by coordinate, and a lane is a face.
 SHAPE_VECTORISED void find_pulls(int count, const FaceBlock& of, Pulls& __restrict pulls)
 {
     for (int i = 0; i < count; ++i) {

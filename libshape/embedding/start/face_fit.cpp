@@ -68,7 +68,23 @@ struct Side
     Row near_w, far_w; ///< and the weights of its edges there from the first and second corner.
 };
 
-/// Adds a side from p to q and half of the neighbour behind it.
+/// Adds a side from p to q and half of the neighbour behind it:
+///
+///     M += w (q - p) u^T + near (apex - p) n^T + far (q - apex) f^T,      f = u - n,
+///
+///            apex            u, n, f are the edges as they are laid out in the frame of the face: u from p
+///           /    `.          to q in its plane, n = R(turn) (a, b, 0), the edge of the neighbour in its own
+///        n /       `. f      plane turned by the transition between the frames.
+///         /   u      `.
+///        p ----------- q     As u and the sum of n and f have no z, M gets (near - far) n there.
+///
+/// In memory a coordinate of 128 faces is a row, as is an entry of their M:
+///
+///     p.x: x0 x1 .. x127     side.u: u0 u1 .. u127     m[3 r + c]: M_rc of face 0, of face 1, ...
+///
+/// The plain loop over faces multiplies vectors of three, and builds a matrix for each quaternion: most
+/// of a register is empty. Here a lane is a face, and a boundary side is a neighbour without weight
+/// rather than a branch.
 SHAPE_VECTORISED void add_side(int count, const Side& side, const Vectors& p, const Vectors& q,
                                Covariances& __restrict sums)
 {
@@ -103,6 +119,10 @@ SHAPE_VECTORISED void add_side(int count, const Side& side, const Vectors& p, co
 /// With s = R^T M, the quaternion (1, v) of the turn is the eigenvector of the largest eigenvalue
 /// trace(s) + t of a symmetric matrix: (A + t) v = z, t = z . v with A = 2 trace(s) - s - s^T.
 /// Newton's method finds t from 0; it grows towards the solution if A is positive definite.
+///
+/// In memory as in add_side(): a row an entry of s, A, their cofactors, the quaternion. The plain loop
+/// would stop as soon as a face has converged or is found far; here all lanes take the same four steps,
+/// and what is not near is left to rotation_fit.h by the caller.
 SHAPE_VECTORISED void turn_frames(int count, const Covariances& sums,
                                   Quaternions& __restrict frames, double* __restrict found)
 {

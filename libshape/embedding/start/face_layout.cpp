@@ -19,7 +19,17 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::VectorXd;
 
-/// Faces with sides a, b, c: the third corner, from the second (p, y) and from the first (q, y).
+/// Faces with sides a, b, c: the third corner, from the second (p, y) and from the first (q, y),
+///
+///     p = (c^2 - a^2 - b^2) / (2 a),     q = (a^2 + c^2 - b^2) / (2 a),     y = 4 A / (2 a),
+///
+/// where A is the area; |p| <= b and |q| <= c are kept where the inequality is broken, then y = 0.
+///
+///              3
+///         c  .' \  b        In memory a side of 128 faces is a row: a0 a1 .. a127. The plain loop has
+///          .'    \          branches for broken faces, which keep it in one lane; here these are choices
+///        1 ------- 2        between values.
+///             a
 SHAPE_VECTORISED void third_corners(int count, const double* a, const double* b, const double* c,
                                     double* __restrict p, double* __restrict q,
                                     double* __restrict y)
@@ -63,7 +73,16 @@ struct Quaternions
     Row w, x, y, z;
 };
 
-/// Rz(h) Rx(t) Rz(pi - g): turn to the edge, bend about it, turn back from the opposite half-edge.
+/// Rz(h) Rx(t) Rz(pi - g): turn to the edge, bend about it, turn back from the opposite half-edge. As a
+/// quaternion,
+///
+///     w = cos(t/2) sin((g - h)/2),     x =  sin(t/2) sin((g + h)/2),
+///     z = cos(t/2) cos((g - h)/2),     y = -sin(t/2) cos((g + h)/2).
+///
+/// h and g are the directions of the two half-edges of an edge in the planes of their faces, of which
+/// coordinates are known: halves of angles come by roots (HalfAngle), without angles. In memory a number
+/// of 128 edges is a row. The plain product of three quaternions takes 32 multiplications and calls
+/// functions of angles, one edge at a time.
 /// @param sines, cosines  Of t / 2.
 SHAPE_VECTORISED void transitions_of(int count, const Sides& sides, const double* lengths,
                                      const Row& sines, const Row& cosines,

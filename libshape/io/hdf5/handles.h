@@ -49,7 +49,7 @@ public:
 };
 
 /// Throws Hdf5Failure with what HDF5 says about its last error, as the innermost function put it; or
-/// std::bad_alloc if that was an allocation and the system limits our memory (without a limit it is a
+/// std::bad_alloc if that was an allocation and the system limits the memory (without a limit it is a
 /// damaged file that asks for too much).
 [[noreturn]] void throw_last_failure();
 

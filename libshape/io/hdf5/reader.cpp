@@ -546,7 +546,7 @@ void read_members(const Hdf5File& file, const std::string& group, int levels)
 
 void read_everything(const Hdf5File& file)
 {
-    constexpr int levels = 4; // ours have two
+    constexpr int levels = 4; // files of libshape have two
     for (const std::string& name : file.attributes())
         succeeds([&] { return file.text_attribute(name); }) ||
             succeeds([&] { return file.integer_attribute(name); });

@@ -177,7 +177,7 @@ TEST(LengthDihedralEnergy, IsTheSumOfItsDefinition)
 
 TEST(LengthDihedralEnergy, HoldsVerticesByTheirSharesOfTheArea)
 {
-    // A box's surface is no box full of points; a sphere of radius 1 has sum a |y - centre|^2 = 1.
+    // A box's surface is not a box full of points; a sphere of radius 1 has sum a |y - centre|^2 = 1.
     const test::TestMesh mesh = test::icosphere(3);
     LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
     const Points held = test::moved(mesh.points, 3);
@@ -310,7 +310,7 @@ VectorXd areas(const Topology& topology, const Points& points)
     return areas;
 }
 
-/// Shaken meshes of which some faces have a twentieth to a half of their heights.
+/// Meshes displaced at random, of which some faces have a twentieth to a half of their heights.
 std::vector<std::pair<test::TestMesh, Points>> meshes_with_collapses()
 {
     std::vector<std::pair<test::TestMesh, Points>> all;

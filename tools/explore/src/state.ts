@@ -66,7 +66,7 @@ export function linkOf(place: Place, facts: Facts): string {
     return parts.join("&");
 }
 
-/// The inverse; null if the text is none of linkOf().
+/// The inverse; null if the text did not come from linkOf().
 export function placeOf(link: string, facts: Facts): Place | null {
     const place = meanPlace(facts);
     const fields: Record<string, number[]> = { s: place.scores, d: place.amounts, r: place.values };

@@ -169,8 +169,8 @@ class Collection:
         """Mean, principal modes, variances and scores, as `shape stats` finds them.
 
         modes: this many, at most N - 1; 0: as few as have the share `variance` of the variance.
-        space: "edge" (edge lengths, which know no pose) or "procrustes". scale: "unit" (every mesh is
-        brought to one size) or "none". Raises InvalidInput if a rule is broken.
+        space: "edge" (edge lengths, which are pose-invariant) or "procrustes". scale: "unit" (every
+        mesh is brought to one size) or "none". Raises InvalidInput if a rule is broken.
         """
         chosen = _core.SpaceOptions(space, scale, coordinates, area_weighted, with_dihedrals)
         return Model(_core.fit(self._core, modes, variance, chosen))
@@ -573,8 +573,8 @@ def interpolate(
 ) -> Frames:
     """Blends of two or more meshes in edge-length space, the same bits as `shape interpolate`.
 
-    frames: so many along the straight lines that join the meshes in order, both ends included. Or
-    weights: (frames, meshes), rows that sum to 1.
+    frames: the number of frames along the straight lines that join the meshes in order, both ends
+    included. Or weights: (frames, meshes), rows that sum to 1.
     """
     together = (
         meshes[0]

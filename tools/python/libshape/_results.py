@@ -59,7 +59,7 @@ class Distance:
 class FitReport:
     """How well a template lies on a scan; lengths are those of the scan. See docs/correspondence.md."""
 
-    status: str  #: "good", "check" (look at it) or "failed" (it is no fit).
+    status: str  #: "good", "check" (look at it) or "failed" (it is not a fit).
     reasons: List[str]  #: Why it is not good.
     ignored: List[str]  #: What of the scan was left out.
     scan_to_fit: Distance
