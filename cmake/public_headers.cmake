@@ -73,8 +73,10 @@ set(public_headers
     libshape/model/shape_distances.h
     libshape/model/shape_model.h
     libshape/model/streamed_distances.h
+    libshape/model/streamed_effect.h
     libshape/model/streamed_fit.h
     libshape/model/streamed_groups.h
+    libshape/model/streamed_products.h
     libshape/model/updated_model.h
     libshape/registration/prior_fit.h
     libshape/registration/scan.h

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
+#include "libshape/model/streamed_fit.h"
+#include "libshape/model/streamed_products.h"
 #include "libshape/report/score_plot.h"
 #include "libshape/statistics/cross_validation.h"
 #include "libshape/statistics/discriminant_analysis.h"
@@ -17,8 +21,10 @@
 #include "libshape/statistics/principal_components.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
+#include "tools/input/mesh_stream_input.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/pass_store.h"
 #include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
@@ -41,6 +47,7 @@ struct Arguments
     std::string plot;
     PointPlotArguments points; ///< Coloured by the groups.
     SpaceOptions space;
+    MemoryArgument memory;
 };
 
 /// Rows are true groups, columns predicted ones.
@@ -60,12 +67,12 @@ Table confusion_table(const std::string& label, const Grouping& groups,
     return table;
 }
 
-Table prediction_table(const Collection& collection, const Grouping& groups, const Grouping& folds,
+Table prediction_table(const MeshLabels& meshes, const Grouping& groups, const Grouping& folds,
                        const CrossValidation& result)
 {
     Table table{{"mesh", "left_out_with", "true", "predicted"}, {}};
-    for (std::size_t i = 0; i < collection.size(); ++i)
-        table.rows.push_back({collection.names[i], folds.names[to_size(folds.group_of[i])],
+    for (std::size_t i = 0; i < meshes.names.size(); ++i)
+        table.rows.push_back({meshes.names[i], folds.names[to_size(folds.group_of[i])],
                               groups.names[to_size(groups.group_of[i])],
                               groups.names[to_size(result.predicted[i])]});
     return table;
@@ -93,17 +100,15 @@ std::string confusion_text(const Table& table)
 
 /// The first two canonical variates of all meshes; with two groups, which have but one, against the
 /// first mode.
-std::string draw_variates(const Collection& collection, const PointPlotArguments& points,
-                          const Grouping& groups, const ShapeSpace& space, int modes)
+std::string draw_variates(const MeshLabels& meshes, const PointPlotArguments& points,
+                          const Grouping& groups, const RowMatrix& scores)
 {
-    const RowMatrix scores =
-        principal_components(encode(space, collection), {.modes = modes}).scores;
     const DiscriminantAnalysis analysis = discriminant_analysis(scores, groups);
     const RowMatrix variates = canonical_variates(analysis, scores);
     const bool has_two = variates.cols() > 1;
     RowMatrix shown(variates.rows(), 2);
     shown << variates.col(0), has_two ? variates.col(1) : scores.col(0);
-    Plot plot = score_plot(shown, collection.names, colouring_values(points, collection.labels), {},
+    Plot plot = score_plot(shown, meshes.names, colouring_values(points, meshes.labels), {},
                            score_plot_options(points));
     plot.x_label = "canonical variate 1";
     plot.y_label = has_two ? "canonical variate 2" : "mode 1";
@@ -147,45 +152,53 @@ void check_outputs(const Session& session, const Arguments& arguments)
         }
 }
 
-void run(const Session& session, const Arguments& arguments)
+/// What is asked of the meshes, in memory or in passes.
+struct Observations
 {
-    check_space_options(arguments.space);
-    check_outputs(session, arguments);
-    const Collection collection = read_labelled(session, arguments.input);
-    const Grouping groups = group_by_label(collection, arguments.by);
-    const Grouping folds = group_by_label_or_each(collection, arguments.leave_out);
+    ShapeSpace space;
+    Eigen::MatrixXd products;                   ///< N by N inner products about the mean.
+    std::function<RowMatrix(int modes)> scores; ///< Of the leading modes of all meshes.
+    int passes = 0;                             ///< 0: in memory.
+};
+
+/// The groups, told apart, and what is written of it.
+void classify_and_write(const Session& session, const Arguments& arguments,
+                        const MeshLabels& meshes, const std::function<Observations()>& observe)
+{
+    const Grouping groups = group_by_label(meshes, arguments.by);
+    const Grouping folds = group_by_label_or_each(meshes, arguments.leave_out);
     if (arguments.leave_out.empty())
-        warn_of_repeated_rows(session, collection, codes(groups), {arguments.by}, "--leave-out");
-    const ShapeSpace space = make_space(collection, arguments.space);
-    warn_of_alignment(session, space);
+        warn_of_repeated_rows(session, meshes, codes(groups), {arguments.by}, "--leave-out");
+    const Observations observed = observe();
     throw_if_interrupted();
     const int modes = chosen_modes(session, arguments, groups, folds);
-    const CrossValidation result =
-        cross_validate(centred_inner_products(encode(space, collection)), groups, folds, modes);
+    const CrossValidation result = cross_validate(observed.products, groups, folds, modes);
     throw_if_interrupted();
 
     const Table confusion = confusion_table(arguments.by, groups, result);
-    const std::string plot =
-        arguments.plot.empty() ? std::string()
-                               : draw_variates(collection, arguments.points, groups, space, modes);
+    const std::string plot = arguments.plot.empty() ? std::string()
+                                                    : draw_variates(meshes, arguments.points,
+                                                                    groups, observed.scores(modes));
     std::vector<std::string> outputs{arguments.output};
     write_table(arguments.output, confusion);
     if (!arguments.predictions.empty()) {
-        write_table(arguments.predictions, prediction_table(collection, groups, folds, result));
+        write_table(arguments.predictions, prediction_table(meshes, groups, folds, result));
         outputs.push_back(arguments.predictions);
     }
     if (!plot.empty()) {
         write_picture(arguments.plot, plot);
         outputs.push_back(arguments.plot);
     }
+    const std::size_t count = meshes.names.size();
     const Eigen::VectorXi counts = result.confusion.rowwise().sum();
-    const double chance =
-        static_cast<double>(counts.maxCoeff()) / static_cast<double>(collection.size());
-    session.message(join(confusion_text(confusion), result.confusion.trace(), " of ",
-                         collection.size(), " right (", 100.0 * result.accuracy,
+    const double chance = static_cast<double>(counts.maxCoeff()) / static_cast<double>(count);
+    session.message(join(confusion_text(confusion), result.confusion.trace(), " of ", count,
+                         " right (", 100.0 * result.accuracy,
                          " %; always naming the largest group: ", 100.0 * chance, " %)"));
-    Json figures{{"outputs", outputs}, {"meshes", collection.size()}};
-    figures.update(space_figures(space));
+    Json figures{{"outputs", outputs}, {"meshes", count}};
+    if (observed.passes > 0)
+        figures["passes"] = observed.passes;
+    figures.update(space_figures(observed.space));
     figures["modes"] = modes;
     figures["folds"] = folds.group_count();
     figures["groups"] = groups.names;
@@ -195,6 +208,55 @@ void run(const Session& session, const Arguments& arguments)
     figures["accuracy"] = result.accuracy;
     figures["chance"] = chance;
     session.print_figures(figures);
+}
+
+Observations observe(const Session& session, const Arguments& arguments,
+                     const Collection& collection)
+{
+    Observations observed;
+    observed.space = make_space(collection, arguments.space);
+    warn_of_alignment(session, observed.space);
+    throw_if_interrupted();
+    observed.products = centred_inner_products(encode(observed.space, collection));
+    observed.scores = [&collection, space = observed.space](int modes) {
+        return principal_components(encode(space, collection), {.modes = modes}).scores;
+    };
+    return observed;
+}
+
+Observations observe_in_passes(const Session& session, const Arguments& arguments,
+                               const MeshStream& meshes)
+{
+    StreamedProducts measured =
+        measure_products(meshes, {.space = arguments.space,
+                                  .memory = arguments.memory.bytes,
+                                  .progress = session.progress(),
+                                  .scratch = scratch_folder(arguments.output)});
+    Observations observed;
+    observed.space = std::move(measured.space);
+    observed.products = std::move(measured.products);
+    observed.passes = measured.passes;
+    observed.scores = [&](int modes) {
+        StreamOptions stream;
+        stream.memory = arguments.memory.bytes;
+        stream.progress = session.progress();
+        stream.scratch = scratch_folder(arguments.output);
+        return fit_model(meshes, {.modes = modes, .space = arguments.space}, stream).model.scores;
+    };
+    return observed;
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_space_options(arguments.space);
+    check_outputs(session, arguments);
+    if (const auto meshes =
+            open_for_passes(session, arguments.input, arguments.space, arguments.memory))
+        return classify_and_write(session, arguments, *meshes,
+                                  [&] { return observe_in_passes(session, arguments, *meshes); });
+    const Collection collection = read_labelled(session, arguments.input);
+    classify_and_write(session, arguments, collection,
+                       [&] { return observe(session, arguments, collection); });
 }
 
 } // namespace
@@ -239,6 +301,7 @@ Run set_up_classify(CLI::App& command)
             ->option_text("FILE");
     add_point_plot(command, arguments->points, plot);
     add_space_options(command, arguments->space);
+    add_memory(command, arguments->memory);
     return [arguments](const Session& session) {
         arguments->points.color_by = arguments->by;
         run(session, *arguments);

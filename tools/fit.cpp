@@ -484,12 +484,14 @@ void run(const Session& session, const Arguments& given)
     if (arguments.shard.is_given()) {
         if (arguments.rounds > 0)
             throw UsageError(
-                "--rounds compares all scans with each other: it and --shard exclude "
+                "--rounds compares all scans with each other: it and --shard or mpirun exclude "
                 "each other");
         if (fs::path(arguments.output).extension() == ".h5")
             throw UsageError(
-                "--shard needs a directory as -o; `shape collect` makes a collection of "
+                "--shard and mpirun need a directory as -o; `shape collect` makes a collection of "
                 "what `shape merge` has put together");
+        if (!arguments.resume)
+            check_merged_output(arguments.shard, given.output);
         arguments.output = arguments.shard.directory(arguments.output).string() + "/";
     }
     std::vector<std::string> names;
@@ -621,6 +623,7 @@ void run(const Session& session, const Arguments& given)
         for (const fs::path& scan : all_scans)
             all["scans"].push_back(scan.string());
         write_shard_manifest(places.directory, arguments.shard, all_scans.size(), all, files);
+        merge_shards_of_ranks(session, given.output);
     }
     outputs.push_back(places.directory.string());
     const auto count = [&](const char* status) {

@@ -274,6 +274,7 @@ void run(const Session& session, const Arguments& arguments)
     std::vector<std::filesystem::path> inputs{arguments.model};
     if (!arguments.scores_file.empty())
         inputs.emplace_back(arguments.scores_file);
+    check_merged_output(arguments.shard, arguments.output.path);
     MeshOutputArguments place = arguments.output;
     if (arguments.shard.is_given())
         place.path = arguments.shard.directory(place.path).string() + "/";
@@ -287,6 +288,7 @@ void run(const Session& session, const Arguments& arguments)
         write_shard_manifest(place.path, arguments.shard, points.size(),
                              settings_of(session, arguments, model, points),
                              relative_to(place.path, output.paths()));
+    merge_shards_of_ranks(session, arguments.output.path);
 }
 
 } // namespace

@@ -157,7 +157,7 @@ void run(const Session& session, const Arguments& arguments)
     const Shard& shard = arguments.shard;
     if (shard.is_given() && blends.is_sequence)
         throw UsageError(
-            "--shard is for blends that are not a path: a frame of a path is placed as "
+            "--shard and mpirun are for blends that are not a path: a frame of a path is placed as "
             "the one before it");
     Sequence sequence{topology, collection.points, {}, blends.is_sequence};
     for (const std::size_t i : shard.own(blends.weights.size()))
@@ -166,6 +166,7 @@ void run(const Session& session, const Arguments& arguments)
                                         return part.scale(
                                             blend(vectors, weights, arguments.lengths), weights);
                                     }});
+    check_merged_output(shard, arguments.output.path);
     MeshOutputArguments place = arguments.output;
     if (shard.is_given())
         place.path = shard.directory(place.path).string() + "/";
@@ -177,6 +178,7 @@ void run(const Session& session, const Arguments& arguments)
         write_shard_manifest(place.path, shard, blends.weights.size(),
                              settings_of(session, arguments, collection, blends),
                              relative_to(place.path, output.paths()));
+    merge_shards_of_ranks(session, arguments.output.path);
     figures["weights"] = weight_figures(blends);
     session.print_figures(figures);
 }

@@ -43,7 +43,7 @@ struct Command
 
 /// In the order of the work: put together, look, model, compare, make, draw.
 constexpr Command commands[] = {
-    {"fit", set_up_fit, ".h5"},
+    {"fit", set_up_fit, ".h5", true},
     {"collect", set_up_collect, ".h5"},
     {"check", set_up_check, ""},
     {"info", set_up_info, ""},
@@ -51,13 +51,13 @@ constexpr Command commands[] = {
     {"project", set_up_project, ".csv", true},
     {"distance", set_up_distance, ".csv", true},
     {"quality", set_up_quality, ".csv"},
-    {"generate", set_up_generate, ".ply"},
+    {"generate", set_up_generate, ".ply", true},
     {"groups", set_up_groups, ".csv"},
     {"classify", set_up_classify, ".csv"},
     {"regress", set_up_regress, ".csv"},
     {"remove", set_up_remove, ".h5"},
     {"difference", set_up_difference, ".h5"},
-    {"interpolate", set_up_interpolate, ".ply"},
+    {"interpolate", set_up_interpolate, ".ply", true},
     {"reconstruct", set_up_reconstruct, ".ply"},
     {"conformal", set_up_conformal, ".ply"},
     {"merge", set_up_merge, ""},
@@ -241,8 +241,8 @@ void run(std::vector<std::string> arguments, std::optional<StandardStreams>& str
         const CLI::App* chosen = program.get_subcommands().front();
         if (ranks().count > 1 && !command->is_shared)
             throw UsageError(join("`shape ", session.command,
-                                  "` runs in one process; mpirun is for "
-                                  "stats, project and distance"));
+                                  "` runs in one process; mpirun is for stats, project, distance, "
+                                  "generate, interpolate and fit"));
         if (!ranks().speaks()) {
             session.quiet = true;
             session.json = false;
@@ -331,10 +331,8 @@ int guarded_run(std::vector<std::string> arguments)
         join_ranks();
         run(std::move(arguments), streams, session);
     });
-    if (failure) {
-        let_first_rank_speak();
+    if (failure && is_to_speak(failure->code == Stopped))
         report_error(session.readable(failure->message));
-    }
     const std::optional<Failure> unprinted = failure_of([&] {
         print_report(session, failure ? Json{{"kind", kind_of(failure->code)},
                                              {"exit_code", static_cast<int>(failure->code)},

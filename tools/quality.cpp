@@ -15,9 +15,11 @@
 #include "libshape/report/plot.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
+#include "tools/input/mesh_stream_input.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/pass_store.h"
 #include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
 #include "tools/program/interrupt.h"
@@ -42,6 +44,7 @@ struct Arguments
     std::int64_t samples = 25;
     SpaceOptions space = {};
     EmbeddingOptions embedding = {};
+    MemoryArgument memory;
 };
 
 /// The numbers of "1,2,5".
@@ -58,11 +61,11 @@ std::vector<int> mode_counts(const std::string& text)
     return counts;
 }
 
-Grouping folds_of(const Session& session, const Arguments& arguments, const Collection& collection)
+Grouping folds_of(const Session& session, const Arguments& arguments, const MeshLabels& labels)
 {
     if (!arguments.leave_out.empty())
-        return group_by_label(collection, arguments.leave_out);
-    const auto meshes = static_cast<Eigen::Index>(collection.size());
+        return group_by_label(labels, arguments.leave_out);
+    const auto meshes = static_cast<Eigen::Index>(labels.names.size());
     if (meshes < 3)
         throw InvalidInput(join("the quality of a model needs at least 3 meshes, not ", meshes,
                                 ": two that make it when one is left out"));
@@ -190,19 +193,26 @@ void run(const Session& session, const Arguments& arguments)
     std::vector<int> modes =
         arguments.modes.empty() ? std::vector<int>() : mode_counts(arguments.modes);
     check_outputs(session, arguments);
-    const Collection collection = read_labelled(session, arguments.input);
+    const auto meshes =
+        open_for_passes(session, arguments.input, arguments.space, arguments.memory);
+    const Collection collection =
+        meshes ? Collection{meshes->topology, meshes->names, {}, meshes->labels}
+               : read_labelled(session, arguments.input);
     const Grouping folds = folds_of(session, arguments, collection);
     if (modes.empty())
         modes = usual_mode_counts(std::max(1, most_modes(folds)));
-    const EmbeddingOptions embedding = embedding_options(session, arguments.embedding);
-    const ModelQuality quality = measure_quality(collection, folds,
-                                                 {.space = arguments.space,
-                                                  .modes = modes,
-                                                  .tests = static_cast<int>(arguments.tests),
-                                                  .samples = static_cast<int>(arguments.samples),
-                                                  .embedding = embedding,
-                                                  .seed = static_cast<std::uint64_t>(session.seed)},
-                                                 session.progress());
+    const QualityOptions options{.space = arguments.space,
+                                 .modes = modes,
+                                 .tests = static_cast<int>(arguments.tests),
+                                 .samples = static_cast<int>(arguments.samples),
+                                 .embedding = embedding_options(session, arguments.embedding),
+                                 .seed = static_cast<std::uint64_t>(session.seed)};
+    StreamOptions stream;
+    stream.memory = arguments.memory.bytes;
+    stream.scratch = scratch_folder(arguments.output);
+    const ModelQuality quality =
+        meshes ? measure_quality(*meshes, folds, options, stream, session.progress())
+               : measure_quality(collection, folds, options, session.progress());
     throw_if_interrupted();
     const std::string drawing = arguments.plot.empty() ? std::string() : draw(quality);
     std::vector<std::string> outputs{arguments.output};
@@ -218,7 +228,7 @@ void run(const Session& session, const Arguments& arguments)
                          quality.decoded,
                          " decoded meshes are nearest ones of infeasible lengths"));
     Json figures{{"outputs", outputs},
-                 {"meshes", collection.size()},
+                 {"meshes", collection.names.size()},
                  {"folds", folds.group_count()},
                  {"tests", quality.tests},
                  {"samples", arguments.samples},
@@ -275,6 +285,7 @@ Run set_up_quality(CLI::App& command)
     add_integer(command, "--samples", arguments->samples, "Random meshes, >= 1 (default: 25)", 1,
                 1'000'000);
     add_space_options(command, arguments->space);
+    add_memory(command, arguments->memory);
     add_embedder_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

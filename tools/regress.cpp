@@ -3,21 +3,26 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/covariate_effect.h"
+#include "libshape/model/streamed_effect.h"
 #include "libshape/report/plot.h"
 #include "libshape/statistics/covariate_blocks.h"
 #include "libshape/statistics/linear_model.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
+#include "tools/input/mesh_stream_input.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
 #include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/pass_store.h"
 #include "tools/output/plot_output.h"
 #include "tools/output/test_tables.h"
 #include "tools/program/arguments.h"
@@ -40,31 +45,36 @@ struct Arguments
     MeshOutputArguments expected;
     MeshOutputArguments corrected;
     SpaceOptions space;
+    MemoryArgument memory;
     EmbeddingArguments embedding;
 };
 
 /// The regression and its tests: of all covariates together, and of each beyond the others.
 struct Findings
 {
-    Eigen::MatrixXd covariates; ///< N by C.
-    Eigen::VectorXd sizes;      ///< N [length].
+    std::vector<std::string> names; ///< N: of the meshes.
+    Eigen::MatrixXd covariates;     ///< N by C.
+    Eigen::VectorXd sizes;          ///< N [length].
     CovariateEffect effect;
+    Eigen::VectorXd slope_norms; ///< C.
+    int passes = 0;              ///< 0: in memory.
     LinearModelTest together;
     std::vector<LinearModelTest> each;
 };
 
-Findings find(const Session& session, const Arguments& arguments, const Collection& collection)
+/// What may be exchanged.
+Grouping blocks_of(const Session& session, const Arguments& arguments, const MeshLabels& meshes,
+                   const Eigen::MatrixXd& covariates)
 {
-    Findings findings;
-    const ShapeSpace space = make_space(collection, arguments.space);
-    warn_of_alignment(session, space);
-    findings.sizes = sizes(space, collection);
-    findings.covariates = covariates_of(collection, findings.sizes, arguments.on);
-    const Grouping blocks = group_by_label_or_all(collection, arguments.within);
     if (arguments.within.empty())
-        warn_of_repeated_rows(session, collection, findings.covariates, arguments.on, "--within");
-    findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
-    throw_if_interrupted();
+        warn_of_repeated_rows(session, meshes, covariates, arguments.on, "--within");
+    return group_by_label_or_all(meshes, arguments.within);
+}
+
+/// The tests, from inner products.
+void test(const Session& session, const Arguments& arguments, const Grouping& blocks,
+          Findings& findings)
+{
     const PermutationOptions options{.permutations = static_cast<int>(arguments.permutations),
                                      .seed = static_cast<std::uint64_t>(session.seed)};
     const ExchangeableRows rows =
@@ -74,7 +84,7 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     findings.together = test_linear_model(rows.products, all, none, rows.blocks, options);
     if (all.cols() == 1) {
         findings.each = {findings.together};
-        return findings;
+        return;
     }
     for (Eigen::Index k = 0; k < all.cols(); ++k) {
         throw_if_interrupted();
@@ -83,14 +93,57 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
         findings.each.push_back(
             test_linear_model(rows.products, all.col(k), others, rows.blocks, options));
     }
+}
+
+Findings find(const Session& session, const Arguments& arguments, const Collection& collection)
+{
+    Findings findings;
+    findings.names = collection.names;
+    const ShapeSpace space = make_space(collection, arguments.space);
+    warn_of_alignment(session, space);
+    findings.sizes = sizes(space, collection);
+    findings.covariates = covariates_of(collection, findings.sizes, arguments.on);
+    const Grouping blocks = blocks_of(session, arguments, collection, findings.covariates);
+    findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
+    findings.slope_norms = findings.effect.regression.slopes.rowwise().norm();
+    throw_if_interrupted();
+    test(session, arguments, blocks, findings);
+    return findings;
+}
+
+/// @param reference  Gets the first mesh.
+Findings find_in_passes(const Session& session, const Arguments& arguments,
+                        const MeshStream& meshes, Points& reference)
+{
+    Findings findings;
+    findings.names = meshes.names;
+    StreamedEffectOptions options;
+    options.space = arguments.space;
+    options.memory = arguments.memory.bytes;
+    options.progress = session.progress();
+    options.scratch = scratch_folder(arguments.output);
+    options.covariates = [&](const Eigen::VectorXd& sizes) {
+        return covariates_of(meshes, sizes, arguments.on);
+    };
+    options.with_shapes = !arguments.expected.path.empty();
+    const Grouping blocks = group_by_label_or_all(meshes, arguments.within);
+    StreamedEffect found = covariate_effect(meshes, blocks, options);
+    findings.covariates = std::move(found.covariates);
+    (void)blocks_of(session, arguments, meshes, findings.covariates);
+    findings.sizes = std::move(found.sizes);
+    findings.effect = std::move(found.effect);
+    findings.slope_norms = std::move(found.slope_norms);
+    findings.passes = found.passes;
+    reference = std::move(found.reference_points);
+    throw_if_interrupted();
+    test(session, arguments, blocks, findings);
     return findings;
 }
 
 /// Columns `mesh`, the covariates, `score`.
-Table score_table(const Collection& collection, const Arguments& arguments,
-                  const Findings& findings)
+Table score_table(const Arguments& arguments, const Findings& findings)
 {
-    Table table = mesh_table(collection.names, {});
+    Table table = mesh_table(findings.names, {});
     for (std::size_t k = 0; k < arguments.on.size(); ++k)
         add_column(table, arguments.on[k], findings.covariates.col(static_cast<Eigen::Index>(k)));
     add_column(table, "score", findings.effect.scores);
@@ -98,8 +151,7 @@ Table score_table(const Collection& collection, const Arguments& arguments,
     return table;
 }
 
-std::string draw_scores(const Collection& collection, const std::string& covariate,
-                        const Findings& findings)
+std::string draw_scores(const std::string& covariate, const Findings& findings)
 {
     const Eigen::VectorXd x = findings.covariates.col(0);
     Eigen::MatrixX2d points(x.size(), 2);
@@ -109,7 +161,7 @@ std::string draw_scores(const Collection& collection, const std::string& covaria
         {.title = {},
          .x_label = covariate,
          .y_label = "score along the regression, in units of " + covariate,
-         .series = {{.name = "meshes", .points = points, .tips = collection.names, .curve = false},
+         .series = {{.name = "meshes", .points = points, .tips = findings.names, .curve = false},
                     {.name = "regression", .points = line, .tips = {}, .curve = true}},
          .equal_axes = false});
 }
@@ -192,7 +244,7 @@ Json covariate_figures(const Arguments& arguments, const Findings& findings)
         const auto row = static_cast<Eigen::Index>(k);
         Json covariate{{"name", arguments.on[k]},
                        {"mean", findings.effect.regression.covariate_means[row]},
-                       {"slope_norm", findings.effect.regression.slopes.row(row).norm()}};
+                       {"slope_norm", findings.slope_norms[row]}};
         covariate.update(test_figures(findings.each[k]));
         figures.push_back(covariate);
     }
@@ -229,26 +281,34 @@ void check_outputs(const Session& session, const Arguments& arguments)
                         arguments.expected.path);
 }
 
-void run(const Session& session, const Arguments& arguments)
+/// A collection that goes in passes; --corrected makes every mesh, of all of them.
+std::optional<MeshStream> open_meshes(const Session& session, const Arguments& arguments)
 {
-    check_space_options(arguments.space);
-    check_outputs(session, arguments);
-    if (!arguments.at.empty() && arguments.on.size() > 1)
-        throw UsageError("--at takes values of one covariate; give --on once");
-    (void)places(arguments); // before any work
-    const Collection collection = read_labelled(session, arguments.input);
-    const Findings findings = find(session, arguments, collection);
-    const Table scores = score_table(collection, arguments, findings);
+    if (arguments.corrected.path.empty())
+        return open_for_passes(session, arguments.input, arguments.space, arguments.memory);
+    if (arguments.memory.bytes > 0)
+        throw UsageError(
+            "--corrected makes every mesh, which takes all of them in memory; give it "
+            "without --memory");
+    return std::nullopt;
+}
+
+/// Writes everything.
+/// @param corrected  Of all meshes; not looked at without --corrected.
+void report(const Session& session, const Arguments& arguments, const Findings& findings,
+            const Topology& topology, const Points& reference,
+            const std::vector<EmbeddingTarget>& corrected)
+{
+    const Table scores = score_table(arguments, findings);
     warn_of_extrapolation(session, arguments, findings);
     const std::vector<EmbeddingTarget> expected = expected_targets(arguments, findings);
-    const std::vector<EmbeddingTarget> corrected = corrected_targets(collection, findings);
     const auto expected_output = mesh_output(session, arguments, arguments.expected.path, expected);
     const auto corrected_output =
         mesh_output(session, arguments, arguments.corrected.path, corrected);
     Json figures{{"outputs", Json::array()}, {"embeddings", Json::array()}};
     const auto make = [&](const std::vector<EmbeddingTarget>& targets, MeshOutput& output) {
-        const Json made = embed_and_write(session, arguments.embedding, collection.topology,
-                                          {collection.points.front()}, targets, output);
+        const Json made =
+            embed_and_write(session, arguments.embedding, topology, {reference}, targets, output);
         for (const char* list : {"outputs", "embeddings"})
             figures[list].insert(figures[list].end(), made[list].begin(), made[list].end());
     };
@@ -259,10 +319,12 @@ void run(const Session& session, const Arguments& arguments)
     write_table(arguments.output, scores);
     figures["outputs"].push_back(arguments.output);
     if (!arguments.plot.empty()) {
-        write_picture(arguments.plot, draw_scores(collection, arguments.on.front(), findings));
+        write_picture(arguments.plot, draw_scores(arguments.on.front(), findings));
         figures["outputs"].push_back(arguments.plot);
     }
-    figures["meshes"] = collection.size();
+    figures["meshes"] = findings.names.size();
+    if (findings.passes > 0)
+        figures["passes"] = findings.passes;
     figures.update(space_figures(findings.effect.space));
     figures["covariates"] = covariate_figures(arguments, findings);
     figures["together"] = test_figures(findings.together);
@@ -270,6 +332,24 @@ void run(const Session& session, const Arguments& arguments)
         figures["design"] = findings.effect.design == BlockDesign::Crossed ? "crossed" : "nested";
     session.message(summary(arguments, findings));
     session.print_figures(figures);
+}
+
+void run(const Session& session, const Arguments& arguments)
+{
+    check_space_options(arguments.space);
+    check_outputs(session, arguments);
+    if (!arguments.at.empty() && arguments.on.size() > 1)
+        throw UsageError("--at takes values of one covariate; give --on once");
+    (void)places(arguments); // before any work
+    if (const auto meshes = open_meshes(session, arguments)) {
+        Points reference;
+        const Findings findings = find_in_passes(session, arguments, *meshes, reference);
+        return report(session, arguments, findings, meshes->topology, reference, {});
+    }
+    const Collection collection = read_labelled(session, arguments.input);
+    const Findings findings = find(session, arguments, collection);
+    report(session, arguments, findings, collection.topology, collection.points.front(),
+           corrected_targets(collection, findings));
 }
 
 } // namespace
@@ -325,6 +405,7 @@ Run set_up_regress(CLI::App& command)
         ->option_text("DIR");
     add_mesh_format(command, arguments->expected);
     add_space_options(command, arguments->space);
+    add_memory(command, arguments->memory);
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

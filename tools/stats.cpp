@@ -7,6 +7,7 @@
 #include <set>
 
 #include "libshape/base/counted.h"
+#include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/version.h"
 #include "libshape/io/model_file.h"
@@ -178,21 +179,27 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
 {
     PassStore store(session, arguments.output, identity_of(session, arguments), arguments.resume,
                     arguments.save_every);
-    Findings found{.fit = fit_model(meshes, model_options(arguments),
-                                    {.memory = arguments.memory.bytes,
-                                     .algorithm = arguments.algorithm,
-                                     .tolerance = arguments.tolerance,
-                                     .seed = static_cast<std::uint64_t>(session.seed),
-                                     .progress = session.progress(),
-                                     .save =
-                                         [&](const PassState& state) {
-                                             if (ranks().speaks())
-                                                 store.save(state);
-                                         },
-                                     .ranks = ranks(),
-                                     .state = store.state()}),
-                   .in_memory = false,
-                   .modes = {}};
+    const StreamOptions options{.memory = arguments.memory.bytes,
+                                .algorithm = arguments.algorithm,
+                                .tolerance = arguments.tolerance,
+                                .seed = static_cast<std::uint64_t>(session.seed),
+                                .progress = session.progress(),
+                                .save =
+                                    [&](const PassState& state) {
+                                        if (ranks().speaks())
+                                            store.save(state);
+                                    },
+                                .ranks = ranks(),
+                                .state = store.state(),
+                                .scratch = scratch_folder(arguments.output)};
+    const auto fit = [&] {
+        try {
+            return fit_model(meshes, model_options(arguments), options);
+        } catch (const Interrupted&) {
+            throw Interrupted(store.on_interrupt());
+        }
+    };
+    Findings found{.fit = fit(), .in_memory = false, .modes = {}};
     found.modes = mode_figures(found.fit.model);
     if (!ranks().speaks())
         return found;

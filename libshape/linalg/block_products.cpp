@@ -3,6 +3,9 @@
 #include "libshape/linalg/block_products.h"
 
 #include <cblas.h>
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
 
 #include <algorithm>
 
@@ -43,6 +46,20 @@ constexpr Eigen::Index strip = 1024; ///< Columns, of which the rows stay in the
 
 using Lanes = double __attribute__((vector_size(32), aligned(8)));
 
+/// add_two_by_four(), or the other way to it.
+using AddTwoByFour = void (*)(const double* a, Eigen::Index a_stride, const double* b,
+                              Eigen::Index b_stride, Eigen::Index count, double* c,
+                              Eigen::Index c_stride);
+
+void add_sums(const Lanes (&sums)[2][4], double* c, Eigen::Index c_stride)
+{
+    for (Eigen::Index i = 0; i < 2; ++i)
+        for (Eigen::Index j = 0; j < 4; ++j) {
+            const Lanes& sum = sums[i][j];
+            c[i * c_stride + j] += (sum[0] + sum[1]) + (sum[2] + sum[3]);
+        }
+}
+
 /// c(i, j) += sum_k a(i, k) b(j, k),  i < 2, j < 4, k < count, which is a multiple of 4.
 ///
 ///     a:  row 0:  [a00 a01 a02 a03] [a04 ..        b:  row 0:  [b00 b01 b02 b03] [b04 ..
@@ -67,11 +84,39 @@ SHAPE_VECTORISED void add_two_by_four(const double* a, Eigen::Index a_stride, co
             sums[1][j] += a1 * bj;
         }
     }
-    for (Eigen::Index i = 0; i < 2; ++i)
+    add_sums(sums, c, c_stride);
+}
+
+#ifdef __x86_64__
+
+/// The same where the processor multiplies and adds at once, in half the time; as BLAS does, whose bits
+/// depend on the processor too.
+__attribute__((target("avx2,fma"))) void add_two_by_four_fused(
+    const double* a, Eigen::Index a_stride, const double* b, Eigen::Index b_stride,
+    Eigen::Index count, double* c, Eigen::Index c_stride)
+{
+    Lanes sums[2][4] = {};
+    for (Eigen::Index k = 0; k < count; k += 4) {
+        const __m256d a0 = _mm256_loadu_pd(a + k);
+        const __m256d a1 = _mm256_loadu_pd(a + a_stride + k);
         for (Eigen::Index j = 0; j < 4; ++j) {
-            const Lanes& sum = sums[i][j];
-            c[i * c_stride + j] += (sum[0] + sum[1]) + (sum[2] + sum[3]);
+            const __m256d bj = _mm256_loadu_pd(b + j * b_stride + k);
+            sums[0][j] = _mm256_fmadd_pd(a0, bj, sums[0][j]);
+            sums[1][j] = _mm256_fmadd_pd(a1, bj, sums[1][j]);
         }
+    }
+    add_sums(sums, c, c_stride);
+}
+
+#endif
+
+AddTwoByFour best_add_two_by_four()
+{
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        return &add_two_by_four_fused;
+#endif
+    return &add_two_by_four;
 }
 
 double inner_product(const double* a, const double* b, Eigen::Index count)
@@ -84,6 +129,7 @@ double inner_product(const double* a, const double* b, Eigen::Index count)
 
 void add_inner_products(const ConstBlock& a, const ConstBlock& b, Block c)
 {
+    static const AddTwoByFour add = best_add_two_by_four();
     const auto row = [](const ConstBlock& block, Eigen::Index i, Eigen::Index first) {
         return block.data() + i * block.outerStride() + first;
     };
@@ -93,8 +139,8 @@ void add_inner_products(const ConstBlock& a, const ConstBlock& b, Block c)
         for (Eigen::Index i = 0; i < a.rows(); i += 2)
             for (Eigen::Index j = 0; j < b.rows(); j += 4) {
                 if (i + 2 <= a.rows() && j + 4 <= b.rows()) {
-                    add_two_by_four(row(a, i, first), a.outerStride(), row(b, j, first),
-                                    b.outerStride(), whole, &c(i, j), c.outerStride());
+                    add(row(a, i, first), a.outerStride(), row(b, j, first), b.outerStride(), whole,
+                        &c(i, j), c.outerStride());
                 } else {
                     for (Eigen::Index y = i; y < std::min(i + 2, a.rows()); ++y)
                         for (Eigen::Index x = j; x < std::min(j + 4, b.rows()); ++x)

@@ -10,6 +10,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/base/vector3.h"
 #include "libshape/mesh/partition.h"
 
 namespace shape {
@@ -197,15 +198,20 @@ std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& p
                      join("vertex ", v, " has a coordinate that is not finite (", points(v, 0),
                           ", ", points(v, 1), ", ", points(v, 2), ")"));
     for (int f = 0; f < faces.rows(); ++f) {
+        const auto point = [&](int k) { return vector3(points.data() + 3 * faces(f, k)); };
+        const Vector3<double> along = point(1) - point(0);
+        const Vector3<double> back = point(2) - point(0);
+        const Vector3<double> opposite = point(2) - point(1);
+        const Vector3<double> normal = cross(along, back);
+        const double square = // of the longest edge
+            std::max(std::max(dot(along, along), dot(opposite, opposite)), dot(back, back));
+        // No root is needed to see that: the rule below, squared, is |normal|^2 > 4e-28 square^2; a quarter
+        // more leaves room for rounding. Below 1e-60 the squares would underflow.
+        if (dot(normal, normal) > 5e-28 * square * square && square > 1e-60)
+            continue;
         const Eigen::RowVector3d a = points.row(faces(f, 0));
         const Eigen::RowVector3d b = points.row(faces(f, 1));
         const Eigen::RowVector3d c = points.row(faces(f, 2));
-        const double square = // of the longest edge
-            std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-        // No root is needed to see that: the rule below, squared, is |cross|^2 > 4e-28 square^2; a quarter
-        // more leaves room for rounding. Below 1e-60 the squares would underflow.
-        if ((b - a).cross(c - a).squaredNorm() > 5e-28 * square * square && square > 1e-60)
-            continue;
         const double area = 0.5 * (b - a).cross(c - a).norm();
         const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
         if (area <= 1e-14 * longest * longest)

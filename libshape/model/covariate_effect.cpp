@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/model/effect_weights.h"
 #include "libshape/statistics/covariate_blocks.h"
 #include "libshape/statistics/inner_products.h"
 #include "libshape/statistics/mean.h"
@@ -21,24 +22,6 @@ void check_count(const CovariateEffect& effect, const Eigen::VectorXd& covariate
     if (covariates.size() != effect.regression.slopes.rows() || !covariates.allFinite())
         throw InvalidInput(join("covariates: there are ", covariates.size(), ", must be ",
                                 effect.regression.slopes.rows(), " finite numbers"));
-}
-
-/// Covariates and, behind them, what tells the blocks apart.
-Eigen::MatrixXd with_blocks(const Eigen::MatrixXd& covariates, const Grouping& blocks)
-{
-    const Index further = blocks.group_count() - 1;
-    Eigen::MatrixXd columns(covariates.rows(), covariates.cols() + further);
-    columns << covariates, indicators(blocks).rightCols(further);
-    return columns;
-}
-
-/// The first covariates alone.
-Regression head(Regression regression, Index count)
-{
-    regression.covariate_means.conservativeResize(count);
-    regression.slopes.conservativeResize(count, Eigen::NoChange);
-    regression.weights = regression.weights.leftCols(count).eval();
-    return regression;
 }
 
 } // namespace

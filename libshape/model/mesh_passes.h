@@ -58,6 +58,9 @@ public:
     /// The same meshes for every process; no pass of its own.
     void show(const PassRange& range, const Visit& visit);
 
+    /// Gives back the array that visit() fills: no further pass is near.
+    void rest() { rows_.resize(0, 0); }
+
     /// Adds up what every process has found of its own tiles, 0 elsewhere.
     void gather(std::span<double> numbers) const;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -37,11 +38,63 @@ std::vector<int> shuffled(Index count, Random& random)
     return order;
 }
 
-void check_folds(const Collection& collection, const Grouping& folds)
+/// Where the meshes come from: memory, or a stream.
+struct MeshSource
 {
-    if (folds.size() != static_cast<Index>(collection.size()) || folds.group_count() < 2)
+    using Indices = std::vector<std::size_t>;
+
+    Topology topology;
+    std::size_t count = 0;
+    std::function<ShapeModel(const Indices& some, const ModelOptions& options)> fit;
+    std::function<Collection(const Indices& some)> read;
+    /// All meshes once, in their order.
+    std::function<void(const std::function<void(const Collection& block)>& visit)> for_each_block;
+};
+
+MeshSource source_of(const Collection& collection)
+{
+    return {collection.topology, collection.size(),
+            [&](const MeshSource::Indices& some, const ModelOptions& options) {
+                const bool is_all = some.size() == collection.size();
+                return is_all ? fit_model(collection, options)
+                              : fit_model(subset(collection, some), options);
+            },
+            [&](const MeshSource::Indices& some) { return subset(collection, some); },
+            [&](const auto& visit) { visit(collection); }};
+}
+
+MeshSource source_of(const MeshStream& meshes, const StreamOptions& stream)
+{
+    constexpr Index block = 32;
+    return {meshes.topology, to_size(meshes.size()),
+            [&](const MeshSource::Indices& some, const ModelOptions& options) {
+                StreamOptions own;
+                own.memory = stream.memory;
+                own.algorithm = stream.algorithm;
+                own.tolerance = stream.tolerance;
+                own.seed = stream.seed;
+                own.scratch = stream.scratch;
+                return fit_model(subset(meshes, some), options, own).model;
+            },
+            [&](const MeshSource::Indices& some) {
+                const MeshStream chosen = subset(meshes, some);
+                Collection read{chosen.topology, chosen.names, {}, chosen.labels};
+                for_each_block(chosen, 0, chosen.size(), block, [&](Index, const Collection& part) {
+                    read.points.insert(read.points.end(), part.points.begin(), part.points.end());
+                });
+                return read;
+            },
+            [&](const auto& visit) {
+                for_each_block(meshes, 0, meshes.size(), block,
+                               [&](Index, const Collection& part) { visit(part); });
+            }};
+}
+
+void check_folds(const MeshSource& meshes, const Grouping& folds)
+{
+    if (folds.size() != static_cast<Index>(meshes.count) || folds.group_count() < 2)
         throw InvalidInput(join("quality: ", folds.size(), " meshes in ", folds.group_count(),
-                                " folds for ", collection.size(),
+                                " folds for ", meshes.count,
                                 " meshes; there must be as many meshes and at least 2 folds"));
 }
 
@@ -56,10 +109,12 @@ struct Measured
 class Ruler
 {
 public:
-    Ruler(const Collection& collection, Scale scale) : topology_(collection.topology), scale_(scale)
+    Ruler(const MeshSource& meshes, Scale scale) : topology_(meshes.topology), scale_(scale)
     {
-        for (const Points& points : collection.points)
-            size_ += centroid_size(points) / static_cast<double>(collection.size());
+        meshes.for_each_block([&](const Collection& block) {
+            for (const Points& points : block.points)
+                size_ += centroid_size(points) / static_cast<double>(meshes.count);
+        });
     }
 
     [[nodiscard]] Measured operator()(const Points& points) const
@@ -101,17 +156,18 @@ QualityCurve summarise(const Eigen::MatrixXd& values)
     return {mean.transpose(), (squares / divisor).cwiseSqrt().transpose()};
 }
 
-ShapeModel fit(const Collection& collection, const QualityOptions& options,
-               const std::string& meshes)
+/// @param what  Names the meshes.
+ShapeModel fit(const MeshSource& meshes, const MeshSource::Indices& some,
+               const QualityOptions& options, const std::string& what)
 {
     const int most = options.modes.back();
-    if (most > static_cast<int>(collection.size()) - 1)
-        throw InvalidInput(join("quality: ", most, " modes are more than the ",
-                                collection.size() - 1, " of a model of ", meshes));
-    ShapeModel model = fit_model(collection, {.modes = most, .space = options.space});
+    if (most > static_cast<int>(some.size()) - 1)
+        throw InvalidInput(join("quality: ", most, " modes are more than the ", some.size() - 1,
+                                " of a model of ", what));
+    ShapeModel model = meshes.fit(some, {.modes = most, .space = options.space});
     if (model.mode_count() < most)
         throw InvalidInput(join("quality: ", most, " modes are more than the ", model.mode_count(),
-                                " with any variance of a model of ", meshes));
+                                " with any variance of a model of ", what));
     return model;
 }
 
@@ -161,7 +217,7 @@ private:
     std::optional<Embedder> embedder_;
 };
 
-void measure_generalisation(const Collection& collection, const Grouping& folds,
+void measure_generalisation(const MeshSource& meshes, const Grouping& folds,
                             const QualityOptions& options, const Ruler& ruler,
                             const std::vector<int>& tests, Decoder& decode, ModelQuality& quality)
 {
@@ -170,24 +226,25 @@ void measure_generalisation(const Collection& collection, const Grouping& folds,
     Eigen::MatrixXd edge(vertex.rows(), counts);
     Index row = 0;
     for (int fold = 0; fold < folds.group_count(); ++fold) {
-        std::vector<std::size_t> left_out;
-        std::vector<std::size_t> others;
+        MeshSource::Indices left_out;
+        MeshSource::Indices others;
         for (const int mesh : tests)
             if (folds.group_of[to_size(mesh)] == fold)
                 left_out.push_back(to_size(mesh));
         if (left_out.empty())
             continue;
-        for (std::size_t mesh = 0; mesh < collection.size(); ++mesh)
+        for (std::size_t mesh = 0; mesh < meshes.count; ++mesh)
             if (folds.group_of[mesh] != fold)
                 others.push_back(mesh);
         const ShapeModel model =
-            fit(subset(collection, others), options, join("all meshes but fold ", fold + 1));
-        const Projection projection = project(model, subset(collection, left_out));
-        const std::vector<Points> meshes = decode(model, projection.scores, projection.sizes);
+            fit(meshes, others, options, join("all meshes but fold ", fold + 1));
+        const Collection tested = meshes.read(left_out);
+        const Projection projection = project(model, tested);
+        const std::vector<Points> decoded = decode(model, projection.scores, projection.sizes);
         for (std::size_t i = 0; i < left_out.size(); ++i, ++row) {
-            const Measured truth = ruler(collection.points[left_out[i]]);
+            const Measured truth = ruler(tested.points[i]);
             for (Index k = 0; k < counts; ++k) {
-                const Measured mesh = ruler(meshes[i * to_size(counts) + to_size(k)]);
+                const Measured mesh = ruler(decoded[i * to_size(counts) + to_size(k)]);
                 vertex(row, k) = vertex_distance(mesh, truth);
                 edge(row, k) = edge_distance(mesh, truth);
             }
@@ -197,38 +254,86 @@ void measure_generalisation(const Collection& collection, const Grouping& folds,
     quality.generalisation_edge = summarise(edge);
 }
 
-/// Distances of meshes to the nearest of the collection.
-void measure_specificity(const Collection& collection, const Ruler& ruler,
-                         const std::vector<Points>& meshes, Index counts, ModelQuality& quality)
+/// Lowers the distances of samples to the nearest mesh by those to the meshes of a block.
+void lower_distances(const Collection& block, const Ruler& ruler,
+                     const std::vector<Measured>& samples, Eigen::VectorXd& vertex,
+                     Eigen::VectorXd& edge)
 {
-    std::vector<Measured> samples;
-    samples.reserve(meshes.size());
-    for (const Points& points : meshes)
-        samples.push_back(ruler(points));
-    const auto total = static_cast<Index>(samples.size());
-    // One slot a chunk of the collection: the minimum over them does not depend on their order.
+    // One slot a chunk of the block: the minimum over them does not depend on their order.
     constexpr std::size_t grain = 16;
-    const auto chunks = static_cast<Index>((collection.size() + grain - 1) / grain);
-    const double infinity = std::numeric_limits<double>::infinity();
-    Eigen::MatrixXd vertex = Eigen::MatrixXd::Constant(total, chunks, infinity);
-    Eigen::MatrixXd edge = vertex;
-    parallel_for(collection.size(), grain, [&](std::size_t begin, std::size_t end) {
+    const auto total = static_cast<Index>(samples.size());
+    const auto chunks = static_cast<Index>((block.size() + grain - 1) / grain);
+    Eigen::MatrixXd vertices = vertex.replicate(1, chunks);
+    Eigen::MatrixXd edges = edge.replicate(1, chunks);
+    parallel_for(block.size(), grain, [&](std::size_t begin, std::size_t end) {
         const auto chunk = static_cast<Index>(begin / grain);
         for (std::size_t i = begin; i < end; ++i) {
-            const Measured truth = ruler(collection.points[i]);
+            const Measured truth = ruler(block.points[i]);
             for (Index s = 0; s < total; ++s) {
                 const Measured& sample = samples[to_size(s)];
-                vertex(s, chunk) = std::min(vertex(s, chunk), vertex_distance(sample, truth));
-                edge(s, chunk) = std::min(edge(s, chunk), edge_distance(sample, truth));
+                vertices(s, chunk) = std::min(vertices(s, chunk), vertex_distance(sample, truth));
+                edges(s, chunk) = std::min(edges(s, chunk), edge_distance(sample, truth));
             }
         }
     });
-    const auto curve = [&](const Eigen::MatrixXd& distances) {
-        const Eigen::VectorXd nearest = distances.rowwise().minCoeff();
+    vertex = vertices.rowwise().minCoeff();
+    edge = edges.rowwise().minCoeff();
+}
+
+/// Distances of samples to the nearest mesh.
+void measure_specificity(const MeshSource& meshes, const Ruler& ruler,
+                         const std::vector<Points>& decoded, Index counts, ModelQuality& quality)
+{
+    std::vector<Measured> samples;
+    samples.reserve(decoded.size());
+    for (const Points& points : decoded)
+        samples.push_back(ruler(points));
+    const auto total = static_cast<Index>(samples.size());
+    Eigen::VectorXd vertex =
+        Eigen::VectorXd::Constant(total, std::numeric_limits<double>::infinity());
+    Eigen::VectorXd edge = vertex;
+    meshes.for_each_block(
+        [&](const Collection& block) { lower_distances(block, ruler, samples, vertex, edge); });
+    const auto curve = [&](const Eigen::VectorXd& nearest) {
         return summarise(nearest.reshaped<Eigen::RowMajor>(total / counts, counts));
     };
     quality.specificity_vertex = curve(vertex);
     quality.specificity_edge = curve(edge);
+}
+
+ModelQuality measure(const MeshSource& meshes, const Grouping& folds, const QualityOptions& options,
+                     const Progress& progress)
+{
+    check(options);
+    check_folds(meshes, folds);
+    Random random(options.seed);
+    std::vector<int> tests = shuffled(static_cast<Index>(meshes.count), random);
+    tests.resize(std::min(tests.size(), to_size(options.tests)));
+    const auto counts = static_cast<Index>(options.modes.size());
+    ModelQuality quality;
+    quality.modes = options.modes;
+    quality.tests = static_cast<int>(tests.size());
+    const Ruler ruler(meshes, options.space.scale);
+    Decoder decode(options, progress, (quality.tests + options.samples) * static_cast<int>(counts));
+    measure_generalisation(meshes, folds, options, ruler, tests, decode, quality);
+
+    MeshSource::Indices all(meshes.count);
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const ShapeModel model = fit(meshes, all, options, "all meshes");
+    quality.compactness.resize(counts);
+    for (Index k = 0; k < counts; ++k)
+        quality.compactness[k] =
+            model.variances.head(options.modes[to_size(k)]).sum() / model.total_variance;
+    RowMatrix scores(options.samples, model.mode_count());
+    for (double& score : scores.reshaped<Eigen::RowMajor>())
+        score = random.normal();
+    scores *= model.variances.cwiseSqrt().asDiagonal();
+    const std::vector<Points> samples =
+        decode(model, scores, Eigen::VectorXd::Constant(options.samples, model.mean_size()));
+    measure_specificity(meshes, ruler, samples, counts, quality);
+    quality.infeasible = decode.infeasible;
+    quality.decoded = decode.decoded;
+    return quality;
 }
 
 } // namespace
@@ -249,34 +354,15 @@ void check(const QualityOptions& options)
 ModelQuality measure_quality(const Collection& collection, const Grouping& folds,
                              const QualityOptions& options, const Progress& progress)
 {
-    check(options);
-    check_folds(collection, folds);
-    Random random(options.seed);
-    std::vector<int> tests = shuffled(static_cast<Index>(collection.size()), random);
-    tests.resize(std::min(tests.size(), to_size(options.tests)));
-    const auto counts = static_cast<Index>(options.modes.size());
-    ModelQuality quality;
-    quality.modes = options.modes;
-    quality.tests = static_cast<int>(tests.size());
-    const Ruler ruler(collection, options.space.scale);
-    Decoder decode(options, progress, (quality.tests + options.samples) * static_cast<int>(counts));
-    measure_generalisation(collection, folds, options, ruler, tests, decode, quality);
+    return measure(source_of(collection), folds, options, progress);
+}
 
-    const ShapeModel model = fit(collection, options, "all meshes");
-    quality.compactness.resize(counts);
-    for (Index k = 0; k < counts; ++k)
-        quality.compactness[k] =
-            model.variances.head(options.modes[to_size(k)]).sum() / model.total_variance;
-    RowMatrix scores(options.samples, model.mode_count());
-    for (double& score : scores.reshaped<Eigen::RowMajor>())
-        score = random.normal();
-    scores *= model.variances.cwiseSqrt().asDiagonal();
-    const std::vector<Points> samples =
-        decode(model, scores, Eigen::VectorXd::Constant(options.samples, model.mean_size()));
-    measure_specificity(collection, ruler, samples, counts, quality);
-    quality.infeasible = decode.infeasible;
-    quality.decoded = decode.decoded;
-    return quality;
+ModelQuality measure_quality(const MeshStream& meshes, const Grouping& folds,
+                             const QualityOptions& options, const StreamOptions& stream,
+                             const Progress& progress)
+{
+    check(stream);
+    return measure(source_of(meshes, stream), folds, options, progress);
 }
 
 Grouping random_folds(Eigen::Index meshes, int count, std::uint64_t seed)

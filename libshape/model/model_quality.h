@@ -10,6 +10,8 @@
 #include "libshape/edge_space/shape_space.h"
 #include "libshape/embedding/embedder.h"
 #include "libshape/mesh/collection.h"
+#include "libshape/mesh/mesh_stream.h"
+#include "libshape/model/streamed_fit.h"
 #include "libshape/statistics/grouping.h"
 
 namespace shape {
@@ -72,6 +74,16 @@ struct ModelQuality
 /// Determinism: same bits for any thread count.
 [[nodiscard]] ModelQuality measure_quality(const Collection& collection, const Grouping& folds,
                                            const QualityOptions& options,
+                                           const Progress& progress = {});
+
+/// The same of meshes that need not fit into memory: each model is fitted in passes (streamed_fit.h), to
+/// rounding the one in memory where it is found by Gram; beside the decoded meshes few are held.
+/// @param stream  How; its progress, save, state and ranks are not looked at.
+/// @throws as both.
+/// Cost: one fit in passes for each fold with a test, and one of all.
+[[nodiscard]] ModelQuality measure_quality(const MeshStream& meshes, const Grouping& folds,
+                                           const QualityOptions& options,
+                                           const StreamOptions& stream,
                                            const Progress& progress = {});
 
 /// N meshes in `count` folds of equal size (within one), drawn by chance; groups_of_one() if

@@ -12,6 +12,12 @@ namespace shape::internal {
 
 using Eigen::Index;
 
+namespace {
+
+constexpr double sharp = 2.0; ///< [rad]; the fold begins at 2 pi / 3.
+
+} // namespace
+
 void measure_angles(const Collection& block, RowMatrix& angles)
 {
     angles.resize(static_cast<Index>(block.size()), block.topology.edge_count());
@@ -44,12 +50,43 @@ void BranchSums::add(const RowMatrix& angles)
     });
 }
 
+void BranchSums::look_for_sharp(const RowMatrix& angles)
+{
+    parallel_for(to_size(angles.cols()), 4096, [&](std::size_t begin, std::size_t end) {
+        const auto first = static_cast<Index>(begin);
+        const auto count = static_cast<Index>(end - begin);
+        auto sharpest = sharpest_.segment(first, count);
+        for (Index i = 0; i < angles.rows(); ++i)
+            sharpest =
+                sharpest.cwiseMax(angles.row(i).segment(first, count).transpose().cwiseAbs());
+    });
+}
+
+void BranchSums::add_sharp(Index first, const RowMatrix& columns)
+{
+    Eigen::VectorXd angles(columns.rows()), sines(columns.rows()), cosines(columns.rows());
+    for (Index e = 0; e < columns.cols(); ++e) {
+        if (sharpest_[first + e] <= sharp)
+            continue;
+        angles = columns.col(e);
+        sines_cosines(angles.data(), to_size(angles.size()), sines.data(), cosines.data());
+        for (Index i = 0; i < angles.size(); ++i) { // in the order of add()
+            cosines_[first + e] += cosines[i];
+            sines_[first + e] += sines[i];
+        }
+    }
+}
+
+bool BranchSums::has_sharp(Index first, Index count) const
+{
+    return (sharpest_.segment(first, count).array() > sharp).any();
+}
+
 Eigen::VectorXd BranchSums::means(Index count) const
 {
-    constexpr double near = 2.0; // [rad]; the fold begins at 2 pi / 3
     Eigen::VectorXd means = Eigen::VectorXd::Zero(sharpest_.size());
     for (Index e = 0; e < means.size(); ++e)
-        if (sharpest_[e] > near)
+        if (sharpest_[e] > sharp)
             means[e] = circular_mean(cosines_[e], sines_[e], static_cast<double>(count));
     return means;
 }

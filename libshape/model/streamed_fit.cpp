@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -22,6 +23,7 @@
 #include "libshape/model/mesh_passes.h"
 #include "libshape/model/streamed_angles.h"
 #include "libshape/statistics/block_krylov.h"
+#include "libshape/statistics/column_strips.h"
 #include "libshape/statistics/component_steps.h"
 #include "libshape/statistics/tiled_gram.h"
 
@@ -32,7 +34,7 @@ namespace {
 using Eigen::Index;
 
 constexpr std::uint64_t number = sizeof(double);
-constexpr std::size_t strip = 2048; ///< Columns that are worked on together.
+constexpr auto strip = static_cast<std::size_t>(ColumnStrips::width); ///< Columns worked on together.
 
 /// Runs body(first, count) for fixed strips of [0, total).
 void for_strips(Index total, const std::function<void(Index, Index)>& body)
@@ -41,6 +43,13 @@ void for_strips(Index total, const std::function<void(Index, Index)>& body)
         body(static_cast<Index>(begin), static_cast<Index>(end - begin));
     });
 }
+
+/// What was measured of all meshes, on disc.
+struct MeasuredStrips
+{
+    ColumnStrips coordinates;
+    std::optional<ColumnStrips> angles; ///< If the space has companions.
+};
 
 /// The modes and what stands beside them as the passes find it.
 class Fit
@@ -211,6 +220,11 @@ private:
             restore(gram, *stream_.state);
         else
             gram.start_at(look_at_first(tile));
+        if (gram.begin() == 0 && find_room()) {
+            measure_once(tile);
+            add_strips(gram);
+            save(gram);
+        }
         while (!gram.is_complete()) {
             if (stream_.ranks.lots > 1)
                 passes_.show({gram.begin(), gram.held_end(), tile},
@@ -238,20 +252,103 @@ private:
             bytes(weights.cols(), dimension_ + meshes_.topology.edge_count());
         if (model > memory_)
             fail_for_memory(counted(weights.cols(), "mode"), model);
+        add_modes(weights, tile);
+        orthonormalise(components_.modes, weights);
+    }
+
+    /// Takes the place for what is measured once, if there is one and all meshes are this process's.
+    bool find_room()
+    {
+        const Index count = meshes_.size();
+        if (stream_.scratch.empty() || stream_.ranks.lots > 1 ||
+            2 * bytes(count, ColumnStrips::width) > memory_)
+            return false;
+        auto coordinates = ColumnStrips::make(stream_.scratch, count, dimension_);
+        if (!coordinates)
+            return false;
+        strips_ = MeasuredStrips{std::move(*coordinates), std::nullopt};
+        if (!has_companions(passes_.space()))
+            return true;
+        strips_->angles =
+            ColumnStrips::make(stream_.scratch, count, meshes_.topology.edge_count());
+        if (!strips_->angles)
+            strips_.reset();
+        return strips_.has_value();
+    }
+
+    /// The pass that measures all there is.
+    void measure_once(Index tile)
+    {
+        passes_.run("lengths and angles", passes_.all(tile),
+                    [&](Index first, const Collection& block, RowMatrix& rows) {
+                        passes_.encode(block, rows,
+                                       sizes_.segment(first, static_cast<Index>(block.size())));
+                        strips_->coordinates.put(first, rows);
+                        if (!strips_->angles)
+                            return;
+                        measure_angles(block, rows);
+                        branches_.look_for_sharp(rows);
+                        strips_->angles->put(first, rows);
+                    });
+        passes_.rest();
+    }
+
+    /// All inner products, and the branches of the angles.
+    void add_strips(TiledGram& gram)
+    {
+        strips_->coordinates.for_each_in_order([&](Index first, RowMatrix& columns) {
+            gram.add_columns(first, columns);
+            tell("inner products", first + columns.cols());
+        });
+        gram.end_columns();
+        if (!strips_->angles)
+            return;
+        strips_->angles->for_each(
+            [&](Index first, Index count) { return branches_.has_sharp(first, count); },
+            [&](Index first, RowMatrix& columns) { branches_.add_sharp(first, columns); });
+    }
+
+    /// Of what is done with strips.
+    void tell(const char* work, Index columns) const
+    {
+        const auto kilobytes = [&](Index count) { return bytes(meshes_.size(), count) / 1000; };
+        if (stream_.progress)
+            stream_.progress(join(work, ", kB"), kilobytes(columns), kilobytes(dimension_));
+    }
+
+    /// Runs work(first, rows) for the meshes, `tile` at a time: as the passes show them.
+    static void for_tiles(const RowMatrix& columns, Index tile,
+                          const std::function<void(Index first, const ConstBlock& rows)>& work)
+    {
+        for (Index first = 0; first < columns.rows(); first += tile)
+            work(first, columns.middleRows(first, std::min(tile, columns.rows() - first)));
+    }
+
+    /// The modes, from the shares that the meshes have in them.
+    void add_modes(const RowMatrix& weights, Index tile)
+    {
         RowMatrix& modes = components_.modes;
         modes = RowMatrix::Zero(weights.cols(), dimension_);
+        const auto add = [&](Index mesh, Index begin, const ConstBlock& rows) {
+            add_product_of_columns(weights.middleRows(mesh, rows.rows()), rows,
+                                   modes.middleCols(begin, rows.cols()));
+        };
+        if (strips_)
+            return strips_->coordinates.for_each([&](Index begin, RowMatrix& columns) {
+                columns.rowwise() -= components_.mean.segment(begin, columns.cols()).transpose();
+                for_tiles(columns, tile, [&](Index mesh, const ConstBlock& rows) {
+                    add(mesh, begin, rows);
+                });
+            });
         passes_.run("modes", passes_.all(tile),
                     [&](Index first, const Collection& block, RowMatrix& rows) {
                         passes_.encode(block, rows);
                         centre_rows(rows, components_.mean);
-                        const auto shares = weights.middleRows(first, rows.rows());
                         for_strips(dimension_, [&](Index begin, Index count) {
-                            add_product_of_columns(shares, rows.middleCols(begin, count),
-                                                   modes.middleCols(begin, count));
+                            add(first, begin, rows.middleCols(begin, count));
                         });
                     },
                     {numbers_of(modes)});
-        orthonormalise(modes, weights);
     }
 
     /// As many rows as spare passes: an eighth of all or 48 MiB, whatever is more, if it fits.
@@ -310,24 +407,38 @@ private:
                                     " observations are equal, they have no modes"));
     }
 
-    /// The last pass: scores in the modes, and with them what the modes do to the angles,
-    /// (S^T S)^-1 S^T angles. Then everything is turned until the scores are uncorrelated.
+    /// Scores in the modes, and with them what the modes do to the angles, (S^T S)^-1 S^T angles. Then
+    /// everything is turned until the scores are uncorrelated.
     void measure_scores()
     {
         const Index modes = components_.modes.rows();
         const Index edges = has_companions(passes_.space()) ? meshes_.topology.edge_count() : 0;
-        const Eigen::VectorXd branches = branches_.means(meshes_.size());
-        RowMatrix& scores = components_.scores;
-        scores = RowMatrix::Zero(meshes_.size(), modes);
+        components_.scores = RowMatrix::Zero(meshes_.size(), modes);
         mode_angles_ = RowMatrix::Zero(modes, edges);
+        const Eigen::VectorXd branches = branches_.means(meshes_.size());
         const Eigen::VectorXd first_angles =
             edges > 0 ? Eigen::VectorXd(dihedral_angles(meshes_.topology, reference_)
                                             .binaryExpr(branches, &on_branch))
                       : Eigen::VectorXd();
         Eigen::VectorXd sums = Eigen::VectorXd::Zero(edges);
         // Of small blocks: both kinds of modes are in memory now.
-        passes_.run("scores and angles",
-                    passes_.all(std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4)),
+        const Index tile = std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4);
+        if (strips_)
+            take_scores_and_angles(tile, branches, first_angles, sums);
+        else
+            pass_for_scores_and_angles(tile, branches, first_angles, sums);
+        strips_.reset();
+        if (edges > 0)
+            mean_angles_ = first_angles + sums / static_cast<double>(meshes_.size());
+        turn();
+    }
+
+    void pass_for_scores_and_angles(Index tile, const Eigen::VectorXd& branches,
+                                    const Eigen::VectorXd& first_angles, Eigen::VectorXd& sums)
+    {
+        const Index edges = first_angles.size();
+        RowMatrix& scores = components_.scores;
+        passes_.run("scores and angles", passes_.all(tile),
                     [&](Index first, const Collection& block, RowMatrix& rows) {
                         passes_.encode(block, rows);
                         centre_rows(rows, components_.mean);
@@ -346,9 +457,44 @@ private:
                     },
                     {numbers_of(mode_angles_), numbers_of(sums)});
         passes_.gather(numbers_of(scores));
-        if (edges > 0)
-            mean_angles_ = first_angles + sums / static_cast<double>(meshes_.size());
-        turn();
+    }
+
+    /// The same of the strips, with the same sums.
+    void take_scores_and_angles(Index tile, const Eigen::VectorXd& branches,
+                                const Eigen::VectorXd& first_angles, Eigen::VectorXd& sums)
+    {
+        RowMatrix& scores = components_.scores;
+        const RowMatrix& modes = components_.modes;
+        strips_->coordinates.for_each_in_order([&](Index begin, RowMatrix& columns) {
+            const Index count = columns.cols();
+            centre_rows(columns, components_.mean.segment(begin, count));
+            parallel_for(to_size(scores.rows()), to_size(tile), [&](std::size_t row, std::size_t end) {
+                const auto mesh = static_cast<Index>(row);
+                const auto rows = static_cast<Index>(end - row);
+                RowMatrix part = RowMatrix::Zero(rows, modes.rows());
+                add_product_with_rows(columns.middleRows(mesh, rows),
+                                      modes.middleCols(begin, count), part);
+                scores.middleRows(mesh, rows) += part;
+            });
+            tell("scores", begin + count);
+        });
+        if (!strips_->angles)
+            return;
+        strips_->angles->for_each([&](Index begin, RowMatrix& columns) {
+            const Index count = columns.cols();
+            if (branches_.has_sharp(begin, count))
+                for (Index i = 0; i < columns.rows(); ++i)
+                    for (Index e = 0; e < count; ++e)
+                        columns(i, e) = on_branch(columns(i, e), branches[begin + e]);
+            for (Index i = 0; i < columns.rows(); ++i) {
+                columns.row(i) -= first_angles.segment(begin, count).transpose();
+                sums.segment(begin, count) += columns.row(i).transpose();
+            }
+            for_tiles(columns, tile, [&](Index mesh, const ConstBlock& rows) {
+                add_product_of_columns(scores.middleRows(mesh, rows.rows()), rows,
+                                       mode_angles_.middleCols(begin, count));
+            });
+        });
     }
 
     /// rows modes^T, strips of columns added in their order.
@@ -408,6 +554,7 @@ private:
     FitAlgorithm algorithm_ = FitAlgorithm::Gram;
     double error_ = 0.0;
     Points reference_;
+    std::optional<MeasuredStrips> strips_;
     PrincipalComponents components_;
     Eigen::VectorXd mean_angles_;
     RowMatrix mode_angles_;

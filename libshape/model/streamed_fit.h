@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 
@@ -40,6 +41,10 @@ struct StreamOptions
     Ranks ranks = {};
     /// Such a state, of the same meshes and options.
     std::optional<PassState> state = {};
+    /// A folder where Gram may keep what it has measured, 8 N (D + E) bytes in a file without a name, so
+    /// that each mesh is measured once; empty, or where the disc has not twice as much free: in each pass.
+    /// Changes no bit.
+    std::filesystem::path scratch = {};
 };
 
 /// @throws InvalidInput naming the first field that breaks its rule.
@@ -60,7 +65,8 @@ struct StreamedFit
 ///
 /// @throws as fit_model(); LimitExceeded if the memory does not suffice (it says what would); what
 ///     reading throws. Procrustes space is refused.
-/// Cost: Gram N^2 E / 2 multiplications and about N / (2 h) + 2 passes where h meshes are held; Krylov
+/// Cost: Gram N^2 E / 2 multiplications and one pass with a scratch folder, else about N / (2 h) + 2 where
+///     h meshes are held; Krylov
 ///     2 N E s for each pass with s = K + max(10, K / 5).
 [[nodiscard]] StreamedFit fit_model(const MeshStream& meshes, const ModelOptions& options,
                                     const StreamOptions& stream);

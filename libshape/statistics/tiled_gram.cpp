@@ -9,6 +9,7 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/block_products.h"
+#include "libshape/statistics/column_strips.h"
 
 namespace shape::internal {
 
@@ -94,9 +95,32 @@ void TiledGram::add(Index first, RowMatrix& tile)
     parallel_for(to_size(partners), 1, [&](std::size_t p, std::size_t) {
         const Index column = begin_ + static_cast<Index>(p) * tile_;
         const Index columns = std::min(tile_, held_end() - column);
-        add_product_with_rows(tile, held_.middleRows(column - begin_, columns),
-                              products_.block(first, column, tile.rows(), columns));
+        for (Index begin = 0; begin < columns_; begin += ColumnStrips::width) {
+            const Index count = std::min(ColumnStrips::width, columns_ - begin);
+            add_product_with_rows(tile.middleCols(begin, count),
+                                  held_.block(column - begin_, begin, columns, count),
+                                  products_.block(first, column, tile.rows(), columns));
+        }
     });
+}
+
+void TiledGram::add_columns(Index first, RowMatrix& columns)
+{
+    Eigen::VectorXd sums = Eigen::VectorXd::Zero(columns.cols());
+    centre_rows(columns, shift_.segment(first, columns.cols()), &sums);
+    sums_.segment(first, columns.cols()) = sums;
+    const auto tile = [&](Index row) { return columns.middleRows(row, std::min(tile_, rows_ - row)); };
+    parallel_for(to_size(rows_), to_size(tile_), [&](std::size_t begin, std::size_t) {
+        const auto row = static_cast<Index>(begin);
+        for (Index other = 0; other <= row; other += tile_)
+            add_product_with_rows(tile(row), tile(other),
+                                  products_.block(row, other, tile(row).rows(), tile(other).rows()));
+    });
+}
+
+void TiledGram::end_columns()
+{
+    begin_ = rows_;
 }
 
 void TiledGram::end_pass()

@@ -17,8 +17,8 @@ namespace shape::internal {
 ///
 ///     pass 1   held 0 1 2   come 0 1 2 3 4 5 6        pass 2   held 3 4 5   come 3 4 5 6        ...
 ///
-/// A tile of the products is one product of two tiles, whatever is held: neither the memory nor the number
-/// of threads changes a bit. The rows are taken about the mean of the first tile, which keeps what
+/// A tile of the products is a sum, over strips of columns, of products of two tiles, whatever is held:
+/// neither the memory nor the number of threads changes a bit, nor whether rows or columns come. The rows are taken about the mean of the first tile, which keeps what
 /// cancels small.
 class TiledGram
 {
@@ -39,6 +39,12 @@ public:
     /// Takes the next tile of a pass, which it centres in place.
     void add(Eigen::Index first, RowMatrix& tile);
     void end_pass();
+
+    // Where the rows are at hand column by column, no pass is needed.
+    /// Takes the next columns of all rows, ColumnStrips::width of them but in the end, which it centres in
+    /// place about their part of start_at().
+    void add_columns(Eigen::Index first, RowMatrix& columns);
+    void end_columns();
 
     // Where several processes share the tiles, each holds all that are held in a pass before it adds its own.
     [[nodiscard]] Eigen::Index held_end() const; ///< Rows [begin(), held_end()) are held.

@@ -15,6 +15,7 @@ import json
 import math
 import os
 import subprocess
+import threading
 import time
 from pathlib import Path
 
@@ -26,14 +27,30 @@ from common import table, row
 MODES = 20
 
 
+def watch_memory(process, largest):
+    """Appends its largest resident set as it grows [kB]. What wait4() says begins with that of this process."""
+    try:
+        while process.returncode is None:
+            status = Path(f"/proc/{process.pid}/status").read_text()
+            largest.append(int(status.split("VmHWM:")[1].split()[0]))
+            time.sleep(0.01)
+    except (OSError, IndexError):
+        return  # it has ended
+
+
 def run(*command):
     """The JSON that the program prints, CPU seconds, and the largest resident set [MB]."""
     process = subprocess.Popen([*map(str, command), "--json", "--quiet"], stdout=subprocess.PIPE)
+    largest = [0]
+    watch = threading.Thread(target=watch_memory, args=(process, largest))
+    watch.start()
     text = process.stdout.read()
     _, status, usage = os.wait4(process.pid, 0)
-    if os.waitstatus_to_exitcode(status) != 0:
+    process.returncode = os.waitstatus_to_exitcode(status)
+    watch.join()
+    if process.returncode != 0:
         raise SystemExit(f"{' '.join(map(str, command))}: {text.decode()}")
-    return json.loads(text), usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1000
+    return json.loads(text), usage.ru_utime + usage.ru_stime, 1.024e-3 * max(largest)
 
 
 def make(shape, work, name, meshes, vertices):

@@ -142,6 +142,31 @@ TEST(ModelQuality, HasTheSameBitsForAnyThreadCountAndFollowsTheSeed)
     EXPECT_NE(one.specificity_edge.mean, made(1, 8).specificity_edge.mean);
 }
 
+TEST(ModelQuality, InPassesIsThatInMemory)
+{
+    const Collection collection = test::bumpy_spheres(24, 2);
+    const Grouping folds = random_folds(24, 4, 1);
+    const QualityOptions options{.space = edge, .modes = {1, 3}, .tests = 5, .samples = 4};
+    const ModelQuality expected = measure_quality(collection, folds, options);
+    const ModelQuality found = measure_quality(stream_of(collection), folds, options, {});
+    EXPECT_EQ(found.tests, expected.tests);
+    EXPECT_EQ(found.decoded, expected.decoded);
+    EXPECT_EQ(found.infeasible, expected.infeasible);
+    EXPECT_LE((found.compactness - expected.compactness).cwiseAbs().maxCoeff(), 1e-12);
+    for (const auto curve :
+         {&ModelQuality::generalisation_vertex, &ModelQuality::generalisation_edge,
+          &ModelQuality::specificity_vertex, &ModelQuality::specificity_edge})
+        for (const auto column : {&QualityCurve::mean, &QualityCurve::deviation}) {
+            const Eigen::VectorXd& a = found.*curve.*column;
+            const Eigen::VectorXd& b = expected.*curve.*column;
+            EXPECT_LE((a - b).cwiseAbs().maxCoeff(), 1e-7 * b.cwiseAbs().maxCoeff());
+        }
+    EXPECT_THROW((void)measure_quality(stream_of(collection), random_folds(23, 4, 1), options, {}),
+                 InvalidInput);
+    EXPECT_THROW((void)measure_quality(stream_of(collection), folds, options, {.tolerance = 2.0}),
+                 InvalidInput);
+}
+
 TEST(ModelQuality, RefusesWhatBreaksARule)
 {
     const Collection collection = test::bumpy_spheres(5, 7);

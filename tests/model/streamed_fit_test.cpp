@@ -160,6 +160,31 @@ TEST(StreamedFit, HasTheSameBitsForAnyThreadCountAndWhenItIsResumedAfterAnyPass)
     }
 }
 
+TEST(StreamedFit, MeasuresOnceWhereItHasAFolderForThatToTheSameBits)
+{
+    const test::TemporaryDirectory folder;
+    const Collection collection = test::folded_spheres(40);
+    for (const SpaceOptions& space : spaces()) {
+        const ModelOptions options{.modes = 4, .space = space};
+        StreamOptions stream{.algorithm = FitAlgorithm::Gram};
+        const StreamedFit passes = fit_model(stream_of(collection), options, stream);
+        stream.scratch = folder.path();
+        std::vector<PassState> states;
+        stream.save = [&](const PassState& state) { states.push_back(state); };
+        const StreamedFit once = fit_model(stream_of(collection), options, stream);
+        expect_same_bits(once.model, passes.model);
+        EXPECT_EQ(once.passes, 1);
+        EXPECT_TRUE(folder.names().empty());
+        // What is on disc ends with a run: one that is resumed goes in passes.
+        ASSERT_EQ(states.size(), 1U);
+        stream.state = states.front();
+        expect_same_bits(fit_model(stream_of(collection), options, stream).model, passes.model);
+        stream.state.reset();
+        stream.scratch = folder / "missing";
+        expect_same_bits(fit_model(stream_of(collection), options, stream).model, passes.model);
+    }
+}
+
 TEST(StreamedFit, HasTheSameBitsForOneTwoAndFourProcesses)
 {
     const Collection collection = test::folded_spheres(150);

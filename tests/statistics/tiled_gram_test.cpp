@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "libshape/statistics/column_strips.h"
 #include "libshape/statistics/inner_products.h"
+#include "tests/support/files.h"
 #include "tests/support/matrices.h"
 #include "tests/support/thread_scope.h"
 
@@ -68,6 +72,51 @@ TEST(TiledGram, HasTheSameBitsWhateverIsHeldForAnyThreadCountAndAfterEveryBreak)
         const test::ThreadScope scope(threads);
         EXPECT_TRUE(gram_of(data, 128).products() == products) << threads;
     }
+}
+
+TEST(TiledGram, HasTheSameBitsWhereColumnsComeInsteadOfRows)
+{
+    // Three strips, the last one of 104 columns; tiles of 128 and, of few long rows, of 4.
+    const RowMatrix data = test::random_matrix(300, 4200, 2).array() + 3.0;
+    for (const RowMatrix& rows : {data, RowMatrix(data.topRows(23).replicate(1, 40))}) {
+        const TiledGram expected = gram_of(rows, 5);
+        const test::TemporaryDirectory folder;
+        const auto strips = ColumnStrips::make(folder.path(), rows.rows(), rows.cols());
+        ASSERT_TRUE(strips);
+        for (Index first = 0; first < rows.rows(); first += 7)
+            strips->put(first, rows.middleRows(first, std::min<Index>(7, rows.rows() - first)));
+        TiledGram gram(rows.rows(), rows.cols(), 0);
+        gram.start_at(
+            rows.topRows(std::min(gram.tile(), rows.rows())).colwise().mean().transpose());
+        strips->for_each_in_order(
+            [&](Index first, RowMatrix& columns) { gram.add_columns(first, columns); });
+        gram.end_columns();
+        EXPECT_TRUE(gram.is_complete());
+        EXPECT_TRUE(gram.products() == expected.products());
+        EXPECT_TRUE(gram.mean() == expected.mean());
+    }
+}
+
+TEST(ColumnStrips, GoInStripsAsTheyCameInRowsAndSomeAreLeftOut)
+{
+    const RowMatrix data = test::random_matrix(5, 5000, 3);
+    const test::TemporaryDirectory folder;
+    const auto strips = ColumnStrips::make(folder.path(), 5, 5000);
+    ASSERT_TRUE(strips);
+    strips->put(2, data.bottomRows(3));
+    strips->put(0, data.topRows(2));
+    RowMatrix found = RowMatrix::Zero(5, 5000);
+    const auto take = [&](Index first, RowMatrix& columns) {
+        found.middleCols(first, columns.cols()) = columns;
+        columns.setZero(); // changes nothing on disc
+    };
+    strips->for_each(take);
+    EXPECT_TRUE(found == data);
+    found.setZero();
+    strips->for_each([](Index first, Index count) { return first + count < 5000; }, take);
+    EXPECT_TRUE(found.leftCols(4096) == data.leftCols(4096));
+    EXPECT_EQ(found.rightCols(904).cwiseAbs().maxCoeff(), 0.0);
+    EXPECT_FALSE(ColumnStrips::make(folder / "missing", 5, 5000));
 }
 
 TEST(TiledGram, TilesAreSmallWhereRowsAreLong)

@@ -10,6 +10,7 @@
 #include "libshape/mesh/vertex_means.h"
 #include "tools/output/mesh_output.h"
 #include "tools/output/output_rules.h"
+#include "tools/program/arguments.h"
 
 namespace shape::tools {
 using namespace internal;

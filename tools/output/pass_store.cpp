@@ -143,6 +143,11 @@ std::pair<std::string, PassState> read_state(const std::filesystem::path& path)
 
 } // namespace
 
+std::filesystem::path scratch_folder(const std::filesystem::path& output)
+{
+    return output.has_parent_path() ? output.parent_path() : ".";
+}
+
 PassStore::PassStore(const Session& session, const std::filesystem::path& output,
                      const Json& identity, bool resume, double seconds)
     : file_(output.string() + ".unfinished"), identity_(identity.dump()), seconds_(seconds)
@@ -183,6 +188,14 @@ void PassStore::save(const PassState& state)
         writer.finish();
     });
     last_ = Clock::now();
+}
+
+std::string PassStore::on_interrupt() const
+{
+    if (std::error_code ignored; !std::filesystem::exists(file_, ignored))
+        return join("interrupted; nothing was kept yet (--save-every ", seconds_, " s)");
+    return join("interrupted; ", file_.string(),
+                " has the passes before, the same command with --resume goes on from there");
 }
 
 void PassStore::finish()

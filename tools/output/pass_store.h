@@ -5,11 +5,15 @@
 #include <chrono>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "libshape/statistics/pass_state.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
+
+/// Where a run may keep what it has measured until it ends: beside its output.
+[[nodiscard]] std::filesystem::path scratch_folder(const std::filesystem::path& output);
 
 /// What a run that goes over its data in passes has found so far, kept beside the output as
 /// OUTPUT.unfinished until the run ends, so that one that was killed can be resumed.
@@ -30,6 +34,9 @@ public:
     /// Keeps a state if it is time.
     /// @throws FileError if it cannot be written.
     void save(const PassState& state);
+
+    /// What to say when the run is stopped: where it can go on, if something was kept.
+    [[nodiscard]] std::string on_interrupt() const;
 
     /// Removes what was kept: the run has ended well.
     void finish();

@@ -10,12 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/output_file.h"
 #include "tools/program/arguments.h"
+#include "tools/program/ranks.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -34,6 +36,8 @@ fs::path without_slash(const fs::path& path)
 
 Shard read_shard(const std::string& text)
 {
+    if (ranks().count > 1)
+        throw UsageError("--shard: the processes of mpirun have a shard each already; give one of both");
     const std::vector<std::string> parts = split(text, '/');
     const auto number = [&](const std::string& part) {
         const double value = read_number(part, "--shard");
@@ -46,6 +50,13 @@ Shard read_shard(const std::string& text)
         throw UsageError(join("--shard: '", text, "' must be I/N with I in [1, N] and N in [1, ",
                               most_shards, "], such as 2/8"));
     return shard;
+}
+
+void check_is_new(const fs::path& target)
+{
+    if (fs::exists(fs::symlink_status(target)))
+        throw FileError(
+            join(target.string(), ": exists already; shards are merged into a new one"));
 }
 
 /// A directory of a shard and what its manifest says.
@@ -174,12 +185,32 @@ fs::path Shard::directory(const fs::path& output) const
 
 void add_shard(CLI::App& command, Shard& shard)
 {
+    if (ranks().count > 1)
+        shard = {ranks().number + 1, ranks().count};
     command
         .add_option_function<std::string>(
             "--shard", [&shard](const std::string& text) { shard = read_shard(text); },
             "Make only every N-th mesh, from the I-th on, into OUT.shard-I-of-N/: for N runs that\n"
             "share the work, such as an array of jobs. `shape merge OUT` puts them together")
         ->option_text("I/N");
+}
+
+void check_merged_output(const Shard& shard, const fs::path& output)
+{
+    if (shard.is_given() && ranks().count > 1)
+        check_is_new(without_slash(output));
+}
+
+void merge_shards_of_ranks(const Session& session, const fs::path& output)
+{
+    if (ranks().count == 1)
+        return;
+    wait_for_ranks();
+    if (!ranks().speaks())
+        return;
+    const MergedShards merged = merge_shards(output);
+    session.message(join(output.string(), ": ", counted(merged.things, "mesh", "meshes"), " by ",
+                         ranks().count, " processes"));
 }
 
 std::vector<std::string> relative_to(const fs::path& directory,
@@ -210,9 +241,7 @@ void write_shard_manifest(const fs::path& directory, const Shard& shard, std::si
 MergedShards merge_shards(const fs::path& output)
 {
     const fs::path target = without_slash(output);
-    if (fs::exists(fs::symlink_status(target)))
-        throw FileError(
-            join(target.string(), ": exists already; shards are merged into a new one"));
+    check_is_new(target);
     const std::map<int, Part> parts = find_parts(target);
     MergedShards merged{static_cast<int>(parts.size()), 0, {}};
     const fs::path staging =

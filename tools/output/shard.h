@@ -32,8 +32,17 @@ struct Shard
     [[nodiscard]] std::filesystem::path directory(const std::filesystem::path& output) const;
 };
 
-/// Adds --shard I/N.
+/// Adds --shard I/N. Processes that mpirun has started have a shard each without it.
+/// @throws UsageError  when parsed, if both are given.
 void add_shard(CLI::App& command, Shard& shard);
+
+/// Before a shard is made: whether what the shards of mpirun are merged into is there already.
+/// @throws FileError if it is.
+void check_merged_output(const Shard& shard, const std::filesystem::path& output);
+
+/// When a shard is made: the first of several processes waits for the others and puts all shards together.
+/// A shard of --shard stays as it is.
+void merge_shards_of_ranks(const Session& session, const std::filesystem::path& output);
 
 /// The same paths as they are in a directory.
 [[nodiscard]] std::vector<std::string> relative_to(const std::filesystem::path& directory,

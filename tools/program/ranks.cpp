@@ -2,13 +2,18 @@
 
 #include "tools/program/ranks.h"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <thread>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "tools/program/arguments.h"
+#include "tools/program/interrupt.h"
 
 #ifdef SHAPE_WITH_MPI
 #define OMPI_SKIP_MPICXX 1 // its interface of C alone
@@ -32,6 +37,20 @@ int started_together()
     return 0;
 }
 
+/// The process that speaks.
+struct FirstProcess
+{
+    long id = 0;
+    bool is_elsewhere = false; ///< On another machine.
+};
+
+FirstProcess first_process;
+
+bool is_gone(long process)
+{
+    return ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
+
 Ranks& own_ranks()
 {
     static Ranks ranks;
@@ -41,6 +60,29 @@ Ranks& own_ranks()
 #ifdef SHAPE_WITH_MPI
 
 bool is_joined = false;
+
+/// Tells all processes which one is the first.
+void introduce_first_process()
+{
+    long facts[2] = {static_cast<long>(::getpid()), ::gethostid()};
+    const long host = facts[1];
+    MPI_Bcast(facts, 2, MPI_LONG, 0, MPI_COMM_WORLD);
+    first_process = {facts[0], facts[1] != host};
+}
+
+/// Sends numbers to a process and receives as many. One that is waited for may have been killed: mpirun then
+/// tells the others to stop.
+void exchange(std::span<double> numbers, std::span<double> other, int partner)
+{
+    const auto count = static_cast<int>(numbers.size());
+    MPI_Request requests[2];
+    MPI_Irecv(other.data(), count, MPI_DOUBLE, partner, 0, MPI_COMM_WORLD, &requests[0]);
+    MPI_Isend(numbers.data(), count, MPI_DOUBLE, partner, 0, MPI_COMM_WORLD, &requests[1]);
+    for (int are_done = 0; are_done == 0;) {
+        MPI_Testall(2, requests, &are_done, MPI_STATUSES_IGNORE);
+        throw_if_interrupted();
+    }
+}
 
 /// Combines the numbers of all processes: each time with those of the process whose number differs in one
 /// bit, the highest first. Both get the same, for the order of two does not matter.
@@ -53,9 +95,7 @@ void combine(std::span<double> numbers, const Combine& with)
     for (int bit = ranks.count / 2; bit > 0; bit /= 2)
         for (std::size_t first = 0; first < numbers.size(); first += piece) {
             const std::size_t count = std::min(piece, numbers.size() - first);
-            MPI_Sendrecv(numbers.data() + first, static_cast<int>(count), MPI_DOUBLE,
-                         ranks.number ^ bit, 0, other.data(), static_cast<int>(count), MPI_DOUBLE,
-                         ranks.number ^ bit, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+            exchange(numbers.subspan(first, count), other, ranks.number ^ bit);
             for (std::size_t i = 0; i < count; ++i)
                 numbers[first + i] = with(numbers[first + i], other[i]);
         }
@@ -82,6 +122,7 @@ void join_ranks()
     Ranks& own = own_ranks();
     MPI_Comm_rank(MPI_COMM_WORLD, &own.number);
     MPI_Comm_size(MPI_COMM_WORLD, &own.count);
+    introduce_first_process();
     if ((own.count & (own.count - 1)) != 0)
         throw UsageError(join("mpirun has started ", own.count,
                               " processes; their number must be a power of two"));
@@ -111,10 +152,25 @@ int leave_ranks(int exit_code)
     return exit_code;
 }
 
-void let_first_rank_speak()
+bool is_to_speak(bool is_interrupted)
 {
-    if (!own_ranks().speaks())
-        std::this_thread::sleep_for(std::chrono::seconds(2));
+    using std::chrono::milliseconds;
+    const int number = own_ranks().number;
+    if (number == 0)
+        return true;
+    const bool is_next = number == 1 && is_interrupted;
+    for (int tenth = 0; tenth < (is_interrupted ? 10 : 20); ++tenth) {
+        if (is_next && (first_process.is_elsewhere ? tenth == 5 : is_gone(first_process.id)))
+            return true;
+        std::this_thread::sleep_for(milliseconds(100));
+    }
+    return !is_interrupted;
+}
+
+void wait_for_ranks()
+{
+    double nothing = 0.0;
+    own_ranks().add_up({&nothing, 1});
 }
 
 } // namespace shape::tools

@@ -17,7 +17,13 @@ void join_ranks();
 /// @return The exit code.
 int leave_ranks(int exit_code);
 
-/// Lets the first process speak where all have failed alike: it ends the others meanwhile.
-void let_first_rank_speak();
+/// Whether this process is to say why it fails. Where all have failed alike the first one does, and ends the
+/// others meanwhile; so they wait a little.
+/// @param is_interrupted  Told to stop: so are the others, by mpirun if not before. The first one speaks or, should
+///     it have been killed, the second.
+[[nodiscard]] bool is_to_speak(bool is_interrupted);
+
+/// Waits for all of them to come here.
+void wait_for_ranks();
 
 } // namespace shape::tools
