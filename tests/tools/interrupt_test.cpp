@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(
     Commands, Interrupts,
     testing::Values(Arguments{"groups", "faces", "--labels", "faces/labels.csv", "--by",
                               "expression", "--permutations", "10000000", "-o", "groups.csv"},
-                    Arguments{"stats", "faces", "--bootstrap", "10000000", "-o", "model.h5"},
+                    Arguments{"stats", "faces", "--bootstrap", "1000000", "-o", "model.h5"},
                     Arguments{"synth", "heads", "--count", "10000", "--vertices", "20000", "-o",
                               "heads"}),
     [](const auto& info) { return info.param.front(); });
