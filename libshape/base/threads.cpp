@@ -2,6 +2,8 @@
 
 #include "libshape/base/threads.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -14,6 +16,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 
 namespace shape {
@@ -41,11 +44,17 @@ public:
     {
     }
 
-    /// Runs chunks until all are taken.
+    /// Runs chunks until all are taken, or a stop is requested.
     void work()
     {
         inside_loop = true;
+        const StopScope heed(stop_request_);
         for (std::size_t chunk = next_++; chunk < chunks_; chunk = next_++) {
+            if (is_stop_requested()) {
+                is_stopped_ = true;
+                next_ = chunks_;
+                break;
+            }
             try {
                 run_(chunk);
             } catch (...) {
@@ -62,6 +71,8 @@ public:
         for (const std::exception_ptr& error : errors_)
             if (error)
                 std::rethrow_exception(error);
+        if (is_stopped_)
+            throw_interrupted();
     }
 
     std::atomic<int> helpers{0}; ///< Workers inside work(); changed under the lock of the workers.
@@ -73,6 +84,8 @@ private:
     int most_helpers_;
     const std::function<void(std::size_t)>& run_;
     std::vector<std::exception_ptr> errors_;
+    const std::atomic<bool>* stop_request_ = stop_request; ///< That of the caller.
+    std::atomic<bool> is_stopped_{false};
 };
 
 /// Spins for about 50 microseconds: loops follow each other closely, and to wake a thread costs as much.
@@ -91,7 +104,7 @@ bool soon(const Condition& condition)
 
 /// The threads that help the callers of loops. A caller never waits for one to start: without any
 /// (no memory for a stack, or the limit of processes reached) it does all the work itself, to the
-/// same bits.
+/// same bits. A fork leaves them behind: see Workers::begin_anew().
 class Workers
 {
 public:
@@ -108,6 +121,13 @@ public:
         for (std::thread& thread : threads_)
             thread.join();
     }
+
+    void lock() { mutex_.lock(); }
+    void unlock() { mutex_.unlock(); }
+
+    /// In the child of a fork, where no worker lives on and the conditions count waiters that are gone: the
+    /// old members cannot be destroyed, only left. Threads start with the next loop.
+    void begin_anew() { new (this) Workers; }
 
     void run(Loop& loop)
     {
@@ -190,11 +210,28 @@ private:
     std::vector<std::thread> threads_;
 };
 
+Workers& workers();
+
+/// Made when the library is loaded: a fork never comes while it is being made. Nobody holds its lock when the
+/// process is copied, nor are its lists half changed.
+class ForkableWorkers
+{
+public:
+    ForkableWorkers()
+    {
+        pthread_atfork([] { workers().lock(); }, [] { workers().unlock(); },
+                       [] { workers().begin_anew(); });
+    }
+    Workers all;
+};
+
 Workers& workers()
 {
-    static Workers all;
-    return all;
+    static ForkableWorkers made;
+    return made.all;
 }
+
+[[maybe_unused]] const Workers& made_at_loading = workers();
 
 } // namespace
 
@@ -220,8 +257,10 @@ void parallel_for(std::size_t count, std::size_t grain,
     };
     const int threads = thread_count();
     if (chunks <= 1 || threads == 1 || inside_loop) {
-        for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+        for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+            throw_if_stop_requested();
             run(chunk);
+        }
         return;
     }
     Loop loop(chunks, threads - 1, run);

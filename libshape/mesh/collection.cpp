@@ -9,6 +9,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
@@ -162,6 +163,7 @@ Collection collect(std::vector<NamedMesh> meshes)
     Collection collection{topology, {}, {}, {}};
     std::set<std::string> seen;
     for (const NamedMesh& mesh : meshes) {
+        throw_if_stop_requested();
         const std::string difference = describe_correspondence_break(reference, mesh);
         if (!difference.empty())
             throw InvalidInput(difference);

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 
 namespace shape {
 using namespace internal;
@@ -25,8 +26,10 @@ void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body)
 {
     grain = std::max<std::size_t>(grain, 1);
-    for (std::size_t begin = 0; begin < count; begin += grain)
+    for (std::size_t begin = 0; begin < count; begin += grain) {
+        throw_if_stop_requested();
         body(begin, std::min(count, begin + grain));
+    }
 }
 
 } // namespace shape

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <vector>
 
+#include "libshape/base/stop.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 
@@ -124,6 +125,7 @@ double improve(const Points& samples, const Surface& fixed, int steps, RigidMoti
         Points nearest(moved.rows(), 3);
         std::vector<double> distances;
         for (Index i = 0; i < moved.rows(); ++i) {
+            throw_if_stop_requested();
             const SurfacePoint point = fixed.tree.nearest(moved.row(i));
             nearest.row(i) = point.position;
             distances.push_back(point.distance);

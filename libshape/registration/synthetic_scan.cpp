@@ -17,6 +17,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/require.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/registration/closest_points.h"
 #include "libshape/registration/scan_surface.h"
@@ -48,6 +49,7 @@ void split_long_edges(Mesh& mesh, double longest)
         found = false;
         const auto count = static_cast<int>(mesh.n_edges()); // those made here have their turn next
         for (int i = 0; i < count; ++i) {
+            throw_if_stop_requested();
             const Mesh::EdgeHandle e(i);
             if (mesh.status(e).deleted() || length_of(mesh, e) <= longest)
                 continue;
@@ -88,6 +90,7 @@ bool may_move_to(const Mesh& mesh, Vertex from, Vertex to, double longest)
 void collapse_short_edges(Mesh& mesh, double shortest, double longest)
 {
     for (int i = 0; i < static_cast<int>(mesh.n_edges()); ++i) {
+        throw_if_stop_requested();
         const Mesh::EdgeHandle e(i);
         if (mesh.status(e).deleted() || length_of(mesh, e) >= shortest)
             continue;
@@ -112,6 +115,7 @@ void even_out_valences(Mesh& mesh)
         return std::abs(static_cast<int>(mesh.valence(v)) + change - (mesh.is_boundary(v) ? 4 : 6));
     };
     for (int i = 0; i < static_cast<int>(mesh.n_edges()); ++i) {
+        throw_if_stop_requested();
         const Mesh::EdgeHandle e(i);
         if (mesh.is_boundary(e) || !mesh.is_flip_ok(e))
             continue;
@@ -137,6 +141,7 @@ void relax(Mesh& mesh, const ClosestPoints& surface, double edge, double jitter,
     mesh.update_normals();
     std::vector<Vector3d> moved;
     for (const auto v : mesh.vertices()) {
+        throw_if_stop_requested();
         const Vector3d here = at(mesh, v);
         moved.push_back(here);
         if (mesh.is_boundary(v))

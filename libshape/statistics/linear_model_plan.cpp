@@ -13,6 +13,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 
 namespace shape::internal {
@@ -156,6 +157,7 @@ struct LinearModelPlan::Model
 
     [[nodiscard]] std::vector<std::uint64_t> seeds() const
     {
+        throw_if_stop_requested(); // there may be many
         Random random(options.seed);
         std::vector<std::uint64_t> result(to_size(options.permutations));
         for (std::uint64_t& seed : result)

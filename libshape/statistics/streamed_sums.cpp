@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "libshape/base/stop.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/block_products.h"
@@ -205,6 +206,7 @@ SumAnswers answer(const PointPasses& points, const SumQuestions& questions, std:
         const SumFamily& family = questions.families[f];
         answers.families.emplace_back(to_size(family.members));
         const Index step = std::max<Index>(FamilyChunk::columns / family.width(), 1);
+        throw_if_stop_requested();
         for (Index begin = 0; begin < family.members; begin += step)
             waiting.emplace_back(family, f, begin, std::min(begin + step, family.members));
     }
@@ -225,8 +227,10 @@ SumAnswers answer(const PointPasses& points, const SumQuestions& questions, std:
              ++next)
             left -= std::min(left, next->bytes(points.coordinates));
         const std::span<FamilyChunk> chunks(begin, next);
-        for (FamilyChunk& chunk : chunks)
+        for (FamilyChunk& chunk : chunks) {
+            throw_if_stop_requested();
             chunk.start(points.coordinates);
+        }
         points.pass([&](Index first, const RowMatrix& rows) {
             if (is_first)
                 measure(first, rows, questions, points.group_means, answers);

@@ -8,6 +8,7 @@
 
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/stop.h"
 #include "libshape/synthetic/generators.h"
 #include "libshape/synthetic/profiles.h"
 
@@ -337,6 +338,7 @@ Net net(int vertices)
     Net result;
     std::vector<std::vector<int>> numbers; // of the vertices, row by row
     const auto add_row = [&](const std::function<double(double)>& line) {
+        throw_if_stop_requested();
         const bool odd = numbers.size() % 2 == 1;
         std::vector<int>& row = numbers.emplace_back();
         for (int c = 0; c < columns + (odd ? 1 : 0); ++c) {
@@ -484,9 +486,11 @@ Collection make_people(const SyntheticOptions& options, const Net& mask, const B
         const std::string subject = join("s", padded(i, 3));
         const auto add = [&](const char* expression, const Mood& mood) {
             Points points(static_cast<Eigen::Index>(mask.bare.size()), 3);
-            for (std::size_t v = 0; v < mask.bare.size(); ++v)
+            for (std::size_t v = 0; v < mask.bare.size(); ++v) {
+                throw_if_stop_requested();
                 points.row(static_cast<Eigen::Index>(v)) =
                     face_point(mask.bare[v], person, mood).transpose();
+            }
             add_back(back, mask.rim, 1.0 + 0.03 * person.size, points);
             members.add(join(subject, "_", expression), std::move(points), {subject, expression});
         };

@@ -3,6 +3,7 @@
 #include "libshape/synthetic/grids.h"
 
 #include "libshape/base/require.h"
+#include "libshape/base/stop.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -167,8 +168,10 @@ CurveFrame frame_on(const Bend& bend, double along)
 Points place(const Tube& tube, const std::function<Eigen::Vector3d(const TubeVertex&)>& position)
 {
     Points points(static_cast<Eigen::Index>(tube.vertices.size()), 3);
-    for (std::size_t v = 0; v < tube.vertices.size(); ++v)
+    for (std::size_t v = 0; v < tube.vertices.size(); ++v) {
+        throw_if_stop_requested();
         points.row(static_cast<Eigen::Index>(v)) = position(tube.vertices[v]).transpose();
+    }
     return points;
 }
 

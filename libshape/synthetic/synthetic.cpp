@@ -7,6 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/synthetic/generators.h"
 
@@ -154,6 +155,7 @@ Members::Members(Faces faces, std::vector<std::string> label_names) : faces_(std
 
 void Members::add(std::string name, Points points, const std::vector<std::string>& labels)
 {
+    throw_if_stop_requested();
     for (std::size_t i = 0; i < labels_.size(); ++i)
         labels_[i].values.push_back(labels.at(i));
     const std::string path = "synthetic mesh '" + name + "'";

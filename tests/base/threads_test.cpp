@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "libshape/base/error.h"
+#include "libshape/base/stop.h"
 #include "tests/support/thread_scope.h"
 
 namespace shape {
@@ -51,6 +53,107 @@ TEST(ParallelFor, TakesAGrainOfZeroForOne)
     });
     EXPECT_EQ(calls, 5);
 }
+
+TEST(ParallelFor, StopsBetweenChunksWhenAsked)
+{
+    using namespace internal;
+    for (const int threads : {1, 2, 4}) {
+        const test::ThreadScope scope(threads);
+        std::atomic<bool> is_requested = false;
+        const StopScope heed(&is_requested);
+        std::atomic<int> begun = 0;
+        const auto work = [&](std::size_t, std::size_t) {
+            ++begun;
+            is_requested = true;
+        };
+        EXPECT_THROW(parallel_for(100'000, 1, work), Interrupted);
+        EXPECT_GE(begun, 1);
+        EXPECT_LE(begun, threads);
+        begun = 0;
+        EXPECT_THROW(parallel_for(1, 1, work), Interrupted); // asked for already
+        EXPECT_EQ(begun, 0);
+    }
+    std::atomic<int> visits = 0; // the scopes are gone
+    parallel_for(8, 1, [&](std::size_t, std::size_t) { ++visits; });
+    EXPECT_EQ(visits, 8);
+}
+
+TEST(ParallelFor, HelpersHeedTheStopOfTheirCaller)
+{
+    const test::ThreadScope scope(2);
+    std::atomic<bool> is_requested = true;
+    std::atomic<int> heeding = 0;
+    std::atomic<int> arrived = 0;
+    {
+        std::atomic<bool> is_not = false;
+        const internal::StopScope heed(&is_not);
+        parallel_for(2, 1, [&](std::size_t, std::size_t) {
+            ++arrived;
+            while (arrived < 2)
+                std::this_thread::yield();
+            heeding += internal::stop_request == &is_not ? 1 : 0;
+        });
+    }
+    EXPECT_EQ(heeding, 2);
+    const internal::StopScope heed(&is_requested);
+    EXPECT_THROW(internal::throw_if_stop_requested(), Interrupted);
+}
+
+#if !defined(__SANITIZE_THREAD__) // which lets no child of several threads start one
+
+/// Two chunks that end only if two threads run them.
+void meet()
+{
+    std::atomic<int> arrived = 0;
+    parallel_for(2, 1, [&](std::size_t, std::size_t) {
+        ++arrived;
+        while (arrived < 2)
+            std::this_thread::yield();
+    });
+}
+
+TEST(ParallelFor, GoesOnInTheChildOfAFork)
+{
+    const test::ThreadScope scope(2);
+    meet(); // there are helpers now, which the child will not have
+    for (int round = 0; round < 20; ++round) {
+        const pid_t child = fork();
+        if (child == 0) {
+            alarm(20);
+            meet();
+            _exit(0);
+        }
+        int status = 0;
+        ASSERT_EQ(waitpid(child, &status, 0), child);
+        ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "round " << round;
+        meet(); // and so do we
+    }
+}
+
+TEST(ParallelFor, ForksWhileOtherThreadsRunLoops)
+{
+    const test::ThreadScope scope(3);
+    std::atomic<bool> is_over = false;
+    std::thread busy([&] {
+        while (!is_over)
+            parallel_for(64, 1, [](std::size_t, std::size_t) {});
+    });
+    for (int round = 0; round < 50; ++round) {
+        const pid_t child = fork();
+        if (child == 0) {
+            alarm(20);
+            parallel_for(64, 1, [](std::size_t, std::size_t) {});
+            _exit(0);
+        }
+        int status = 0;
+        EXPECT_EQ(waitpid(child, &status, 0), child);
+        EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "round " << round;
+    }
+    is_over = true;
+    busy.join();
+}
+
+#endif
 
 TEST(ParallelFor, UsesSeveralThreads)
 {

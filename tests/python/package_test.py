@@ -283,11 +283,11 @@ class Arguments(WithFaces):
         labels = {"age": [1, 2, 3]}
         made = ls.collection([m.V for m in self.faces[:3]], self.faces.F, names=["a", "b", "c"],
                              labels=labels)
-        self.assertEqual((made.names, made.labels), (["a", "b", "c"], {"age": ["1", "2", "3"]}))
+        self.assertEqual((made.names, made.labels), (("a", "b", "c"), {"age": ("1", "2", "3")}))
         self.assertEqual(made[-1].name, "c")
-        self.assertEqual(made[::-2].names, ["c", "a"])
+        self.assertEqual(made[::-2].names, ("c", "a"))
         np.testing.assert_array_equal(made["b"].V, self.faces[1].V)
-        self.assertEqual([m.name for m in made], made.names)
+        self.assertEqual(tuple(m.name for m in made), made.names)
 
 
 class Behaviour(WithFaces):
@@ -407,9 +407,9 @@ class Behaviour(WithFaces):
         except ImportError:
             self.skipTest("no pandas")
         scores = self.model.scores(self.faces).table()
-        self.assertEqual(list(scores["mesh"]), self.faces.names)
+        self.assertEqual(tuple(scores["mesh"]), self.faces.names)
         self.assertEqual(ls.distance(self.faces).table().shape, (12, 12))
-        self.assertEqual(len(ls.groups(self.faces, "expression", permutations=9).table()), 3)
+        self.assertEqual(len(ls.groups(self.faces, "expression", permutations=9).table()), 4)
         self.assertEqual(len(self.faces.table()), 12)
 
     def test_explorer(self) -> None:
@@ -423,9 +423,9 @@ class Behaviour(WithFaces):
     def test_every_public_name_is_documented(self) -> None:
         for name in ls.__all__:
             thing = getattr(ls, name)
-            if name == "Progress":
+            if name in ("Array", "Indices", "MeshLike", "Progress"):
                 continue
-            self.assertTrue(thing.__doc__ or thing.__module__ == "libshape._core", name)
+            self.assertTrue(thing.__doc__, name)
             for member, value in vars(thing).items() if isinstance(thing, type) else ():
                 if not member.startswith("_") and (callable(value) or isinstance(value, property)):
                     self.assertTrue(value.__doc__, f"{name}.{member}")

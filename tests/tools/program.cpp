@@ -106,7 +106,9 @@ Outcome run_shape(const fs::path& folder, const std::vector<std::string>& argume
         const bool is_there =
             !launch.interrupt_at_file.empty() && fs::exists(folder / launch.interrupt_at_file);
         const bool has_changed = launch.interrupt_at_change && entry_count(folder) != entries;
-        if (!interrupted && (is_there || has_changed)) {
+        const bool is_time = launch.interrupt_after > milliseconds(0) &&
+                             steady_clock::now() - start > launch.interrupt_after;
+        if (!interrupted && (is_there || has_changed || is_time)) {
             kill(child, SIGINT);
             interrupted = true;
         }

@@ -12,6 +12,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/table_file.h"
+#include "tools/input/complete_labels.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -20,7 +21,8 @@ using namespace internal;
 namespace {
 
 /// The column of which every mesh has a value.
-const LabelColumn& complete_label(const MeshLabels& meshes, const std::string& label)
+const LabelColumn& complete_label(const MeshLabels& meshes, const std::string& label,
+                                  const std::string& remedy)
 {
     const LabelColumn& column = find_label(meshes.labels, label);
     const auto missing = std::find(column.values.begin(), column.values.end(), "");
@@ -29,9 +31,14 @@ const LabelColumn& complete_label(const MeshLabels& meshes, const std::string& l
         const auto count = std::count(missing, column.values.end(), "");
         throw InvalidInput(join("mesh ", meshes.names[mesh], " has no value of label '", label,
                                 "', in all ", count, " of ", meshes.size(),
-                                " meshes; leave them out (--only ", label, ") or label them"));
+                                " meshes; leave them out (", remedy, ") or label them"));
     }
     return column;
+}
+
+std::string only(const std::string& label)
+{
+    return "--only " + label;
 }
 
 } // namespace
@@ -117,7 +124,13 @@ std::pair<std::string, std::string> label_and_value(const std::string& option,
 
 Grouping group_by_label(const MeshLabels& meshes, const std::string& label)
 {
-    return group_by(complete_label(meshes, label).values);
+    return group_by_label(meshes, label, only(label));
+}
+
+Grouping group_by_label(const MeshLabels& meshes, const std::string& label,
+                        const std::string& remedy)
+{
+    return group_by(complete_label(meshes, label, remedy).values);
 }
 
 Grouping group_by_label_or_all(const MeshLabels& meshes, const std::string& label)
@@ -141,7 +154,7 @@ Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& s
             result.col(column) = sizes;
             continue;
         }
-        const LabelColumn& label = complete_label(meshes, columns[c]);
+        const LabelColumn& label = complete_label(meshes, columns[c], only(columns[c]));
         for (std::size_t i = 0; i < meshes.size(); ++i)
             result(static_cast<Eigen::Index>(i), column) = parse_number(
                 label.values[i], join("label '", columns[c], "' of mesh ", meshes.names[i]));

@@ -2,24 +2,27 @@
 
 #include "tools/program/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
-#include "libshape/base/error.h"
+#include "libshape/base/stop.h"
 
 namespace shape::tools {
 namespace {
 
-volatile std::sig_atomic_t stop_requested = 0;
+std::atomic<bool> stop_requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free); // a handler of signals sets it
 
 void request_stop(int)
 {
-    stop_requested = 1;
+    stop_requested = true;
 }
 
 } // namespace
 
 void catch_signals()
 {
+    static const internal::StopScope heed(&stop_requested);
     struct sigaction action = {};
     action.sa_handler = request_stop;
     action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
@@ -32,7 +35,7 @@ void catch_signals()
 void throw_if_interrupted()
 {
     if (stop_requested)
-        throw Interrupted("interrupted; nothing half-done was kept");
+        internal::throw_interrupted();
 }
 
 } // namespace shape::tools

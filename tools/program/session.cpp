@@ -16,6 +16,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/progress_listener.h"
 #include "tools/program/report.h"
 
 namespace shape::tools {
@@ -26,6 +27,8 @@ bool bar_is_drawn = false;
 
 /// Printed when the run has ended, so that an error finds its place beside them.
 Json waiting_figures = Json::object();
+
+thread_local Progress listener; ///< Empty: progress goes to the terminal.
 
 void clear_bar()
 {
@@ -162,8 +165,20 @@ void print_report(const Session& session, const Json& error)
                   "\n");
 }
 
+ProgressListener::ProgressListener(Progress told)
+{
+    listener = std::move(told);
+}
+
+ProgressListener::~ProgressListener()
+{
+    listener = nullptr;
+}
+
 Progress Session::progress() const
 {
+    if (listener)
+        return listener;
     if (quiet || isatty(STDERR_FILENO) == 0)
         return [](std::string_view, std::size_t, std::size_t) { throw_if_interrupted(); };
     return [bar = Bar()](std::string_view stage, std::size_t done, std::size_t total) mutable {

@@ -11,10 +11,12 @@
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/gltf_file.h"
+#include "libshape/io/label_file.h"
 #include "libshape/io/mesh_write_options.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/oddities.h"
 #include "libshape/model/shape_distances.h"
 #include "libshape/synthetic/synthetic.h"
 #include "tools/input/mesh_input.h"
@@ -47,8 +49,13 @@ Integers array_of_faces(const Faces& faces)
 py::dict to_python(const Labels& labels)
 {
     py::dict result;
-    for (const LabelColumn& column : labels)
-        result[py::str(column.name)] = column.values;
+    for (const LabelColumn& column : labels) {
+        py::tuple values(column.values.size());
+        for (std::size_t i = 0; i < column.values.size(); ++i)
+            values[i] = column.values[i].empty() ? py::object(py::none())
+                                                 : py::object(py::str(column.values[i]));
+        result[py::str(column.name)] = values;
+    }
     return result;
 }
 
@@ -90,23 +97,42 @@ py::tuple read(std::vector<std::string> paths, const std::string& labels, bool t
     return py::make_tuple(handle_of(std::move(said.collection)), said.messages, said.warnings);
 }
 
-CollectionPointer from_arrays(
-    const std::vector<Doubles>& vertices, const Integers& faces,
-    const std::vector<std::string>& names,
-    const std::vector<std::pair<std::string, std::vector<std::string>>>& labels)
+/// (collection, warnings)
+py::tuple from_arrays(const std::vector<Doubles>& vertices, const Integers& faces,
+                      const std::vector<std::string>& names,
+                      const std::vector<std::pair<std::string, std::vector<std::string>>>& labels)
 {
+    struct Made
+    {
+        Collection collection;
+        std::vector<std::string> warnings;
+    };
     std::vector<NamedMesh> meshes;
     const Faces all = faces_of(faces);
     for (std::size_t i = 0; i < vertices.size(); ++i)
         meshes.push_back({names.at(i), names.at(i), points_of(vertices[i]), all});
     Labels columns;
-    for (const auto& [name, values] : labels)
-        columns.push_back({name, values});
-    return handle_of(run([meshes, columns](const Progress&) {
+    for (const auto& [name, values] : labels) {
+        columns.push_back({name, {}});
+        for (const std::string& cell : values)
+            columns.back().values.push_back(label_value(cell));
+    }
+    Made made = run([meshes, columns](const Progress&) {
         Collection collection = collect(meshes);
         collection.labels = columns;
-        return collection;
-    }));
+        std::vector<std::string> warnings;
+        for (const Oddity& oddity : find_oddities(collection))
+            warnings.push_back(oddity.message);
+        return Made{std::move(collection), std::move(warnings)};
+    });
+    return py::make_tuple(handle_of(std::move(made.collection)), made.warnings);
+}
+
+/// (values of the labels, rows of the table that were not asked for)
+py::tuple read_labels(const std::string& path, const std::vector<std::string>& names)
+{
+    const LabelFile file = run([=](const Progress&) { return read_label_file(path, names); });
+    return py::make_tuple(to_python(file.labels), file.unused);
 }
 
 CollectionPointer choose(const CollectionPointer& handle, const std::vector<std::size_t>& meshes)
@@ -192,6 +218,8 @@ py::tuple measure(const Doubles& points, const Integers& faces)
     const Points positions = points_of(points);
     const Faces corners = faces_of(faces);
     Measures all = run([=](const Progress&) {
+        if (!positions.allFinite())
+            throw InvalidInput("mesh.V: has a coordinate that is not finite");
         Topology topology(corners, static_cast<int>(positions.rows()));
         Eigen::VectorXd lengths = edge_lengths(topology, positions);
         Eigen::VectorXd angles = dihedral_angles(topology, positions);
@@ -256,6 +284,7 @@ void add_collections(py::module_& module)
         });
     module.def("read", read);
     module.def("from_arrays", from_arrays);
+    module.def("read_labels", read_labels);
     module.def("interpolate", interpolate);
     module.def("distances", distances);
     module.def("write", write);

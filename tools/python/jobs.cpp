@@ -2,6 +2,8 @@
 
 #include "tools/python/jobs.h"
 
+#include <pthread.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -11,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "libshape/base/error.h"
+#include "libshape/base/stop.h"
 
 namespace shape::python {
 namespace {
@@ -39,10 +41,10 @@ struct Job
 void carry_out(Job& job)
 {
     std::exception_ptr error;
+    const internal::StopScope heed(&job.stop);
     try {
         job.work([&job](std::string_view stage, std::size_t done, std::size_t total) {
-            if (job.stop)
-                throw Interrupted("interrupted");
+            internal::throw_if_stop_requested();
             const std::lock_guard lock(job.mutex);
             job.stage = stage;
             job.done = done;
@@ -64,6 +66,12 @@ void carry_out(Job& job)
 class Workers
 {
 public:
+    void lock() { mutex_.lock(); }
+    void unlock() { mutex_.unlock(); }
+
+    /// In the child of a fork, where no thread of these lives on: see libshape/base/threads.cpp.
+    void begin_anew() { new (this) Workers; }
+
     void add(std::shared_ptr<Job> job)
     {
         const std::lock_guard lock(mutex_);
@@ -113,9 +121,18 @@ private:
 };
 
 /// Never destroyed: its threads may outlive everything.
+Workers& workers();
+
+Workers* make_workers()
+{
+    pthread_atfork([] { workers().lock(); }, [] { workers().unlock(); },
+                   [] { workers().begin_anew(); });
+    return new Workers;
+}
+
 Workers& workers()
 {
-    static auto* const all = new Workers;
+    static auto* const all = make_workers();
     return *all;
 }
 

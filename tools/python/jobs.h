@@ -15,8 +15,8 @@ namespace shape::python {
 
 /// Runs work in a thread of its own while this one, without the GIL, waits for it and looks for signals
 /// 25 times a second: Ctrl-C ends the wait at once, whatever the work is at. The work then stops at its
-/// next call of Progress, and what it makes is dropped; so it may hold no reference to what
-/// Python owns.
+/// next call of Progress or chunk of a loop (base/stop.h), and what it makes is dropped; so it may hold no
+/// reference to what Python owns.
 /// @param callback  None, or called in this thread with (stage, done, total), at most 25 times a second
 ///     and at the end. What it raises ends the wait likewise.
 void run_job(const std::function<void(const Progress&)>& work, const pybind11::object& callback);

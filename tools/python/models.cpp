@@ -14,11 +14,15 @@
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/alignment.h"
+#include "libshape/mesh/defects.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/model/group_means.h"
 #include "libshape/statistics/group_comparison.h"
+#include "libshape/statistics/group_spread.h"
 #include "tools/commands.h"
+#include "tools/input/complete_labels.h"
+#include "tools/program/progress_listener.h"
 #include "tools/program/session.h"
 #include "tools/python/handles.h"
 #include "tools/python/jobs.h"
@@ -206,6 +210,9 @@ py::tuple project_points(const ModelPointer& handle, const Doubles& points)
                 join("V has ", positions.rows(), " vertices, the model ", topology.vertex_count()));
         if (!positions.allFinite())
             throw InvalidInput("V has a coordinate that is not finite");
+        if (const auto defects = find_degenerate_geometry(topology.faces(), positions, 1);
+            !defects.empty())
+            throw InvalidInput("V: " + defects.front().message);
         return project(handle->model, {topology, {"V"}, {positions}, {}});
     }));
 }
@@ -287,25 +294,32 @@ py::dict to_python(const LinearModelTest& test)
     return figures;
 }
 
-/// (group names, members of each, overall test, list of (first, second, distance, test, adjusted p))
+/// (group names, members of each, overall test, list of (first, second, distance, radius, test,
+/// adjusted p))
 py::tuple compare(const CollectionPointer& handle, const std::string& by, const std::string& within,
-                  const SpaceOptions& space, int permutations, std::uint64_t seed)
+                  const SpaceOptions& space, int permutations, int replicates, std::uint64_t seed)
 {
     struct Found
     {
         Grouping groups;
         GroupComparison comparison;
+        GroupSpread spread;
     };
     const Found found = run([=](const Progress&) {
         const Collection& collection = handle->collection;
-        const Grouping groups = group_by(find_label(collection.labels, by).values);
-        const Grouping blocks = within.empty()
-                                    ? groups_of_one(groups.size())
-                                    : group_by(find_label(collection.labels, within).values);
+        const auto grouped = [&](const std::string& label) {
+            return tools::group_by_label(
+                collection, label, join("c[[v is not None for v in c.labels['", label, "']]]"));
+        };
+        const Grouping groups = grouped(by);
+        const Grouping blocks = within.empty() ? groups_of_one(groups.size()) : grouped(within);
         const GroupedShapes shapes = group_shapes(collection, groups, space);
-        return Found{groups, compare_groups(shapes.products, groups, blocks,
-                                            Eigen::MatrixXd(groups.size(), 0),
-                                            {.permutations = permutations, .seed = seed})};
+        return Found{
+            groups,
+            compare_groups(shapes.products, groups, blocks, Eigen::MatrixXd(groups.size(), 0),
+                           {.permutations = permutations, .seed = seed}),
+            group_spread(shapes.products, groups, blocks,
+                         {.replicates = replicates, .seed = seed})};
     });
     std::vector<std::size_t> counts;
     for (const std::vector<int>& of_group : members(found.groups))
@@ -314,6 +328,7 @@ py::tuple compare(const CollectionPointer& handle, const std::string& by, const 
     for (const PairComparison& pair : found.comparison.pairs)
         pairs.append(py::make_tuple(found.groups.names[to_size(pair.first)],
                                     found.groups.names[to_size(pair.second)], pair.distance,
+                                    found.spread.distance_radii(pair.first, pair.second),
                                     to_python(pair.test), pair.adjusted_p));
     return py::make_tuple(found.groups.names, counts, to_python(found.comparison.overall), pairs);
 }
@@ -323,7 +338,8 @@ void command(const std::string& name, const std::vector<std::string>& arguments,
              const py::object& callback)
 {
     run(
-        [=](const Progress&) {
+        [=](const Progress& progress) {
+            const tools::ProgressListener listener(progress);
             CLI::App app("", name);
             const tools::Run made =
                 name == "export" ? tools::set_up_export(app) : tools::set_up_explore(app);

@@ -19,20 +19,14 @@ raise a TypeError that names argument and shape. Results are the same bits as th
 
 `progress` is None, True (a bar of tqdm, if that is installed) or a function of (stage, done, total).
 """
-from ._arrays import Progress
-from ._core import (
-    Error,
-    FileError,
-    InvalidInput,
-    LimitExceeded,
-    NumericalError,
-    set_thread_count,
-    thread_count,
-)
+from ._arrays import Array, Indices, Progress
+from ._core import version as _version
+from ._errors import Error, FileError, InvalidInput, LimitExceeded, NumericalError
 from ._objects import (
     Collection,
     Difference,
     Mesh,
+    MeshLike,
     Model,
     collection,
     difference,
@@ -45,7 +39,9 @@ from ._objects import (
     read_difference,
     read_mesh,
     read_model,
+    set_thread_count,
     synthetic,
+    thread_count,
 )
 from ._results import (
     Distance,
@@ -59,11 +55,11 @@ from ._results import (
     Scores,
     Test,
 )
-from ._core import version as _version
 
 __version__ = _version()
 
 __all__ = [
+    "Array",
     "Collection",
     "Difference",
     "Distance",
@@ -74,9 +70,11 @@ __all__ = [
     "FitReport",
     "Frames",
     "Groups",
+    "Indices",
     "InvalidInput",
     "LimitExceeded",
     "Mesh",
+    "MeshLike",
     "Model",
     "NumericalError",
     "PairTest",

@@ -2,14 +2,14 @@
 """What comes back: small records whose text tells what they hold."""
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Tuple, Union, overload
 
 import numpy as np
 
-from . import _core
+from . import _arrays, _core
 from ._arrays import Array, Columns, Indices, Path, data_frame
+from ._errors import InvalidInput
 
 if TYPE_CHECKING:
     from ._objects import Mesh
@@ -85,7 +85,7 @@ class FitReport:
         return text + (f"; {'; '.join(self.reasons)})" if self.reasons else ")")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Frames:
     """Meshes along a path, and what each is worth."""
 
@@ -99,23 +99,34 @@ class Frames:
     def __iter__(self) -> Iterator["Mesh"]:
         return iter(self.meshes)
 
-    def __getitem__(self, index: int) -> "Mesh":
-        return self.meshes[index]
+    @overload
+    def __getitem__(self, index: int) -> "Mesh": ...
+
+    @overload
+    def __getitem__(self, index: slice) -> "Frames": ...
+
+    def __getitem__(self, index: Union[int, slice]) -> Union["Mesh", "Frames"]:
+        if isinstance(index, slice):
+            return Frames(self.meshes[index], self.reports[index], self.weights[index])
+        return self.meshes[_arrays.integer(index, "frames[...]")]
 
     def write(
         self, path: Path, *, frames_per_second: float = 25.0, tolerance: float = 1e-3
     ) -> None:
-        """Writes an animation (.glb) for any glTF viewer, Blender and game engines.
+        """Writes an animation (.glb) for any glTF viewer, Blender and game engines; over one that is there.
 
         tolerance: largest error of a coordinate, as a fraction of the diagonal: frames that linear
         interpolation gives back that well are left out.
         """
+        target = _arrays.path_ending(path, ".glb")
+        if not self.meshes:
+            raise InvalidInput("frames: there are none to write")
         _core.write_animation(
-            os.fspath(path),
+            target,
             [mesh.V for mesh in self.meshes],
             self.meshes[0].F,
-            frames_per_second,
-            tolerance,
+            _arrays.number(frames_per_second, "frames_per_second"),
+            _arrays.number(tolerance, "tolerance"),
         )
 
     def __repr__(self) -> str:
@@ -123,12 +134,12 @@ class Frames:
         return f"Frames({len(self)} meshes, edges {100 * worst:.3g} % RMS at worst)"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scores:
     """Meshes in the modes of a model."""
 
-    names: List[str]
-    labels: Dict[str, List[str]]
+    names: Tuple[str, ...]
+    labels: Dict[str, Tuple[Optional[str], ...]]
     scores: Array  #: (N, K) coordinates along the modes; (K,) of a single V.
     deviations: Array  #: The same in standard deviations of the modes.
     sizes: Array  #: (N,) [length], or a number of shape () for a single V.
@@ -180,30 +191,48 @@ class PairTest:
     first: str
     second: str
     distance: float  #: Between the means of the groups.
+    radius: float  #: The true difference lies so near to the measured one, at 95 % (bootstrap).
     test: Test
     adjusted_p: float  #: For all pairs at once (Holm).
+
+
+#: Columns of the program's table -> fields of Test.
+_TEST_COLUMNS = {
+    "df": "degrees_of_freedom",
+    "residual_df": "residual_degrees_of_freedom",
+    "sum_of_squares": "sum_of_squares",
+    "residual_sum_of_squares": "residual_sum_of_squares",
+    "r_squared": "r_squared",
+    "f": "f",
+    "p_value": "p_value",
+    "permutations": "permutations",
+}
 
 
 @dataclass(frozen=True)
 class Groups:
     """Whether groups differ, all at once and two at a time."""
 
-    names: List[str]
-    counts: List[int]  #: Meshes in each group.
+    names: Tuple[str, ...]
+    counts: Tuple[int, ...]  #: Meshes in each group.
     overall: Test
-    pairs: List[PairTest]
+    pairs: Tuple[PairTest, ...]
 
     def as_dict(self) -> Columns:
-        """A row for each pair: first, second, distance, r_squared, f, p_value, p_adjusted."""
-        return {
-            "first": [pair.first for pair in self.pairs],
-            "second": [pair.second for pair in self.pairs],
-            "distance": [pair.distance for pair in self.pairs],
-            "r_squared": [pair.test.r_squared for pair in self.pairs],
-            "f": [pair.test.f for pair in self.pairs],
-            "p_value": [pair.test.p_value for pair in self.pairs],
-            "p_adjusted": [pair.adjusted_p for pair in self.pairs],
+        """The table that `shape groups` writes: a row for all groups at once, then one for each pair.
+
+        first, second, distance and radius are None in the first row.
+        """
+        tests = [self.overall, *(pair.test for pair in self.pairs)]
+        columns: Columns = {
+            name: [None, *(getattr(pair, name) for pair in self.pairs)]
+            for name in ("first", "second", "distance", "radius")
         }
+        columns.update(
+            {column: [getattr(test, field) for test in tests] for column, field in _TEST_COLUMNS.items()}
+        )
+        columns["p_adjusted"] = [self.overall.p_value, *(pair.adjusted_p for pair in self.pairs)]
+        return columns
 
     def table(self) -> Any:
         """as_dict() as a pandas.DataFrame."""
@@ -214,11 +243,11 @@ class Groups:
         return f"Groups({of}: {self.overall!r})"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Distances:
     """Distances between all meshes of a collection."""
 
-    names: List[str]
+    names: Tuple[str, ...]
     matrix: Array  #: (N, N), symmetric, 0 on the diagonal.
 
     def as_dict(self) -> Columns:
@@ -235,7 +264,7 @@ class Distances:
         return f"Distances({len(self.names)} meshes, largest {self.matrix.max():.4g})"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Edges:
     """The edges of a mesh: row e of each array is edge e, wherever the library has one."""
 
