@@ -34,7 +34,7 @@ if(NOT modules)
 endif()
 
 # What the compiler and the operating system bring: <vector>, <sys/stat.h>, <unistd.h>.
-set(system "^([a-z_]+|sys/[a-z]+\\.h|(unistd|fcntl|signal|stdlib|malloc|sched|spawn|pthread)\\.h)$")
+set(system "^([a-z_]+|sys/[a-z]+\\.h|(unistd|fcntl|signal|stdlib|malloc|sched|spawn|pthread|immintrin)\\.h)$")
 
 file(GLOB_RECURSE files RELATIVE ${ROOT}
      ${ROOT}/libshape/*.h ${ROOT}/libshape/*.cpp ${ROOT}/tools/*.h ${ROOT}/tools/*.cpp)
