@@ -190,25 +190,26 @@ void write_slicermorph(const fs::path& folder, const Exported& exported)
         data.rows.push_back(std::move(row));
     }
     write_table(folder / "outputData.csv", data);
-    Table average{{"", "X", "Y", "Z"}, {}};
+    // Tables whose first column has no name, or whose columns have none, which write_table() refuses.
+    std::string shape = ",X,Y,Z\n";
     for (Eigen::Index v = 0; v < mean.rows(); ++v)
-        average.rows.push_back({join("LM ", v + 1), print_number(mean(v, 0)),
-                                print_number(mean(v, 1)), print_number(mean(v, 2))});
-    write_table(folder / "meanShape.csv", average);
-
-    Table vectors{{""}, {}};
-    std::string values; // which has no line of headings
+        shape += join("LM ", v + 1, ",", print_number(mean(v, 0)), ",", print_number(mean(v, 1)),
+                      ",", print_number(mean(v, 2)), "\n");
+    write_file_atomically(folder / "meanShape.csv", shape);
+    std::string vectors;
+    std::string values;
     for (Eigen::Index k = 0; k < exported.linear.variances.size(); ++k) {
-        vectors.columns.push_back(join("PC ", k + 1));
+        vectors += join(",PC ", k + 1);
         values += join("PC ", k + 1, ",", print_number(exported.linear.variances[k]), "\n");
     }
+    vectors += "\n";
     for (Eigen::Index row = 0; row < exported.linear.basis.rows(); ++row) {
-        std::vector<std::string> cells{join("LM ", row / 3 + 1, "_", "XYZ"[row % 3])};
+        vectors += join("LM ", row / 3 + 1, "_", "XYZ"[row % 3]);
         for (const double value : exported.linear.basis.row(row))
-            cells.push_back(print_number(value));
-        vectors.rows.push_back(std::move(cells));
+            vectors += "," + print_number(value);
+        vectors += "\n";
     }
-    write_table(folder / "eigenvector.csv", vectors);
+    write_file_atomically(folder / "eigenvector.csv", vectors);
     write_file_atomically(folder / "eigenvalues.csv", values);
 
     const Json log{{"InputPath", "."},

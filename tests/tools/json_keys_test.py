@@ -219,7 +219,7 @@ def main():
             assert object_["schema"] == 1
             known = arguments and arguments[0] != "nonsense"
             assert object_["command"] == (arguments[0] if known else None)
-            printed["*"] |= set(paths_of(object_))
+            printed["*"] |= {path for path, _ in values_of(object_)}
         # Help and version stay text.
         for arguments in (["--version"], ["stats", "--help"]):
             done = run(folder, arguments)
