@@ -80,7 +80,7 @@ bpy.ops.import_scene.libshape(filepath="faces.h5")
 thing = bpy.context.object
 faces = ls.read("faces.h5")
 keys = thing.data.shape_keys.key_blocks
-assert [key.name for key in keys] == faces.names
+assert [key.name for key in keys] == list(faces.names)
 for i in (0, 3, len(faces) - 1):
     for key in keys[1:]:
         key.value = float(key.name == faces.names[i])

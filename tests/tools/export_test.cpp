@@ -107,7 +107,8 @@ TEST_F(Export, MeshesOfEveryFormatGoInAndOut)
     EXPECT_EQ(outcome({"generate", "model.h5", "--mean", "-o", "x.glb", "--ascii"}).exit_code, 2);
     EXPECT_EQ(outcome({"generate", "model.h5", "--mean", "-o", "x.stl", "--float"}).exit_code, 0);
     EXPECT_EQ(outcome({"generate", "model.h5", "--mean", "-o", "x.off", "--ascii"}).exit_code, 0);
-    const Outcome plain = outcome({"generate", "model.h5", "--mean", "-o", "c.ply", "--colors"});
+    const Outcome plain =
+        outcome({"generate", "model.h5", "--mean", "-o", "coloured.ply", "--colors"});
     EXPECT_EQ(plain.exit_code, 0);
     EXPECT_NE(plain.err.find("add --residuals"), std::string::npos) << plain.err;
     EXPECT_EQ(
