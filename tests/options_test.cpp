@@ -153,6 +153,7 @@ TEST(Options, OfEmbeddingsNameWhatBreaksARule)
     Fields<DihedralEmbeddingOptions>("DihedralEmbeddingOptions")
         .positive("smoothness", &DihedralEmbeddingOptions::smoothness)
         .not_negative("anchor", &DihedralEmbeddingOptions::anchor)
+        .not_negative("position_anchor", &DihedralEmbeddingOptions::position_anchor)
         .at_least(0, "local_global_steps", &DihedralEmbeddingOptions::local_global_steps)
         .at_least(0, "max_iterations", &DihedralEmbeddingOptions::max_iterations)
         .at_least(2, "first_linear_steps", &DihedralEmbeddingOptions::first_linear_steps)
@@ -219,12 +220,14 @@ TEST(Options, OfSpacesAndConformalMapsNameWhatBreaksARule)
         .at_least(1, "max_iterations", &ProcrustesOptions::max_iterations)
         .positive("tolerance", &ProcrustesOptions::tolerance);
     Fields<SpaceOptions>("SpaceOptions")
-        .not_negative("dihedral_weight", &SpaceOptions::dihedral_weight);
+        .not_negative("dihedral_weight", &SpaceOptions::dihedral_weight)
+        .not_negative("position_weight", &SpaceOptions::position_weight);
     Fields<SpaceOptions>("SpaceOptions", {.kind = SpaceKind::Procrustes})
         .refuse<LengthCoordinates>("coordinates", &SpaceOptions::coordinates,
                                    {LengthCoordinates::Log})
         .refuse<EdgeWeighting>("weighting", &SpaceOptions::weighting, {EdgeWeighting::Area})
-        .refuse<double>("dihedral_weight", &SpaceOptions::dihedral_weight, {1.0});
+        .refuse<double>("dihedral_weight", &SpaceOptions::dihedral_weight, {1.0})
+        .refuse<double>("position_weight", &SpaceOptions::position_weight, {1.0});
     Fields<DiscMapOptions>("DiscMapOptions")
         .refuse<Eigen::VectorXd>("boundary_factors", &DiscMapOptions::boundary_factors,
                                  {Eigen::Vector2d(0.0, nan), Eigen::Vector2d(-infinity, 0.0)});

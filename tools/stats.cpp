@@ -164,9 +164,10 @@ Json identity_of(const Session& session, const Arguments& arguments)
     identity["only"] = arguments.input.only;
     identity["modes"] = arguments.modes;
     identity["variance"] = arguments.variance;
-    identity["space"] = {
-        static_cast<int>(arguments.space.scale), static_cast<int>(arguments.space.coordinates),
-        static_cast<int>(arguments.space.weighting), arguments.space.dihedral_weight};
+    identity["space"] = {static_cast<int>(arguments.space.scale),
+                         static_cast<int>(arguments.space.coordinates),
+                         static_cast<int>(arguments.space.weighting),
+                         arguments.space.dihedral_weight, arguments.space.position_weight};
     identity["algorithm"] = static_cast<int>(arguments.algorithm);
     identity["tolerance"] = arguments.tolerance;
     identity["memory"] = arguments.memory.bytes;

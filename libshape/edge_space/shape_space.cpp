@@ -2,6 +2,7 @@
 
 #include "libshape/edge_space/shape_space.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "libshape/edge_space/streamed_space.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/points.h"
 
 namespace shape {
 using namespace internal;
@@ -67,6 +69,65 @@ Eigen::VectorXd area_shares(const Topology& topology, const Eigen::VectorXd& len
     return shares / whole;
 }
 
+/// A mesh in the unit of the space.
+Points scaled(const EdgeSpace& space, const Points& points, double size)
+{
+    return space.scale == Scale::Unit ? Points(points / size) : points;
+}
+
+/// Of an area of 1, what belongs to each vertex: of each face a third of it, as to its edges.
+Eigen::VectorXd vertex_shares(const Topology& topology, const Eigen::VectorXd& of_edges)
+{
+    // A corner of a face ends two of its edges, which have a third of the face each.
+    Eigen::VectorXd shares = Eigen::VectorXd::Zero(topology.vertex_count());
+    for (int e = 0; e < topology.edge_count(); ++e)
+        for (const int v : topology.edges().row(e))
+            shares[v] += 0.5 * of_edges[e];
+    return shares;
+}
+
+/// Generalised Procrustes alignment of meshes that come in parts: each is turned towards the mean of the
+/// round before, the first of them at first.
+Points mean_positions(const EdgeSpace& space, const EachPart& each_part)
+{
+    constexpr int most_rounds = 20;
+    constexpr double tolerance =
+        1e-6; // of the mean; what it stands for is a pose, and poses vary by far more
+    constexpr std::size_t at_a_time = 32;
+    Points mean;
+    for (int round = 0; round < most_rounds; ++round) {
+        Points sum;
+        double count = 0.0;
+        each_part([&](const Collection& part) {
+            for (std::size_t first = 0; first < part.size(); first += at_a_time) {
+                std::vector<Points> aligned(std::min(at_a_time, part.size() - first));
+                const auto align = [&](std::size_t i) {
+                    const Points& points = part.points[first + i];
+                    const double size = edge_lengths(part.topology, points).sum();
+                    aligned[i] = scaled(space, points, size);
+                    if (mean.size() == 0 && first + i == 0 && count == 0.0)
+                        mean = aligned[i].rowwise() - aligned[i].colwise().mean().eval();
+                    aligned[i] = aligned_with(mean, aligned[i], Scale::None);
+                };
+                align(0); // the first of all is what the others are turned to
+                parallel_for(aligned.size() - 1, 1,
+                             [&](std::size_t i, std::size_t) { align(i + 1); });
+                if (sum.size() == 0)
+                    sum = Points::Zero(aligned.front().rows(), 3);
+                for (const Points& points : aligned)
+                    sum += points;
+                count += static_cast<double>(aligned.size());
+            }
+        });
+        sum /= count;
+        const double change = (sum - mean).norm();
+        mean = std::move(sum);
+        if (change <= tolerance * mean.norm())
+            break;
+    }
+    return mean;
+}
+
 ProcrustesSpace make_procrustes_space(const Collection& collection, Scale scale)
 {
     ProcrustesMean mean = procrustes_mean(collection.points, {.scale = scale});
@@ -75,7 +136,8 @@ ProcrustesSpace make_procrustes_space(const Collection& collection, Scale scale)
 
 Index dimension(const EdgeSpace& space, const Topology& topology)
 {
-    return topology.edge_count() * (space.dihedral_factors.size() > 0 ? 2 : 1);
+    return topology.edge_count() * (space.dihedral_factors.size() > 0 ? 2 : 1) +
+           3 * space.position_factors.size();
 }
 
 Index dimension(const ProcrustesSpace& space, const Topology&)
@@ -99,9 +161,15 @@ Eigen::VectorXd encode_mesh(const EdgeSpace& space, const Topology& topology, co
     if (space.length_factors.size() > 0)
         coordinates.head(edges).array() *= space.length_factors.array();
     if (space.dihedral_factors.size() > 0)
-        coordinates.tail(edges) = dihedral_angles(topology, points)
-                                      .binaryExpr(space.branch_angles, &on_branch)
-                                      .cwiseProduct(space.dihedral_factors);
+        coordinates.segment(edges, edges) = dihedral_angles(topology, points)
+                                                .binaryExpr(space.branch_angles, &on_branch)
+                                                .cwiseProduct(space.dihedral_factors);
+    if (space.position_factors.size() > 0) {
+        const Points aligned =
+            aligned_with(space.mean_positions, scaled(space, points, size), Scale::None);
+        coordinates.tail(aligned.size()) =
+            Points(space.position_factors.asDiagonal() * aligned).reshaped<Eigen::RowMajor>();
+    }
     return coordinates;
 }
 
@@ -128,6 +196,10 @@ void check_fit(const EdgeSpace& space, const Collection& collection)
         if (factors->size() > 0 && factors->size() != collection.topology.edge_count())
             throw InvalidInput(join("space: it is of ", factors->size(), " edges, the meshes have ",
                                     collection.topology.edge_count()));
+    const Index vertices = space.position_factors.size();
+    if (vertices > 0 && vertices != collection.topology.vertex_count())
+        throw InvalidInput(join("space: it is of ", vertices, " vertices, the meshes have ",
+                                collection.topology.vertex_count()));
 }
 
 void check_fit(const ProcrustesSpace& space, const Collection& collection)
@@ -141,8 +213,10 @@ DecodedShape decode_point(const EdgeSpace& space, const Eigen::VectorXd& coordin
                           const Eigen::VectorXd& companion, double size)
 {
     const bool with_angles = space.dihedral_factors.size() > 0;
-    const Index edges = with_angles ? space.dihedral_factors.size() : coordinates.size();
-    if (coordinates.size() != edges * (with_angles ? 2 : 1) ||
+    const Index of_positions = 3 * space.position_factors.size();
+    const Index edges =
+        with_angles ? space.dihedral_factors.size() : coordinates.size() - of_positions;
+    if (coordinates.size() != edges * (with_angles ? 2 : 1) + of_positions ||
         (space.length_factors.size() > 0 && space.length_factors.size() != edges) ||
         (!with_angles && companion.size() != edges))
         throw InvalidInput(join("a point of edge space has ", coordinates.size(),
@@ -153,11 +227,18 @@ DecodedShape decode_point(const EdgeSpace& space, const Eigen::VectorXd& coordin
         values.array() /= space.length_factors.array();
     ShapePoint point{
         to_lengths(space.coordinates, values),
-        with_angles ? coordinates.tail(edges).cwiseQuotient(space.dihedral_factors) : companion};
+        with_angles ? coordinates.segment(edges, edges).cwiseQuotient(space.dihedral_factors).eval()
+                    : companion};
+    if (of_positions > 0)
+        point.positions = space.position_factors.cwiseInverse().asDiagonal() *
+                          coordinates.tail(of_positions)
+                              .reshaped<Eigen::RowMajor>(space.position_factors.size(), 3);
     if (space.scale == Scale::Unit) {
         // The sum of combined plain lengths is 1 already; that of others is not.
         const bool is_linear = space.coordinates == LengthCoordinates::Plain;
-        point.edge_lengths *= is_linear ? size : size / point.edge_lengths.sum();
+        const double factor = is_linear ? size : size / point.edge_lengths.sum();
+        point.edge_lengths *= factor;
+        point.positions *= factor;
     }
     return point;
 }
@@ -177,6 +258,7 @@ DecodedShape decode_point(const ProcrustesSpace& space, const Eigen::VectorXd& c
 void check(const SpaceOptions& options)
 {
     require_not_negative(options.dihedral_weight, "SpaceOptions.dihedral_weight");
+    require_not_negative(options.position_weight, "SpaceOptions.position_weight");
     const auto of_edge_space = [&](const char* field, bool is_set) {
         if (is_set && options.kind != SpaceKind::Edge)
             throw InvalidInput(
@@ -186,6 +268,7 @@ void check(const SpaceOptions& options)
     of_edge_space("coordinates", options.coordinates != LengthCoordinates::Plain);
     of_edge_space("weighting", options.weighting != EdgeWeighting::Uniform);
     of_edge_space("dihedral_weight", options.dihedral_weight != 0.0);
+    of_edge_space("position_weight", options.position_weight != 0.0);
 }
 
 ShapeSpace make_space(const Collection& collection, const SpaceOptions& options)
@@ -204,10 +287,11 @@ namespace internal {
 EdgeSpace make_edge_space(const Topology& topology, std::size_t meshes, const SpaceOptions& options,
                           const EachPart& each_part)
 {
-    EdgeSpace space{options.scale, options.coordinates, {}, {}, {}};
+    EdgeSpace space{options.scale, options.coordinates, {}, {}, {}, {}, {}};
     const bool by_area = options.weighting == EdgeWeighting::Area;
     const bool with_angles = options.dihedral_weight > 0.0;
-    if (!by_area && !with_angles)
+    const bool with_positions = options.position_weight > 0.0;
+    if (!by_area && !with_angles && !with_positions)
         return space;
     const auto count = static_cast<double>(meshes);
     EdgeSums sums = no_sums(topology);
@@ -222,6 +306,15 @@ EdgeSpace make_edge_space(const Topology& topology, std::size_t meshes, const Sp
         space.dihedral_factors = options.dihedral_weight * gains;
         space.branch_angles = sums.cosines.binaryExpr(
             sums.sines, [&](double x, double y) { return circular_mean(x, y, count); });
+    }
+    if (with_positions) {
+        space.mean_positions = mean_positions(space, each_part);
+        const Eigen::VectorXd shares =
+            by_area
+                ? vertex_shares(topology, area_shares(topology, mean))
+                : Eigen::VectorXd::Constant(topology.vertex_count(), 1.0 / topology.vertex_count());
+        space.position_factors = options.position_weight * gains.norm() /
+                                 bounding_box_diagonal(space.mean_positions) * shares.cwiseSqrt();
     }
     return space;
 }
@@ -266,7 +359,8 @@ bool is_plain(const ShapeSpace& space)
 {
     const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
     return edge != nullptr && edge->coordinates == LengthCoordinates::Plain &&
-           edge->length_factors.size() == 0 && edge->dihedral_factors.size() == 0;
+           edge->length_factors.size() == 0 && edge->dihedral_factors.size() == 0 &&
+           edge->position_factors.size() == 0;
 }
 
 RowMatrix encode(const ShapeSpace& space, const Collection& collection)

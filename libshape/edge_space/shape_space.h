@@ -12,8 +12,9 @@
 
 namespace shape {
 
-/// Edge lengths as coordinates: c_e = a_e f(l_e) and, behind them if dihedral angles are coordinates
-/// too, d_e = b_e theta_e. Pose-invariant.
+/// Edge lengths as coordinates: c_e = a_e f(l_e); behind them, if dihedral angles are coordinates too,
+/// d_e = b_e theta_e; behind these, if vertex positions are, p_v x_v, x y z of one vertex after the other,
+/// of the mesh aligned with a mean. Pose-invariant.
 struct EdgeSpace
 {
     Scale scale = Scale::Unit;                                ///< Unit: l is divided by its sum.
@@ -22,6 +23,10 @@ struct EdgeSpace
     Eigen::VectorXd dihedral_factors = {}; ///< b: #E, > 0; empty: angles are not coordinates.
     Eigen::VectorXd branch_angles = {}; ///< #E [rad], as dihedral_factors: angles near the fold are
                                         ///< measured on the branch around it (unify_branches).
+    Eigen::VectorXd position_factors = {}; ///< p: #V, > 0; empty: positions are not coordinates.
+    Points mean_positions =
+        {}; ///< #V by 3, as position_factors, centroid at 0: what meshes, of unit sum
+            ///< of lengths or as they are, are aligned with.
 };
 
 /// Vertex positions as coordinates, x y z of one vertex after the other, aligned with a mean.
@@ -49,7 +54,7 @@ enum class EdgeWeighting
     Area,    ///< By its share of the surface: see make_space().
 };
 
-/// coordinates, weighting and dihedral_weight belong to edge space and may be set there alone.
+/// What follows scale belongs to edge space and may be set there alone.
 struct SpaceOptions
 {
     /// Shapes are points of this space.
@@ -63,6 +68,10 @@ struct SpaceOptions
     /// Where > 0, dihedral angles are coordinates too: 1 rad counts as much as a relative change of
     /// length by this; >= 0.
     double dihedral_weight = 0.0;
+    /// Where > 0, vertex positions are coordinates too, and say where meshes are in the large: a
+    /// displacement of all vertices by the diagonal counts as much as a relative change of all lengths by
+    /// this; >= 0.
+    double position_weight = 0.0;
 };
 
 /// @throws InvalidInput naming the first field that breaks its rule.
@@ -72,11 +81,12 @@ void check(const SpaceOptions& options);
 ///
 /// To first order around the mean lengths m (arithmetic, after scaling) its squared distance is
 ///
-///     sum_e g_e^2 ( (dl_e / m_e)^2 + W^2 dtheta_e^2 ),   W = dihedral_weight,
+///     sum_e g_e^2 ( (dl_e / m_e)^2 + W^2 dtheta_e^2 + P^2 sum_v s_v |dx_v|^2 / D^2 ),
 ///
-/// with g_e = m_e f'(m_e) for uniform weights, and g_e^2 = A_e / A for area weights, whatever f:
+/// W = dihedral_weight, P = position_weight, s_v = 1 / #V, D the diagonal of the bounding box of the mean of the
+/// aligned positions x (generalised Procrustes alignment at the meshes' sizes, or unit sum), with g_e = m_e f'(m_e) for uniform weights, and g_e^2 = A_e / A for area weights, whatever f:
 /// A_e is a third of the areas of the faces at e and A the whole area, of the mean. So an area
-/// counts by its size however finely it is meshed.
+/// counts by its size however finely it is meshed; s_v is a third of the areas of the faces at v, likewise.
 ///
 /// @throws InvalidInput if the collection is empty, the weight is negative or not finite, or options
 ///     of edge space are set for another.

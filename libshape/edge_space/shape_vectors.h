@@ -17,6 +17,8 @@ struct ShapePoint
     Eigen::VectorXd dihedral_angles; ///< #E [rad], 0 on the boundary; may leave (-pi, pi].
     Eigen::VectorXd patch_turns =
         {}; ///< [rad] of patches of faces against each other since a reference; or empty.
+    Points positions =
+        {}; ///< #V by 3 [length]: where vertices are in the large, in any pose; or empty.
 };
 
 /// What is done about size.

@@ -26,6 +26,7 @@ namespace {
 // Stated twice, since a public header does not include an internal one.
 static_assert(default_smoothness == DihedralEmbeddingOptions{}.smoothness);
 static_assert(default_anchor == DihedralEmbeddingOptions{}.anchor);
+static_assert(default_position_anchor == DihedralEmbeddingOptions{}.position_anchor);
 
 double seconds_since(std::chrono::steady_clock::time_point start)
 {
@@ -202,6 +203,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
                 options = dihedral_preview();
             options.smoothness = s.options.smoothness.value_or(default_smoothness);
             options.anchor = s.options.anchor.value_or(default_anchor);
+            options.position_anchor = s.options.anchor.value_or(default_position_anchor);
             embedding = embed_by_dihedrals(*s.dihedral, s.topology, reference, target, options);
             break;
         }

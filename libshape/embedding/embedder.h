@@ -37,6 +37,9 @@ inline constexpr double default_smoothness = 5e-3;
 /// Largest weight of the distance from the companion mesh: nu of docs/embedding.md [1].
 inline constexpr double default_anchor = 0.05;
 
+/// Weight of the distance from positions that belong to the target, which are data as lengths are.
+inline constexpr double default_position_anchor = 5.0;
+
 /// Fields that belong to a method may be set only where it is chosen; what is not set has its default.
 struct EmbeddingOptions
 {
@@ -46,8 +49,9 @@ struct EmbeddingOptions
     std::optional<EmbeddingQuality> quality = {};
     /// Dihedral weighs angles by this; > 0, default default_smoothness.
     std::optional<double> smoothness = {};
-    /// Dihedral holds meshes near the companion that the turns of the target lead to by at most this;
-    /// >= 0, default default_anchor.
+    /// Dihedral holds meshes near the companion that the turns of the target lead to by at most this,
+    /// default default_anchor; near the positions of a target by this, default default_position_anchor;
+    /// >= 0.
     std::optional<double> anchor = {};
     /// Multiscale starts to register patches from this; default Incremental.
     std::optional<RegistrationStart> registration_start = {};

@@ -42,8 +42,7 @@ LinearVertices linear_vertices(const ShapeModel& model, const ModelBlock& block,
     };
     for (Index i = 0; i < modes + directions; ++i) {
         if (progress)
-            progress("vertices along modes", to_size(i),
-                     to_size(modes + directions));
+            progress("vertices along modes", to_size(i), to_size(modes + directions));
         const double step = i < modes ? std::sqrt(model.variances[i]) : 0.5;
         if (!(step > 0.0)) { // a mode without variance
             linear.modes.row(i).setZero();
@@ -53,6 +52,7 @@ LinearVertices linear_vertices(const ShapeModel& model, const ModelBlock& block,
             if (i < modes)
                 return mesh(point(by * Eigen::VectorXd::Unit(i + 1, i)));
             ShapePoint at = point({});
+            at.positions.resize(0, 3); // differences say nothing of them
             at.edge_lengths += by * block.directions.edge_lengths.row(i - modes).transpose();
             at.dihedral_angles += by * block.directions.dihedral_angles.row(i - modes).transpose();
             return mesh(at);
@@ -72,8 +72,8 @@ ModelBlock make_block(const ShapeModel& model, int modes, AddedDirections direct
     const bool embeds = std::holds_alternative<EdgeSpace>(model.space);
     const Index edges = model.topology.edge_count();
     if (modes < 0 || modes > model.mode_count())
-        throw InvalidInput(join("model block: modes is ", modes, ", must be in [0, ",
-                                model.mode_count(), "]"));
+        throw InvalidInput(
+            join("model block: modes is ", modes, ", must be in [0, ", model.mode_count(), "]"));
     if (directions.edge_lengths.rows() != directions.dihedral_angles.rows() ||
         (directions.edge_lengths.rows() > 0 &&
          (!embeds || directions.edge_lengths.cols() != edges ||

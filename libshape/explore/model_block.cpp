@@ -30,8 +30,8 @@ Rows read_rows(ByteReader& from)
     const auto columns = from.number<std::uint32_t>();
     const auto values = from.array<typename Rows::Scalar>();
     if (values.size() != static_cast<std::uint64_t>(rows) * columns)
-        throw InvalidInput(join("model block: ", values.size(), " numbers for ", rows, " rows of ",
-                                columns));
+        throw InvalidInput(
+            join("model block: ", values.size(), " numbers for ", rows, " rows of ", columns));
     return Eigen::Map<const Rows>(values.data(), static_cast<Index>(rows),
                                   static_cast<Index>(columns));
 }
@@ -56,10 +56,11 @@ void write_space(const ShapeSpace& space, ByteWriter& to)
     const EdgeSpace* const edge = std::get_if<EdgeSpace>(&space);
     to.number(static_cast<std::uint32_t>(edge != nullptr ? 0 : 1));
     to.number(static_cast<std::uint32_t>(scale_of(space)));
-    to.number(static_cast<std::uint32_t>(edge != nullptr ? edge->coordinates
-                                                         : LengthCoordinates::Plain));
+    to.number(
+        static_cast<std::uint32_t>(edge != nullptr ? edge->coordinates : LengthCoordinates::Plain));
     to.array(edge != nullptr ? edge->length_factors : Eigen::VectorXd());
     to.array(edge != nullptr ? edge->dihedral_factors : Eigen::VectorXd());
+    to.array(edge != nullptr ? edge->position_factors : Eigen::VectorXd());
 }
 
 ShapeSpace read_space(ByteReader& from, Index vertices)
@@ -69,12 +70,14 @@ ShapeSpace read_space(ByteReader& from, Index vertices)
     const auto coordinates = static_cast<LengthCoordinates>(from.number<std::uint32_t>());
     Eigen::VectorXd length_factors = read_vector(from);
     Eigen::VectorXd dihedral_factors = read_vector(from);
+    Eigen::VectorXd position_factors = read_vector(from);
     if (kind == 1)
         return ProcrustesSpace{.scale = scale, .mean = Points::Zero(vertices, 3)};
     return EdgeSpace{.scale = scale,
                      .coordinates = coordinates,
                      .length_factors = std::move(length_factors),
-                     .dihedral_factors = std::move(dihedral_factors)};
+                     .dihedral_factors = std::move(dihedral_factors),
+                     .position_factors = std::move(position_factors)};
 }
 
 } // namespace

@@ -67,6 +67,8 @@ DecodedShape ModelDecoder::point(const VectorXd& scores, const VectorXd& amounts
         target->edge_lengths = with_rows_added(std::move(target->edge_lengths), lengths, amounts);
         target->dihedral_angles =
             with_rows_added(std::move(target->dihedral_angles), angles, amounts);
+        if (amounts.size() > 0 && !amounts.isZero(0.0))
+            target->positions.resize(0, 3); // differences say nothing of them
     }
     return shape;
 }

@@ -75,6 +75,8 @@ void check_model(const ShapeModel& model, const std::string& place)
         check((edge->length_factors.array() > 0.0).all(), "/space/length_factors", "must be > 0");
         check((edge->dihedral_factors.array() > 0.0).all(), "/space/dihedral_factors",
               "must be > 0");
+        check((edge->position_factors.array() > 0.0).all(), "/space/position_factors",
+              "must be > 0");
     }
     check(is_orthonormal(model.modes), "/modes/" + coordinates_name(model.space),
           "rows must be orthonormal");
@@ -118,15 +120,25 @@ void add_space(Hdf5Content& content, const ShapeSpace& space)
         add_numbers(content, "/space/branch_angles", {edge->branch_angles.size()},
                     edge->branch_angles);
     }
+    if (edge->position_factors.size() > 0) {
+        add_numbers(content, "/space/position_factors", {edge->position_factors.size()},
+                    edge->position_factors);
+        add_numbers(content, "/space/mean_positions", {edge->mean_positions.rows(), 3},
+                    edge->mean_positions);
+    }
 }
 
-EdgeSpace read_edge_space(const Hdf5File& file, Eigen::Index edges)
+EdgeSpace read_edge_space(const Hdf5File& file, const Topology& topology)
 {
+    const Eigen::Index edges = topology.edge_count();
+    const Eigen::Index vertices = topology.vertex_count();
     EdgeSpace space{.scale = read_scale(file),
                     .coordinates = LengthCoordinates::Plain,
                     .length_factors = {},
                     .dihedral_factors = {},
-                    .branch_angles = {}};
+                    .branch_angles = {},
+                    .position_factors = {},
+                    .mean_positions = {}};
     if (file.has_attribute("coordinates")) {
         const std::string name = file.text_attribute("coordinates");
         const auto found = std::find(length_names.begin(), length_names.end(), name);
@@ -141,6 +153,10 @@ EdgeSpace read_edge_space(const Hdf5File& file, Eigen::Index edges)
         space.dihedral_factors = file.numbers("/space/dihedral_factors", {edges});
         space.branch_angles = file.numbers("/space/branch_angles", {edges});
     }
+    if (file.has("/space/position_factors")) {
+        space.position_factors = file.numbers("/space/position_factors", {vertices});
+        space.mean_positions = file.numbers("/space/mean_positions", {vertices, 3});
+    }
     return space;
 }
 
@@ -149,7 +165,7 @@ ShapeSpace read_space(const Hdf5File& file, const Topology& topology)
 {
     const std::string name = file.has_attribute("space") ? file.text_attribute("space") : "edge";
     if (name == "edge")
-        return read_edge_space(file, topology.edge_count());
+        return read_edge_space(file, topology);
     if (name != "procrustes")
         file.fail("attribute space", "is '" + name + "', must be 'edge' or 'procrustes'");
     return ProcrustesSpace{.scale = read_scale(file),
@@ -162,7 +178,8 @@ Extents coordinate_extents(const ShapeSpace& space, const Topology& topology)
     const EdgeSpace* edge = std::get_if<EdgeSpace>(&space);
     if (edge == nullptr)
         return {topology.vertex_count(), 3};
-    return {topology.edge_count() * (edge->dihedral_factors.size() > 0 ? 2 : 1)};
+    return {topology.edge_count() * (edge->dihedral_factors.size() > 0 ? 2 : 1) +
+            3 * edge->position_factors.size()};
 }
 
 Extents operator+(Extents a, const Extents& b)

@@ -27,10 +27,11 @@ void check_fit(const ShapeModel& model, const Collection& added)
                                 "; only one of all modes still knows its meshes: fit all of them "
                                 "again"));
     const EdgeSpace* edge = std::get_if<EdgeSpace>(&model.space);
-    if (edge == nullptr || edge->length_factors.size() > 0 || edge->dihedral_factors.size() > 0)
+    if (edge == nullptr || edge->length_factors.size() > 0 || edge->dihedral_factors.size() > 0 ||
+        edge->position_factors.size() > 0)
         throw InvalidInput(
             "update: the space of the model depends on all its meshes (area weights, "
-            "dihedral angles, Procrustes): fit all of them again");
+            "dihedral angles, positions, Procrustes): fit all of them again");
     if (added.size() == 0)
         throw InvalidInput("update: there is no mesh to add");
     if (!(added.topology == model.topology))

@@ -13,6 +13,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/edge_space/procrustes.h"
+#include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/collections.h"
@@ -67,6 +68,13 @@ TEST(ShapeSpace, DecodesWhatItEncoded)
                           .cwiseAbs()
                           .maxCoeff(),
                       1e-11);
+            ASSERT_EQ(point.positions.rows(), options.position_weight > 0.0 ? points.rows() : 0);
+            if (point.positions.rows() > 0) {
+                EXPECT_LE((best_rigid_motion(point.positions, points)(point.positions) - points)
+                              .cwiseAbs()
+                              .maxCoeff(),
+                          1e-11);
+            }
         }
     }
 }
@@ -125,12 +133,18 @@ TEST(ShapeSpace, HasTheMetricThatItsHeaderStates)
     const Eigen::VectorXd turn = dihedral_angles(mesh.topology, pair.points[1]) -
                                  dihedral_angles(mesh.topology, pair.points[0]);
     Eigen::VectorXd area = Eigen::VectorXd::Zero(lengths.size());
+    Eigen::VectorXd vertex_area = Eigen::VectorXd::Zero(mesh.points.rows());
+    const Points aligned[2] = {aligned_with(mesh.points, pair.points[0], Scale::None),
+                               aligned_with(mesh.points, pair.points[1], Scale::None)};
+    const Eigen::VectorXd moved = (aligned[1] - aligned[0]).rowwise().norm();
     for (int f = 0; f < mesh.topology.face_count(); ++f) {
         const auto corner = mesh.topology.faces().row(f);
         const Eigen::RowVector3d u = mesh.points.row(corner[1]) - mesh.points.row(corner[0]);
         const Eigen::RowVector3d v = mesh.points.row(corner[2]) - mesh.points.row(corner[0]);
         for (const int e : mesh.topology.face_edges().row(f))
             area[e] += 0.5 * u.cross(v).norm() / 3.0;
+        for (const int corner_of_face : corner)
+            vertex_area[corner_of_face] += 0.5 * u.cross(v).norm() / 3.0;
     }
     for (const SpaceOptions& options : test::sample_spaces()) {
         if (options.kind != SpaceKind::Edge || options.scale != Scale::None)
@@ -138,9 +152,15 @@ TEST(ShapeSpace, HasTheMetricThatItsHeaderStates)
         const Eigen::VectorXd gains = options.weighting == EdgeWeighting::Area
                                           ? Eigen::VectorXd((area / area.sum()).cwiseSqrt())
                                           : relative_slopes(options.coordinates, lengths);
+        const Eigen::VectorXd shares =
+            options.weighting == EdgeWeighting::Area
+                ? Eigen::VectorXd(vertex_area / vertex_area.sum())
+                : Eigen::VectorXd::Constant(vertex_area.size(), 1.0 / vertex_area.size());
         const double expected =
             gains.cwiseProduct(relative).squaredNorm() +
-            std::pow(options.dihedral_weight, 2) * gains.cwiseProduct(turn).squaredNorm();
+            std::pow(options.dihedral_weight, 2) * gains.cwiseProduct(turn).squaredNorm() +
+            std::pow(options.position_weight / bounding_box_diagonal(mesh.points), 2) *
+                gains.squaredNorm() * shares.dot(moved.cwiseAbs2());
         const RowMatrix coordinates = encode(make_space(pair, options), pair);
         EXPECT_NEAR((coordinates.row(1) - coordinates.row(0)).squaredNorm(), expected,
                     1e-6 * expected);
@@ -216,6 +236,24 @@ TEST(ShapeSpace, ProcrustesHasPositionsAlignedWithTheMean)
     EXPECT_NEAR(sizes(space, collection)[2], centroid_size(collection.points[2]), 1e-12);
 }
 
+TEST(ShapeSpace, AlignsPositionsWithTheirMean)
+{
+    // The mean of the aligned meshes is what they are aligned with: the residual of Gower's equation.
+    const Collection collection = test::moved(test::bumpy_spheres(6, 12), 13);
+    for (const Scale scale : {Scale::Unit, Scale::None}) {
+        const ShapeSpace space = make_space(collection, {.scale = scale, .position_weight = 2.0});
+        const Points& mean = std::get<EdgeSpace>(space).mean_positions;
+        Points sum = Points::Zero(mean.rows(), 3);
+        for (const Points& points : collection.points) {
+            const double size = edge_lengths(collection.topology, points).sum();
+            sum += aligned_with(mean, scale == Scale::Unit ? Points(points / size) : points,
+                                Scale::None);
+        }
+        EXPECT_LE((sum / 6.0 - mean).norm(), 1e-6 * mean.norm());
+        EXPECT_LE(mean.colwise().mean().norm(), 1e-12 * mean.norm());
+    }
+}
+
 TEST(FeasibleStepOfASpace, EndsWhereTheFirstTriangleBreaks)
 {
     const Collection collection = test::bumpy_spheres(4, 9);
@@ -253,6 +291,10 @@ TEST(ShapeSpace, RefusesWhatBreaksARule)
     EXPECT_THROW(
         (void)make_space(collection, {.kind = SpaceKind::Procrustes, .dihedral_weight = 1.0}),
         InvalidInput);
+    EXPECT_THROW((void)make_space(collection, {.position_weight = -1.0}), InvalidInput);
+    EXPECT_THROW(
+        (void)make_space(collection, {.kind = SpaceKind::Procrustes, .position_weight = 1.0}),
+        InvalidInput);
     EXPECT_THROW((void)make_space(collection, {.kind = SpaceKind::Procrustes,
                                                .coordinates = LengthCoordinates::Log}),
                  InvalidInput);
@@ -270,7 +312,7 @@ TEST(ShapeSpace, RefusesMeshesAndPointsThatAreNotOfIt)
         const ShapeSpace space = make_space(collection, options);
         const bool knows_meshes = options.kind == SpaceKind::Procrustes ||
                                   options.weighting == EdgeWeighting::Area ||
-                                  options.dihedral_weight > 0.0;
+                                  options.dihedral_weight > 0.0 || options.position_weight > 0.0;
         if (knows_meshes) {
             EXPECT_THROW((void)encode(space, others), InvalidInput);
         }

@@ -328,6 +328,75 @@ TEST(Embedder, AnchorHoldsTheMeshNearItsCompanion)
         Embedder(pair.meshes.topology, pair.meshes.points, {.anchor = 1e3}).embed(alone).points);
 }
 
+/// Half-way between two meshes by lengths and angles, and where their vertices are half-way.
+ShapePoint placed_half(const Pair& pair)
+{
+    ShapePoint half = pair.half;
+    half.patch_turns = {};
+    const Points& first = pair.meshes.points[0];
+    const Points& second = pair.meshes.points[1];
+    half.positions = 0.5 * (first + best_rigid_motion(second, first)(second));
+    return half;
+}
+
+TEST(Embedder, PositionsHoldTheMeshMoreFirmlyTheMoreTheyWeigh)
+{
+    const Pair pair = bumpy_pair();
+    const ShapePoint half = placed_half(pair);
+    double last = std::numeric_limits<double>::infinity();
+    double edges = 0.0;
+    for (const double anchor : {0.0, 5.0, 1e3}) {
+        const Embedder embedder(pair.meshes.topology, pair.meshes.points, {.anchor = anchor});
+        const Embedding embedding = embedder.embed(half);
+        const Points placed = best_rigid_motion(half.positions, embedding.points)(half.positions);
+        EXPECT_NEAR((placed - embedding.points).norm() /
+                        std::sqrt(static_cast<double>(placed.rows())) * 100.0 /
+                        bounding_box_diagonal(embedding.points),
+                    embedding.report.companion_rms, 1e-9);
+        EXPECT_LT(embedding.report.companion_rms, 0.9 * last);
+        EXPECT_GE(embedding.report.edge_rms, edges);
+        last = embedding.report.companion_rms;
+        edges = embedding.report.edge_rms;
+    }
+    // The default.
+    EXPECT_EQ(
+        Embedder(pair.meshes.topology, pair.meshes.points).embed(half).points,
+        Embedder(pair.meshes.topology, pair.meshes.points, {.anchor = 5.0}).embed(half).points);
+}
+
+TEST(Embedder, PositionsMayHaveAnyPose)
+{
+    const Pair pair = bumpy_pair();
+    const Embedder embedder(pair.meshes.topology, pair.meshes.points);
+    ShapePoint half = placed_half(pair);
+    const Points here = embedder.embed(half).points;
+    half.positions = test::moved(half.positions, 9);
+    EXPECT_LT(rigid_distance(embedder.embed(half).points, here), 1e-4); // rounding differs
+}
+
+TEST(Embedder, GivesMeshesBackFromTheirPositions)
+{
+    const Pair pair = bumpy_pair();
+    ShapePoint point = blend(shape_vectors(pair.meshes, Scale::None), Eigen::Vector2d(0.0, 1.0));
+    point.patch_turns = {};
+    point.positions = test::moved(pair.meshes.points[1], 3);
+    const Embedding embedding =
+        Embedder(pair.meshes.topology, {pair.meshes.points[0]}).embed(point);
+    EXPECT_EQ(embedding.report.status, EmbeddingStatus::Exact);
+    EXPECT_LT(rigid_distance(embedding.points, pair.meshes.points[1]), 1e-6);
+}
+
+TEST(Embedder, RefusesPositionsOfAnotherMesh)
+{
+    const Pair pair = bumpy_pair();
+    const Embedder embedder(pair.meshes.topology, pair.meshes.points);
+    ShapePoint half = placed_half(pair);
+    half.positions(3, 1) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW((void)embedder.embed(half), InvalidInput);
+    half.positions = Points::Zero(7, 3);
+    EXPECT_THROW((void)embedder.embed(half), InvalidInput);
+}
+
 /// A straight cylinder and a helix of four turns: by relative turns far from each other, not by angles.
 TEST(Embedder, LeavesWhatTransitionsAgreeOnToThem)
 {

@@ -46,11 +46,11 @@ TEST(ModelDecoder, MakesTheMeshesOfTheEmbedder)
         for (const EmbeddingQuality quality : {EmbeddingQuality::Preview, EmbeddingQuality::Fine}) {
             const Embedder embedder(model.topology, {model.reference_points}, {.quality = quality});
             const Eigen::VectorXd scores = scores_of(model, 0.7);
-            const Embedding wanted =
-                embedder.embed(model_point(model, scores, model.mean_size()));
-            const DecodedModelPoint decoded = decoder.decode(
-                scores, {}, model.mean_size(),
-                quality == EmbeddingQuality::Fine ? DihedralEmbeddingOptions() : dihedral_preview());
+            const Embedding wanted = embedder.embed(model_point(model, scores, model.mean_size()));
+            const DecodedModelPoint decoded =
+                decoder.decode(scores, {}, model.mean_size(),
+                               quality == EmbeddingQuality::Fine ? DihedralEmbeddingOptions()
+                                                                 : dihedral_preview());
             EXPECT_LT(distance(decoded.embedding.points, wanted.points), 1e-5);
             EXPECT_NEAR(decoded.embedding.report.edge_rms, wanted.report.edge_rms,
                         1e-3 * wanted.report.edge_rms);
@@ -60,10 +60,10 @@ TEST(ModelDecoder, MakesTheMeshesOfTheEmbedder)
     }
 }
 
-TEST(ModelDecoder, AddsAsWellAreaWeightsAndAngles)
+TEST(ModelDecoder, AddsAsWellAreaWeightsAnglesAndPositions)
 {
-    const ShapeModel model =
-        model_of({.weighting = EdgeWeighting::Area, .dihedral_weight = 0.5});
+    const ShapeModel model = model_of(
+        {.weighting = EdgeWeighting::Area, .dihedral_weight = 0.5, .position_weight = 3.0});
     const Eigen::VectorXd scores = scores_of(model, -0.5);
     const Embedder embedder(model.topology, {model.reference_points});
     EXPECT_LT(distance(decoder_of(model).decode(scores, {}, model.mean_size(), {}).embedding.points,
@@ -182,14 +182,14 @@ TEST(ModelDecoder, RefusesWhatTheModelHasNot)
     const ModelDecoder decoder = decoder_of(model);
     const auto decoding = [&](const Eigen::VectorXd& scores, const Eigen::VectorXd& amounts,
                               double size) {
-        return [&decoder, scores, amounts, size] {
-            (void)decoder.decode(scores, amounts, size, {});
-        };
+        return
+            [&decoder, scores, amounts, size] { (void)decoder.decode(scores, amounts, size, {}); };
     };
     const Eigen::VectorXd none;
-    for (const auto& decode :
-         {decoding(Eigen::VectorXd::Zero(5), none, 1.0), decoding(none, Eigen::VectorXd::Zero(1), 1.0),
-          decoding(Eigen::VectorXd::Constant(1, std::nan("")), none, 1.0), decoding(none, none, 0.0)})
+    for (const auto& decode : {decoding(Eigen::VectorXd::Zero(5), none, 1.0),
+                               decoding(none, Eigen::VectorXd::Zero(1), 1.0),
+                               decoding(Eigen::VectorXd::Constant(1, std::nan("")), none, 1.0),
+                               decoding(none, none, 0.0)})
         EXPECT_NE(test::message_of<InvalidInput>(decode), "");
 }
 

@@ -51,6 +51,8 @@ void expect_equal(const ShapeSpace& a, const ShapeSpace& b)
         EXPECT_EQ(edge->length_factors, other.length_factors);
         EXPECT_EQ(edge->dihedral_factors, other.dihedral_factors);
         EXPECT_EQ(edge->branch_angles, other.branch_angles);
+        EXPECT_EQ(edge->position_factors, other.position_factors);
+        EXPECT_EQ(edge->mean_positions, other.mean_positions);
     }
 }
 
@@ -294,6 +296,10 @@ TEST(ModelFile, HasTheCoordinatesOfItsSpaceUnderTheirName)
               "edge unit b'log'\nmean/coordinates (240,)\nmodes/coordinates (2, 240)\n"
               "space/branch_angles (120,)\nspace/dihedral_factors (120,)\n"
               "space/length_factors (120,)\n");
+    EXPECT_EQ(printed({.position_weight = 2.0}),
+              "edge unit b'plain'\nmean/coordinates (246,)\nmean/dihedral_angles (120,)\n"
+              "modes/coordinates (2, 246)\nmodes/dihedral_angles (2, 120)\n"
+              "space/mean_positions (42, 3)\nspace/position_factors (42,)\n");
 }
 
 TEST(ModelFile, OfBeforeThereWasAChoiceIsOfEdgeSpace)
@@ -321,6 +327,7 @@ TEST(ModelFile, NamesWhatItRefusesOfOtherSpaces)
     const SpaceOptions weighted{.coordinates = LengthCoordinates::Squared,
                                 .weighting = EdgeWeighting::Area,
                                 .dihedral_weight = 0.5};
+    const SpaceOptions placed{.position_weight = 2.0};
     const std::vector<Case> cases = {
         {procrustes, "f.attrs['space'] = np.bytes_('angles')",
          "attribute space: is 'angles', must be 'edge' or 'procrustes'"},
@@ -334,6 +341,9 @@ TEST(ModelFile, NamesWhatItRefusesOfOtherSpaces)
         {weighted, "f['space/dihedral_factors'][7] = -1", "/space/dihedral_factors: must be > 0"},
         {weighted, "del f['space/branch_angles']", "/space/branch_angles: is missing"},
         {weighted, "del f['space']", "/mean/coordinates: is 240, must be 120"},
+        {placed, "f['space/position_factors'][7] = 0", "/space/position_factors: must be > 0"},
+        {placed, "del f['space/mean_positions']", "/space/mean_positions: is missing"},
+        {placed, "del f['space']", "/mean/coordinates: is 246, must be 120"},
     };
     for (const Case& c : cases) {
         const test::TemporaryDirectory directory;

@@ -51,7 +51,8 @@ std::vector<SpaceOptions> spaces()
     return {{},
             {.scale = Scale::None},
             {.coordinates = LengthCoordinates::Log, .weighting = EdgeWeighting::Area},
-            {.dihedral_weight = 0.3}};
+            {.dihedral_weight = 0.3},
+            {.position_weight = 3.0}};
 }
 
 TEST(StreamedFit, GivesTheModelOfTheCollectionInMemory)

@@ -23,6 +23,12 @@ namespace shape::test {
                                       .coordinates = coordinates,
                                       .weighting = weighting,
                                       .dihedral_weight = weight});
+        spaces.push_back({.scale = scale, .position_weight = 3.0});
+        spaces.push_back({.scale = scale,
+                          .coordinates = LengthCoordinates::Log,
+                          .weighting = EdgeWeighting::Area,
+                          .dihedral_weight = 0.2,
+                          .position_weight = 3.0});
     }
     return spaces;
 }

@@ -47,6 +47,7 @@ TEST_F(Spaces, EveryChoiceOfCoordinatesComesBackFromItsScores)
     const std::vector<Arguments> choices = {{"--coordinates", "squared"},
                                             {"--coordinates", "log", "--area-weighted"},
                                             {"--with-dihedrals", "0.3"},
+                                            {"--with-positions", "5"},
                                             {"--area-weighted", "--scale", "none"}};
     for (const Arguments& choice : choices) {
         SCOPED_TRACE(choice.front());

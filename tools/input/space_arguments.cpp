@@ -57,6 +57,12 @@ CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options)
                "of length by this weight, > 0 (default: lengths alone)",
                Sign::Positive)
         ->group(group);
+    add_number(command, "--with-positions", options.position_weight,
+               "Vertex positions are coordinates too, after generalised Procrustes alignment:\n"
+               "moving all vertices by 1 % of the diagonal counts as much as changing all\n"
+               "lengths by this number of percent, > 0, say 5 (default: lengths alone)",
+               Sign::Positive)
+        ->group(group);
     return space;
 }
 
@@ -64,9 +70,11 @@ void check_space_options(const SpaceOptions& options)
 {
     if (options.kind == SpaceKind::Procrustes &&
         (options.coordinates != LengthCoordinates::Plain ||
-         options.weighting != EdgeWeighting::Uniform || options.dihedral_weight != 0.0))
+         options.weighting != EdgeWeighting::Uniform || options.dihedral_weight != 0.0 ||
+         options.position_weight != 0.0))
         throw UsageError(
-            "--coordinates, --area-weighted and --with-dihedrals are options of --space edge");
+            "--coordinates, --area-weighted, --with-dihedrals and --with-positions are "
+            "options of --space edge");
 }
 
 const char* name(Scale scale)
@@ -82,6 +90,7 @@ Json space_figures(const ShapeSpace& space)
         figures["coordinates"] = name(edge->coordinates);
         figures["area_weighted"] = edge->length_factors.size() > 0;
         figures["with_dihedrals"] = edge->dihedral_factors.size() > 0;
+        figures["with_positions"] = edge->position_factors.size() > 0;
     }
     return figures;
 }

@@ -12,7 +12,8 @@ class Option;
 
 namespace shape::tools {
 
-/// Adds --space, which is returned, --scale, --coordinates, --area-weighted and --with-dihedrals.
+/// Adds --space, which is returned, --scale, --coordinates, --area-weighted, --with-dihedrals and
+/// --with-positions.
 CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options);
 
 /// @throws UsageError if an option of edge space is given for Procrustes space.
@@ -21,7 +22,8 @@ void check_space_options(const SpaceOptions& options);
 /// "unit" or "none".
 [[nodiscard]] const char* name(Scale scale);
 
-/// The fields space, scale and, in edge space, coordinates, area_weighted and with_dihedrals.
+/// The fields space, scale and, in edge space, coordinates, area_weighted, with_dihedrals and
+/// with_positions.
 [[nodiscard]] Json space_figures(const ShapeSpace& space);
 
 /// What Procrustes alignment that stopped short is worth a warning.

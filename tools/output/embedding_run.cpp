@@ -237,7 +237,9 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
         join("How firmly a mesh is held near its companion, the mesh that the blended turns of\n"
              "patches lead to, so that it does not bend a little everywhere; less where lengths\n"
              "and angles resist; >= 0, 0: not at all (default: ",
-             default_anchor, "); of the method dihedral"))
+             default_anchor,
+             ").\nOf models with positions: how firmly near these, whatever resists (default: ",
+             default_position_anchor, "). Of the method dihedral"))
         ->check([](const std::string& text) {
             return std::strtod(text.c_str(), nullptr) < 0.0 ? text + " must be >= 0" : "";
         })

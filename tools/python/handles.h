@@ -69,7 +69,7 @@ struct DifferenceHandle
 
 [[nodiscard]] SpaceOptions space_options(const std::string& space, const std::string& scale,
                                          const std::string& coordinates, bool area_weighted,
-                                         double with_dihedrals);
+                                         double with_dihedrals, double with_positions);
 
 /// (positions, report as a dictionary)
 [[nodiscard]] py::tuple to_python(Embedding embedding);

@@ -75,7 +75,7 @@ EmbeddingOptions embedding_options(const std::string& method, const std::string&
 
 SpaceOptions space_options(const std::string& space, const std::string& scale,
                            const std::string& coordinates, bool area_weighted,
-                           double with_dihedrals)
+                           double with_dihedrals, double with_positions)
 {
     const auto choose = [](const char* argument, const std::string& value, auto choices) {
         std::string names;
@@ -97,7 +97,8 @@ SpaceOptions space_options(const std::string& space, const std::string& scale,
                                          std::pair{"squared", LengthCoordinates::Squared},
                                          std::pair{"log", LengthCoordinates::Log}}),
         .weighting = area_weighted ? EdgeWeighting::Area : EdgeWeighting::Uniform,
-        .dihedral_weight = with_dihedrals};
+        .dihedral_weight = with_dihedrals,
+        .position_weight = with_positions};
     check(options);
     return options;
 }

@@ -106,8 +106,16 @@ ShapePoint target_of(const Renumbering& renumbering, const ShapePoint& point)
         throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
                                 point.dihedral_angles.size(), " dihedral angles, the topology ",
                                 topology.edge_count(), " edges"));
+    Points positions;
+    if (point.positions.size() > 0) {
+        if (point.positions.rows() != topology.vertex_count() || !point.positions.allFinite())
+            throw InvalidInput(join("target has ", point.positions.rows(),
+                                    " positions, the topology ", topology.vertex_count(),
+                                    " vertices; all must be finite"));
+        positions = renumbered(renumbering, point.positions);
+    }
     return {positive_lengths(renumbered(renumbering, point.edge_lengths)),
-            renumbered(renumbering, point.dihedral_angles), point.patch_turns};
+            renumbered(renumbering, point.dihedral_angles), point.patch_turns, positions};
 }
 
 /// Vertices row by row in the order of the renumbering, in their own, about their centroid.
@@ -126,6 +134,7 @@ void check(const DihedralEmbeddingOptions& options)
 {
     require_positive(options.smoothness, "DihedralEmbeddingOptions.smoothness");
     require_not_negative(options.anchor, "DihedralEmbeddingOptions.anchor");
+    require_not_negative(options.position_anchor, "DihedralEmbeddingOptions.position_anchor");
     require_at_least(0, options.local_global_steps, "DihedralEmbeddingOptions.local_global_steps");
     require_at_least(0, options.max_iterations, "DihedralEmbeddingOptions.max_iterations");
     require_at_least(2, options.first_linear_steps, "DihedralEmbeddingOptions.first_linear_steps");
@@ -201,8 +210,14 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     // Rounding: strains of 1e-12 an edge are none.
     const double nothing = 1e-24 * topology.edge_count();
     VectorXd points = linear.reshaped<Eigen::RowMajor>();
-    if (has_companion)
-        result.companion = result_of(s.renumbering, linear.reshaped<Eigen::RowMajor>());
+    const bool has_positions = target.positions.size() > 0;
+    if (has_positions || has_companion)
+        result.companion = result_of(
+            s.renumbering, (has_positions ? target.positions : linear).reshaped<Eigen::RowMajor>());
+    if (has_positions && options.position_anchor > 0.0)
+        energy.hold_near(best_rigid_motion(target.positions, linear)(target.positions)
+                             .reshaped<Eigen::RowMajor>(),
+                         options.position_anchor);
     int first_linear_steps = options.first_linear_steps;
     Descender descender(energy, s.laplacian.single_precision());
     const auto descend_to = [&](int iterations) {
@@ -228,7 +243,7 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
         repair(hot_spots(energy, points));
     // Folds show once what is rough about the start is gone. From then on the mesh is held near it, weakly
     // at first: how far it goes all the same says how firmly it may be held.
-    const bool is_held = start->turn_share() > 0.0 && options.anchor > 0.0;
+    const bool is_held = !has_positions && start->turn_share() > 0.0 && options.anchor > 0.0;
     for (std::size_t i = 0; i < options.repairs.size(); ++i) {
         if (options.repairs[i] > options.max_iterations || result.converged)
             break;

@@ -22,6 +22,9 @@ struct DihedralEmbeddingOptions
     /// From the second repair on a mesh whose target has turns is held near where it started by at most
     /// this (nu of hold_near()), less where transitions agree (turn_share()) or E resists; >= 0.
     double anchor = 0.05;
+    /// A mesh whose target has positions is held near them by this from the start on (nu of hold_near());
+    /// >= 0.
+    double position_anchor = 5.0;
     /// The linear start is followed by this many face steps; >= 0.
     int local_global_steps = 3;
     /// Hot spots are solved before the descent.
@@ -50,8 +53,10 @@ void check(const DihedralEmbeddingOptions& options);
 
 struct DihedralEmbedding
 {
-    Points points;       ///< #V by 3 [length], centroid at 0.
-    Points companion;    ///< The same, of the start that turns led to; none if the point has none.
+    Points points; ///< #V by 3 [length], centroid at 0.
+    Points
+        companion; ///< The same, of the positions of the point, or of the start that its turns led
+                   ///< to; none if it has neither.
     double energy = 0.0; ///< E of length_dihedral_energy.h, without what holds it near.
     int iterations = 0;  ///< Linear steps of descent.h.
     int back_substitutions =
@@ -72,7 +77,8 @@ struct DihedralEmbedding
 /// 3. Gauss-Newton steps on the energy, preconditioned by the same factor (descent.h); between them
 ///    folds are turned back (fold_regions.h, region_repair.h). From the first of these on a mesh whose
 ///    target has turns is held near its linear start, weakly; from the second on as firmly as the
-///    energy allows, which the way it went meanwhile shows (docs/embedding.md). A preview starts with the hot spots
+///    energy allows, which the way it went meanwhile shows (docs/embedding.md). One whose target has
+///    positions is held near these all the way. A preview starts with the hot spots
 ///    (hot_spots.h): what is wrong with a start is in a few places, where global steps are small.
 ///
 /// What depends on topology and references alone is kept: patches and the factor of the Laplacian

@@ -16,7 +16,13 @@ class EmbeddingOptions:
 
 class SpaceOptions:
     def __init__(
-        self, space: str, scale: str, coordinates: str, area_weighted: bool, with_dihedrals: float
+        self,
+        space: str,
+        scale: str,
+        coordinates: str,
+        area_weighted: bool,
+        with_dihedrals: float,
+        with_positions: float,
     ) -> None: ...
 
 class Collection:

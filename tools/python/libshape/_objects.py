@@ -119,7 +119,12 @@ def _options(
 
 
 def _space(
-    space: str, scale: str, coordinates: str, area_weighted: bool, with_dihedrals: float
+    space: str,
+    scale: str,
+    coordinates: str,
+    area_weighted: bool,
+    with_dihedrals: float,
+    with_positions: float,
 ) -> _core.SpaceOptions:
     return _core.SpaceOptions(
         _arrays.text(space, "space"),
@@ -127,6 +132,7 @@ def _space(
         _arrays.text(coordinates, "coordinates"),
         _arrays.flag(area_weighted, "area_weighted"),
         _arrays.number(with_dihedrals, "with_dihedrals"),
+        _arrays.number(with_positions, "with_positions"),
     )
 
 
@@ -262,14 +268,18 @@ class Collection:
         coordinates: str = "plain",
         area_weighted: bool = False,
         with_dihedrals: float = 0.0,
+        with_positions: float = 0.0,
     ) -> "Model":
         """Mean, principal modes, variances and scores, as `shape stats` finds them.
 
         modes: this many, at most N - 1; 0: as few as have the share `variance` of the variance.
         space: "edge" (edge lengths, which are pose-invariant) or "procrustes". scale: "unit" (every
-        mesh is brought to one size) or "none". Raises InvalidInput if a rule is broken.
+        mesh is brought to one size) or "none". with_dihedrals, with_positions: weights > 0 with which
+        these are coordinates beside lengths. Raises InvalidInput if a rule is broken.
         """
-        chosen = _space(space, scale, coordinates, area_weighted, with_dihedrals)
+        chosen = _space(
+            space, scale, coordinates, area_weighted, with_dihedrals, with_positions
+        )
         return Model(
             _core.fit(
                 self._core, _arrays.integer(modes, "modes", 0), _arrays.number(variance, "variance"), chosen
@@ -842,6 +852,7 @@ def groups(
     coordinates: str = "plain",
     area_weighted: bool = False,
     with_dihedrals: float = 0.0,
+    with_positions: float = 0.0,
 ) -> Groups:
     """Do the mean shapes of groups differ? By permutation, as `shape groups`.
 
@@ -849,7 +860,7 @@ def groups(
     are permuted. A mesh without a value of either is refused. replicates: draws of the bootstrap behind
     the radii of differences.
     """
-    chosen = _space(space, scale, coordinates, area_weighted, with_dihedrals)
+    chosen = _space(space, scale, coordinates, area_weighted, with_dihedrals, with_positions)
     names, counts, overall, pairs = _core.groups(
         _collection(meshes),
         _arrays.text(by, "by"),
