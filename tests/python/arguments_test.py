@@ -52,6 +52,7 @@ class Refusals(unittest.TestCase):
             "variance: must be a number, is str": lambda: faces.model(variance="0.9"),
             "space: must be a str, is int": lambda: faces.model(space=3),
             "area_weighted: must be True or False, is str": lambda: faces.model(area_weighted="yes"),
+            "with_positions: must be a number, is str": lambda: faces.model(with_positions="5"),
             "scores: must be an array of numbers, is str": lambda: model.decode("abc"),
             r"scores: shape must be \(k,\), is \(\)": lambda: model.decode(3),
             "size: must be a number, is str": lambda: model.decode([1], size="big"),

@@ -66,6 +66,15 @@ class SameBitsAsTheProgram(WithFaces):
         read = ls.read_model(self.folder / "model.h5")
         np.testing.assert_array_equal(read.modes, self.model.modes)
 
+    def test_models_with_positions(self) -> None:
+        self.faces.model(modes=5, with_positions=5).write(self.folder / "ours.h5")
+        shape(
+            self.folder, "stats", "faces.h5", "-o", "placed.h5", "--modes", "5", "--with-positions", "5"
+        )
+        self.assertEqual(
+            (self.folder / "ours.h5").read_bytes(), (self.folder / "placed.h5").read_bytes()
+        )
+
     def test_decoding(self) -> None:
         mesh, report = self.model.decode([-2, 1, 0])
         wanted = self.mesh_of_program("generate", "model.h5", "--scores=-2,1,0")
