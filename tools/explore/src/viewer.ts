@@ -5,7 +5,30 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const skin = 0xd9ccbd;
 
-/// Draws one mesh that changes, and a ghost of another, seen from anywhere.
+/// Whether the processor draws, for want of a graphics card: then every pixel and every sample of it counts.
+function isDrawnBySoftware(): boolean {
+    const gl = document.createElement("canvas").getContext("webgl2");
+    const info = gl?.getExtension("WEBGL_debug_renderer_info");
+    const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+    gl?.getExtension("WEBGL_lose_context")?.loseContext();
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
+/// Whether every side of a face is the side of another, the other way round.
+function isClosed(faces: Uint32Array): boolean {
+    const open = new Set<number>();
+    const name = (a: number, b: number) => a * 2 ** 26 + b;
+    for (let f = 0; f < faces.length; f += 3)
+        for (let k = 0; k < 3; ++k) {
+            const [a, b] = [faces[f + k], faces[f + ((k + 1) % 3)]];
+            if (!open.delete(name(b, a))) open.add(name(a, b));
+        }
+    return open.size === 0;
+}
+
+/// Draws one mesh that changes, and a ghost of another, seen from anywhere. Software draws four times as many pictures
+/// a second (docs/explore.md) by one sample a pixel, plain light and, of closed meshes, front faces alone; once
+/// nothing moves, the picture is drawn again with four pixels for one.
 export class Viewer {
     private renderer: THREE.WebGLRenderer;
     private scene = new THREE.Scene();
@@ -13,7 +36,10 @@ export class Viewer {
     private controls: OrbitControls;
     private model = new THREE.Group();
     private geometry = new THREE.BufferGeometry();
-    private material = new THREE.MeshStandardMaterial({ color: skin, roughness: 0.62, side: THREE.DoubleSide });
+    private isSoftware = isDrawnBySoftware();
+    private material = this.isSoftware
+        ? new THREE.MeshLambertMaterial({ color: skin, side: THREE.DoubleSide })
+        : new THREE.MeshStandardMaterial({ color: skin, roughness: 0.62, side: THREE.DoubleSide });
     private broken: THREE.Mesh;
     private brokenGeometry = new THREE.BufferGeometry();
     private ghost: THREE.Mesh;
@@ -23,12 +49,13 @@ export class Viewer {
     private radius = 1;
     private wanted = false;
     private drawn: number[] = []; // moments of the last frames
+    private smoothing: ReturnType<typeof setTimeout> | undefined;
     frames = 0;
 
     /// @throws if the browser has no WebGL.
     constructor(private canvas: HTMLCanvasElement, view: number[]) {
-        this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
-        this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+        this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isSoftware, alpha: true });
+        this.renderer.setPixelRatio(this.pixelRatio);
         const lamp = new THREE.DirectionalLight(0xfff8ef, 2.1);
         lamp.position.set(-0.6, 0.7, 1);
         const back = new THREE.DirectionalLight(0xdfeaff, 0.5);
@@ -70,6 +97,7 @@ export class Viewer {
         this.geometry.setAttribute("color", color);
         this.brokenGeometry.setAttribute("position", position);
         this.brokenGeometry.setIndex([]);
+        if (this.isSoftware && isClosed(faces)) this.material.side = THREE.FrontSide;
         this.ghostGeometry.setIndex(index);
         this.ghostGeometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * vertices), 3));
         this.ghostGeometry.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(3 * vertices), 3));
@@ -164,12 +192,27 @@ export class Viewer {
         this.draw();
     }
 
+    private get pixelRatio() {
+        return Math.min(devicePixelRatio, this.isSoftware ? 1 : 2);
+    }
+
+    /// Draws once with four pixels for one, which the browser averages.
+    private drawSmoothly() {
+        this.renderer.setPixelRatio(2 * this.pixelRatio);
+        this.renderer.render(this.scene, this.camera);
+    }
+
     /// With the next frame of the screen.
     draw() {
         if (this.wanted) return;
         this.wanted = true;
+        if (this.isSoftware) {
+            clearTimeout(this.smoothing);
+            this.smoothing = setTimeout(() => this.drawSmoothly(), 400);
+        }
         requestAnimationFrame(() => {
             this.wanted = false;
+            if (this.renderer.getPixelRatio() !== this.pixelRatio) this.renderer.setPixelRatio(this.pixelRatio);
             this.renderer.render(this.scene, this.camera);
             ++this.frames;
             const now = performance.now();
@@ -185,7 +228,8 @@ export class Viewer {
     /// What is seen, as PNG.
     picture(background: string): Promise<Blob> {
         this.renderer.setClearColor(background, 1);
-        this.renderer.render(this.scene, this.camera);
+        if (this.isSoftware) this.drawSmoothly();
+        else this.renderer.render(this.scene, this.camera);
         return new Promise((done, fail) =>
             this.canvas.toBlob((blob) => {
                 this.renderer.setClearColor(0x000000, 0);
