@@ -90,12 +90,10 @@ Eigen::VectorXd vertex_shares(const Topology& topology, const Eigen::VectorXd& o
 /// round before, the first of them at first.
 Points mean_positions(const EdgeSpace& space, const EachPart& each_part)
 {
-    constexpr int most_rounds = 20;
-    constexpr double tolerance =
-        1e-6; // of the mean; what it stands for is a pose, and poses vary by far more
+    const ProcrustesOptions rule; // ends as procrustes_mean() does
     constexpr std::size_t at_a_time = 32;
     Points mean;
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0; round < rule.max_iterations; ++round) {
         Points sum;
         double count = 0.0;
         each_part([&](const Collection& part) {
@@ -122,7 +120,7 @@ Points mean_positions(const EdgeSpace& space, const EachPart& each_part)
         sum /= count;
         const double change = (sum - mean).norm();
         mean = std::move(sum);
-        if (change <= tolerance * mean.norm())
+        if (change <= rule.tolerance * mean.norm())
             break;
     }
     return mean;

@@ -15,7 +15,7 @@ namespace shape::internal {
 /// The space of the meshes, to the same bits as make_space() gives it.
 /// @param block  Meshes that are in memory at a time.
 /// @throws InvalidInput as make_space(), and for Procrustes space, whose mean takes all meshes together.
-/// Cost: no pass for plain coordinates, one for what is taken from the collection, some five more for positions.
+/// Cost: no pass for plain coordinates, one for what is taken from the collection, some more for positions, one a round of alignment.
 [[nodiscard]] ShapeSpace make_space(const MeshStream& meshes, const SpaceOptions& options,
                                     Eigen::Index block);
 

@@ -249,7 +249,7 @@ TEST(ShapeSpace, AlignsPositionsWithTheirMean)
             sum += aligned_with(mean, scale == Scale::Unit ? Points(points / size) : points,
                                 Scale::None);
         }
-        EXPECT_LE((sum / 6.0 - mean).norm(), 1e-6 * mean.norm());
+        EXPECT_LE((sum / 6.0 - mean).norm(), 1e-11 * mean.norm());
         EXPECT_LE(mean.colwise().mean().norm(), 1e-12 * mean.norm());
     }
 }

@@ -343,7 +343,7 @@ TEST(ModelFile, NamesWhatItRefusesOfOtherSpaces)
         {weighted, "del f['space']", "/mean/coordinates: is 240, must be 120"},
         {placed, "f['space/position_factors'][7] = 0", "/space/position_factors: must be > 0"},
         {placed, "del f['space/mean_positions']", "/space/mean_positions: is missing"},
-        {placed, "del f['space']", "/mean/coordinates: is 246, must be 120"},
+        {placed, "del f['space']", "/mean/edge_lengths: is missing"},
     };
     for (const Case& c : cases) {
         const test::TemporaryDirectory directory;
