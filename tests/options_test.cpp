@@ -175,6 +175,11 @@ TEST(Options, OfEmbeddingsNameWhatBreaksARule)
         .positive("stiffness", &ContinuationOptions::stiffness)
         .not_negative("decrease_tolerance", &ContinuationOptions::decrease_tolerance)
         .at_least(0, "max_iterations", &ContinuationOptions::max_iterations);
+    Fields<SettlingOptions>("SettlingOptions")
+        .positive("smoothness", &SettlingOptions::smoothness)
+        .positive("stiffness", &SettlingOptions::stiffness)
+        .not_negative("edge_tolerance", &SettlingOptions::edge_tolerance)
+        .at_least(0, "rounds", &SettlingOptions::rounds);
     Fields<PathFollowerOptions>("PathFollowerOptions")
         .at_least(1, "steps", &PathFollowerOptions::steps)
         .positive("angle_gain", &PathFollowerOptions::angle_gain)
@@ -367,6 +372,9 @@ TEST(Options, AreCheckedByAllThatEmbeds)
                  [&] { (void)continuation.move(mesh.points, target, {.max_iterations = -1}); });
     expect_named("ContinuationOptions.decrease_tolerance", [&] {
         (void)continuation.adjust(mesh.points, target, {.decrease_tolerance = nan});
+    });
+    expect_named("SettlingOptions.rounds", [&] {
+        (void)continuation.settle(mesh.points, target.edge_lengths, {.rounds = -1});
     });
     const auto lengths = [&](double) { return target.edge_lengths; };
     expect_named("PathFollowerOptions.guidance", [&] {

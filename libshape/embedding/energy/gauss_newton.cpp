@@ -48,19 +48,37 @@ constexpr double first_damping = 1e-10;
 constexpr double least_damping = 1e-13;
 /// Beyond this a step is a millionth of one down the gradient: E is at a minimum up to rounding.
 constexpr double most_damping = 1e6;
-/// Times that a step is halved if E does not fall, before it is damped: an evaluation costs
-/// far less than the factorisation that more damping asks for.
+/// Times that a step is halved at most, before it is damped: an evaluation costs far less than the
+/// factorisation that more damping asks for.
 constexpr int halvings = 3;
+/// A step is not halved if E falls by this part of what its linear model promises.
+constexpr double good_part = 0.7;
+/// Residuals are looked at this far ahead along a step and behind, to find how they curve.
+constexpr double look_ahead = 0.1;
 /// Unknowns from which nested dissection, slower to find, saves more in the factorisations.
 constexpr std::size_t many_unknowns = 4000;
 
 } // namespace
 
-/// Gradient and Gauss-Newton matrix J^T J (the factor 2 of both left out).
-struct GaussNewton::Linearisation
+/// Of the edges: relative errors of lengths, and of the angles [rad], 0 on the boundary.
+struct GaussNewton::Residuals
 {
-    SparseMatrix matrix;
-    VectorXd gradient;
+    VectorXd strains;
+    VectorXd bends;
+    double value = 0.0; ///< E.
+};
+
+/// Their derivatives by the corners of the hinges, and weights: J and W.
+struct GaussNewton::Slopes
+{
+    struct Hinge
+    {
+        Vector3d pull; ///< Of the strain by b; by a its negative.
+        double stretch_weight = 0.0;
+        std::array<Vector3d, 4> turns; ///< Of the angle by a, b, c, d.
+        double bend_weight = 0.0;
+    };
+    std::vector<Hinge> hinges;
 };
 
 GaussNewton::GaussNewton(const Topology& topology, const GradedUnknowns& unknowns)
@@ -133,45 +151,30 @@ void GaussNewton::find_pattern(const std::vector<std::vector<int>>& rows)
         }
     pattern_.outerIndexPtr()[3 * size] = entry;
     std::fill_n(pattern_.valuePtr(), entry, 0.0);
+
+    for (std::size_t i = 0; i < edges_.size(); ++i)
+        for (int q = part_begin_[i]; q < part_begin_[i + 1]; ++q)
+            for (int p = q; p < part_begin_[i + 1]; ++p) {
+                const auto column = to_size(parts_[to_size(q)].row);
+                const int begin = block_begin_[column];
+                const auto k = std::lower_bound(block_row_.begin() + begin,
+                                                block_row_.begin() + block_begin_[column + 1],
+                                                parts_[to_size(p)].row) -
+                               block_row_.begin();
+                pair_value_.push_back(9 * begin + 3 * (static_cast<int>(k) - begin));
+            }
 }
 
-double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd& points,
-                             double stiffness, Linearisation* linearisation) const
+GaussNewton::Residuals GaussNewton::evaluate(const LengthDihedralEnergy& energy,
+                                             const VectorXd& points, double stiffness,
+                                             Slopes* slopes) const
 {
     const ShapePoint& target = energy.target();
     const auto point = [&](int v) { return vector3(points.data() + 3 * v); };
-    // Adds J^T J of one residual of a hinge whose derivatives by the hinge's vertices are g.
-    std::vector<Vector3d> by_part;
-    const auto add = [&](std::size_t i, const std::array<Vector3d, 4>& g, double weight,
-                         double residual) {
-        const Part* const parts = parts_.data() + part_begin_[i];
-        const auto count = to_size(part_begin_[i + 1] - part_begin_[i]);
-        by_part.assign(count, Vector3d::Zero());
-        for (std::size_t p = 0; p < count; ++p)
-            for (std::size_t a = 0; a < 4; ++a)
-                if ((parts[p].moved & 1u << a) != 0)
-                    by_part[p] += g[a];
-        for (std::size_t q = 0; q < count; ++q) {
-            const int column = parts[q].row;
-            linearisation->gradient.segment<3>(3 * column) += weight * residual * by_part[q];
-            const auto begin = block_begin_[to_size(column)];
-            const auto end = block_begin_[to_size(column) + 1];
-            for (std::size_t p = q; p < count; ++p) {
-                const auto k = std::lower_bound(block_row_.begin() + begin,
-                                                block_row_.begin() + end, parts[p].row) -
-                               block_row_.begin();
-                double* values = linearisation->matrix.valuePtr() + 9 * begin + 3 * (k - begin);
-                for (int c = 0; c < 3; ++c, values += 3 * (end - begin))
-                    for (int r = 0; r < 3; ++r)
-                        values[r] += weight * by_part[p][r] * by_part[q][c];
-            }
-        }
-    };
-    if (linearisation != nullptr) {
-        linearisation->matrix = pattern_;
-        linearisation->gradient = VectorXd::Zero(pattern_.rows());
-    }
-    double sum = 0.0;
+    const auto count = static_cast<Eigen::Index>(edges_.size());
+    Residuals residuals{VectorXd(count), VectorXd::Zero(count), 0.0};
+    if (slopes != nullptr)
+        slopes->hinges.resize(edges_.size());
     for (std::size_t i = 0; i < edges_.size(); ++i) {
         const int e = edges_[i];
         const std::array<int, 4> hinge = hinge_corners(topology_, e);
@@ -180,13 +183,16 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         const double length = std::sqrt(dot(edge, edge));
         const double strain = length / target.edge_lengths[e] - 1.0;
         const auto [value, weight] = stretch_term(stiffness * strain);
-        sum += value / (stiffness * stiffness);
+        residuals.strains[static_cast<Eigen::Index>(i)] = strain;
+        residuals.value += value / (stiffness * stiffness);
         const Vector3d along =
             length > 0.0 ? Vector3d(eigen(edge) / length) : Vector3d(Vector3d::Zero());
-        if (linearisation != nullptr) {
-            const Vector3d pull = along / target.edge_lengths[e];
-            add(i, {-pull, pull, Vector3d::Zero(), Vector3d::Zero()}, weight, strain);
-        }
+        if (slopes != nullptr)
+            slopes->hinges[i] = {
+                along / target.edge_lengths[e],
+                weight,
+                {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()},
+                0.0};
         if (hinge[3] < 0)
             continue;
         const Vector3<double> c = point(hinge[2]) - a;
@@ -195,21 +201,92 @@ double GaussNewton::evaluate(const LengthDihedralEnergy& energy, const VectorXd&
         const double angle = angle_of(hinge_angle(edge, length, normals.left, normals.right));
         const double bend = wrapped_angle(angle - target.dihedral_angles[e]);
         const double bend_weight = energy.bend_weights()[e];
-        sum += bend_weight * bend * bend;
+        residuals.bends[static_cast<Eigen::Index>(i)] = bend;
+        residuals.value += bend_weight * bend * bend;
         Vector3d left = eigen(normals.left);
         Vector3d right = eigen(normals.right);
-        if (linearisation == nullptr || left.squaredNorm() == 0.0 || right.squaredNorm() == 0.0)
+        if (slopes == nullptr || left.squaredNorm() == 0.0 || right.squaredNorm() == 0.0)
             continue;
         left /= left.squaredNorm();
         right /= right.squaredNorm();
         const HingeShares<double> of_left = hinge_shares(length, eigen(c).dot(along));
         const HingeShares<double> of_right = hinge_shares(length, eigen(d).dot(along));
-        add(i,
-            {of_left.a * left + of_right.a * right, of_left.b * left + of_right.b * right,
-             of_left.c * left, of_right.c * right},
-            bend_weight, bend);
+        slopes->hinges[i].turns = {of_left.a * left + of_right.a * right,
+                                   of_left.b * left + of_right.b * right, of_left.c * left,
+                                   of_right.c * right};
+        slopes->hinges[i].bend_weight = bend_weight;
     }
-    return sum;
+    return residuals;
+}
+
+/// J^T W r by the unknowns: of the residuals at a point half the gradient of E.
+VectorXd GaussNewton::forces(const Slopes& slopes, const Residuals& residuals) const
+{
+    VectorXd forces = VectorXd::Zero(pattern_.rows());
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+        const Slopes::Hinge& hinge = slopes.hinges[i];
+        const auto row = static_cast<Eigen::Index>(i);
+        const double bend = hinge.bend_weight * residuals.bends[row];
+        std::array<Vector3d, 4> at = hinge.turns;
+        for (Vector3d& force : at)
+            force *= bend;
+        const Vector3d pull = hinge.stretch_weight * residuals.strains[row] * hinge.pull;
+        at[0] -= pull;
+        at[1] += pull;
+        for (int p = part_begin_[i]; p < part_begin_[i + 1]; ++p)
+            for (std::size_t a = 0; a < 4; ++a)
+                if ((parts_[to_size(p)].moved & 1u << a) != 0)
+                    forces.segment<3>(3 * parts_[to_size(p)].row) += at[a];
+    }
+    return forces;
+}
+
+/// The values of J^T W J.
+void GaussNewton::fill(const Slopes& slopes, SparseMatrix& matrix) const
+{
+    std::fill_n(matrix.valuePtr(), matrix.nonZeros(), 0.0);
+    std::vector<Vector3d> pulls; // of the parts of a hinge
+    std::vector<Vector3d> turns;
+    std::size_t pair = 0;
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+        const Slopes::Hinge& hinge = slopes.hinges[i];
+        const Part* const parts = parts_.data() + part_begin_[i];
+        const auto count = to_size(part_begin_[i + 1] - part_begin_[i]);
+        pulls.assign(count, Vector3d::Zero());
+        turns.assign(count, Vector3d::Zero());
+        for (std::size_t p = 0; p < count; ++p) {
+            for (std::size_t a = 0; a < 4; ++a)
+                if ((parts[p].moved & 1u << a) != 0)
+                    turns[p] += hinge.turns[a];
+            const bool moves_a = (parts[p].moved & 1u) != 0;
+            const bool moves_b = (parts[p].moved & 2u) != 0;
+            if (moves_a != moves_b)
+                pulls[p] = moves_b ? hinge.pull : Vector3d(-hinge.pull);
+        }
+        for (std::size_t q = 0; q < count; ++q) {
+            const auto column = to_size(parts[q].row);
+            const int stride = 3 * (block_begin_[column + 1] - block_begin_[column]);
+            const Vector3d pull = hinge.stretch_weight * pulls[q];
+            const Vector3d turn = hinge.bend_weight * turns[q];
+            for (std::size_t p = q; p < count; ++p) {
+                double* values = matrix.valuePtr() + pair_value_[pair++];
+                for (int c = 0; c < 3; ++c, values += stride)
+                    for (int r = 0; r < 3; ++r)
+                        values[r] += pull[c] * pulls[p][r] + turn[c] * turns[p][r];
+            }
+        }
+    }
+}
+
+/// The points - scale * step.
+VectorXd GaussNewton::moved(VectorXd points, double scale, const VectorXd& step) const
+{
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+        const Vector3d by = scale * step.segment<3>(3 * static_cast<Eigen::Index>(i));
+        for (int k = carried_begin_[i]; k < carried_begin_[i + 1]; ++k)
+            points.segment<3>(3 * carried_[to_size(k)]) -= by;
+    }
+    return points;
 }
 
 void check(const GaussNewtonOptions& options)
@@ -224,24 +301,30 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
                                         std::optional<SparseCholesky>* kept) const
 {
     check(options);
-    GaussNewtonResult result{std::move(points), 0.0, 0, false};
-    Linearisation linear;
-    result.value = evaluate(energy, result.points, options.stiffness, &linear);
+    GaussNewtonResult result{std::move(points), 0.0, 0, false, 0.0};
+    const auto residuals_at = [&](const VectorXd& at) {
+        return evaluate(energy, at, options.stiffness, nullptr);
+    };
+    Slopes slopes;
+    Residuals residuals = evaluate(energy, result.points, options.stiffness, &slopes);
+    result.value = residuals.value;
     if (!std::isfinite(result.value))
         throw NumericalError("Gauss-Newton: the energy is not finite at the start");
+    SparseMatrix matrix = pattern_;
+    fill(slopes, matrix);
+    VectorXd diagonal = matrix.diagonal();
     double damping = first_damping;
     std::optional<SparseCholesky> own;
     std::optional<SparseCholesky>& factor = kept != nullptr ? *kept : own;
     while (!result.converged && result.iterations < options.max_iterations) {
         ++result.iterations;
-        SparseMatrix damped = linear.matrix;
-        damped.diagonal() *= 1.0 + damping;
-        damped.diagonal().array() += 1e-300; // where nothing pulls, nothing moves
+        matrix.diagonal() = (1.0 + damping) * diagonal;
+        matrix.diagonal().array() += 1e-300; // where nothing pulls, nothing moves
         try {
             if (factor)
-                factor->refactor(damped);
+                factor->refactor(matrix);
             else
-                factor.emplace(damped, vertices_.size() > many_unknowns ? Ordering::NestedDissection
+                factor.emplace(matrix, vertices_.size() > many_unknowns ? Ordering::NestedDissection
                                                                         : Ordering::MinimumDegree);
         } catch (const NumericalError&) { // too little damping for the digits there are
             damping *= 100.0;
@@ -249,26 +332,46 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
                 throw;
             continue;
         }
-        const VectorXd step = factor->solve(linear.gradient);
+        const VectorXd gradient = forces(slopes, residuals);
+        const VectorXd step = factor->solve(gradient);
+        const Residuals ahead = residuals_at(moved(result.points, look_ahead, step));
+        const Residuals behind = residuals_at(moved(result.points, -look_ahead, step));
+        Residuals curving{(ahead.strains - 2.0 * residuals.strains + behind.strains),
+                          VectorXd(residuals.bends.size()), 0.0};
+        for (Eigen::Index i = 0; i < curving.bends.size(); ++i)
+            curving.bends[i] = wrapped_angle(ahead.bends[i] - residuals.bends[i]) +
+                               wrapped_angle(behind.bends[i] - residuals.bends[i]);
+        const VectorXd acceleration =
+            factor->solve(forces(slopes, curving)) / (look_ahead * look_ahead);
+
         VectorXd next;
-        double value = 0.0;
+        double value = result.value;
+        result.last_step = 0.0;
         double scale = 1.0;
         for (int halving = 0; halving <= halvings; ++halving, scale *= 0.5) {
-            next = result.points;
-            for (std::size_t i = 0; i < vertices_.size(); ++i)
-                for (int k = carried_begin_[i]; k < carried_begin_[i + 1]; ++k)
-                    next.segment<3>(3 * carried_[to_size(k)]) -=
-                        scale * step.segment<3>(3 * static_cast<Eigen::Index>(i));
-            value = evaluate(energy, next, options.stiffness, nullptr);
-            if (value < result.value)
+            VectorXd tried =
+                moved(moved(result.points, scale, step), 0.5 * scale * scale, acceleration);
+            const double there = residuals_at(tried).value;
+            if (!(there < value)) {
+                if (result.last_step > 0.0)
+                    break;
+                continue;
+            }
+            value = there;
+            next = std::move(tried);
+            result.last_step = scale;
+            if (result.value - value >= good_part * gradient.dot(step))
                 break;
         }
-        if (value < result.value) {
+        if (result.last_step > 0.0) {
             result.converged = result.value - value <= options.decrease_tolerance * value;
             result.points = std::move(next);
             result.value = value;
-            if (!result.converged)
-                result.value = evaluate(energy, result.points, options.stiffness, &linear);
+            if (!result.converged && result.iterations < options.max_iterations) {
+                residuals = evaluate(energy, result.points, options.stiffness, &slopes);
+                fill(slopes, matrix);
+                diagonal = matrix.diagonal();
+            }
             // Down slowly and up fast, as is the custom with this method (Levenberg 1944, Marquardt 1963): a
             // failed step costs a factorisation.
             damping = std::max(0.2 * damping, least_damping);

@@ -32,10 +32,18 @@ struct GaussNewtonResult
     double value = 0.0;     ///< Terms of E that the moved vertices take part in.
     int iterations = 0;
     bool converged = false;
+    double last_step =
+        0.0; ///< The part of the last step that was taken, in [0, 1]; 0: none lowers E.
 };
 
 /// Levenberg's damped Gauss-Newton method on a LengthDihedralEnergy, for some vertices while the
 /// others are held. The pattern of the normal matrix is found once.
+///
+/// Steps are curved. An edge that a straight step d turns by an angle phi grows by phi^2 / 2, and E notices
+/// lengths more than bends; so straight steps end as soon as any edge has turned by some degrees. The
+/// second order of the path, x - t d - t^2 a / 2, takes that back: a is the Gauss-Newton step for how the
+/// residuals curve along d (geodesic acceleration, Transtrum and Sethna 2012). It costs a
+/// back-substitution with the factor that is there.
 class GaussNewton
 {
 public:
@@ -61,10 +69,16 @@ private:
         int row;
         unsigned moved; // bit a: vertex a of the hinge
     };
-    struct Linearisation;
+    struct Residuals;
+    struct Slopes;
     void find_pattern(const std::vector<std::vector<int>>& rows);
-    double evaluate(const LengthDihedralEnergy& energy, const Eigen::VectorXd& points,
-                    double stiffness, Linearisation* linearisation) const;
+    [[nodiscard]] Residuals evaluate(const LengthDihedralEnergy& energy,
+                                     const Eigen::VectorXd& points, double stiffness,
+                                     Slopes* slopes) const;
+    [[nodiscard]] Eigen::VectorXd forces(const Slopes& slopes, const Residuals& residuals) const;
+    void fill(const Slopes& slopes, SparseMatrix& matrix) const;
+    [[nodiscard]] Eigen::VectorXd moved(Eigen::VectorXd points, double scale,
+                                        const Eigen::VectorXd& step) const;
 
     Topology topology_;
     std::vector<int> vertices_;
@@ -76,6 +90,7 @@ private:
     SparseMatrix pattern_;         // lower block triangle, all values 0
     std::vector<int> block_begin_; // first block of a block column, and their rows
     std::vector<int> block_row_;
+    std::vector<int> pair_value_; // first value of every two parts of a hinge, by their lower one
 };
 
 } // namespace shape::internal

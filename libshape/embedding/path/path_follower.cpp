@@ -56,32 +56,30 @@ PathFollower::PathFollower(const Topology& topology, const Points& start,
     next_ = next_stop();
 }
 
-/// Adjusts a mesh until its lengths are met, bending it as little as that takes: the angles give way by
-/// degrees, to 0.8 % of their weight in four rounds. 0.3 is a compromise between the rounds (each some
-/// factorisations) and how far a round bends the mesh; other factors are not on record.
-ContinuedMesh PathFollower::settle(ContinuedMesh mesh, const VectorXd& lengths)
+ContinuedMesh PathFollower::settle(const ContinuedMesh& mesh, const VectorXd& lengths)
 {
-    double smoothness = options_.smoothness;
-    for (int round = 0; round < options_.rounds; ++round, smoothness *= 0.3) {
-        const VectorXd ratios = edge_lengths(topology_, mesh.points).cwiseQuotient(lengths);
-        if ((ratios.array() - 1.0).abs().maxCoeff() <= options_.edge_tolerance)
-            break;
-        const int iterations = mesh.iterations;
-        mesh = continuation_.adjust(mesh.points, {lengths, dihedral_angles(topology_, mesh.points)},
-                                    {.smoothness = smoothness, .stiffness = options_.stiffness});
-        mesh.iterations += iterations;
-    }
-    return mesh;
+    ContinuedMesh settled = continuation_.settle(mesh.points, lengths,
+                                                 {.smoothness = options_.smoothness,
+                                                  .stiffness = options_.stiffness,
+                                                  .edge_tolerance = options_.edge_tolerance,
+                                                  .rounds = options_.rounds});
+    settled.iterations += mesh.iterations;
+    return settled;
 }
 
 PathFollower::Stop PathFollower::next_stop()
 {
+    const bool is_last = step_ == options_.steps - 1;
     const double share = std::min(1.0, options_.angle_gain / (options_.steps - step_));
     const ShapePoint target{lengths_((step_ + 1.0) / options_.steps),
                             blend_angles(here_.angles, end_angles_, share)};
+    // On the way, one Gauss-Newton step is guidance enough: what more of them gain, settling undoes. At the
+    // end lengths and angles fit each other, and the mesh that has both is found.
+    ContinuationOptions guided{.smoothness = options_.guidance};
+    if (!is_last)
+        guided.max_iterations = 1;
     const ContinuedMesh mesh =
-        settle(continuation_.move(here_.points, target, {.smoothness = options_.guidance}),
-               target.edge_lengths);
+        settle(continuation_.move(here_.points, target, guided), target.edge_lengths);
     return {mesh.points, dihedral_angles(topology_, mesh.points)};
 }
 

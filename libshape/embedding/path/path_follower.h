@@ -21,13 +21,12 @@ struct PathFollowerOptions
     double angle_gain = 6.0;
     /// Those angles weigh this much against lengths: mu of docs/embedding.md; > 0.
     double guidance = 1e-2;
-    /// The angles that resulted weigh this much when the lengths are met, and between steps; > 0.
+    /// The angles that resulted weigh this much when the lengths are met, at first, and between steps; > 0.
     double smoothness = 1e-3;
     /// Edges are this stiff then (continuation.h); > 0.
     double stiffness = 12.0;
-    /// A mesh is adjusted at most this many times to the angles it has, with 0.3 times the weight each
-    /// time; >= 0. It is over once edge_tolerance is met.
-    int rounds = 4;
+    /// Lengths are met in at most this many rounds of Continuation::settle(); >= 0.
+    int rounds = 24;
     /// Lengths are met where |l - l*| <= edge_tolerance * l* on every edge; >= 0.
     double edge_tolerance = 4e-3;
 };
@@ -70,7 +69,7 @@ public:
     /// The mesh at s, in the pose of start; start itself at 0. Cheap for ascending s: walks on from where it
     /// was; back to the start for a smaller one.
     /// @throws InvalidInput if s is outside [0, 1].
-    /// Cost: of a mesh, for itself and for each step walked: Continuation::move() and adjust().
+    /// Cost: of a mesh, for itself and for each step walked: Continuation::move() and settle().
     [[nodiscard]] PathMesh at(double s);
 
 private:
@@ -79,7 +78,7 @@ private:
         Points points;
         Eigen::VectorXd angles; ///< Measured.
     };
-    [[nodiscard]] ContinuedMesh settle(ContinuedMesh mesh, const Eigen::VectorXd& lengths);
+    [[nodiscard]] ContinuedMesh settle(const ContinuedMesh& mesh, const Eigen::VectorXd& lengths);
     [[nodiscard]] Stop next_stop();
 
     Topology topology_;

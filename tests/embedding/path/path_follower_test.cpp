@@ -117,6 +117,42 @@ TEST(Continuation, StopsAfterTheStepsThatItMayTake)
     }
 }
 
+TEST(Continuation, SettlesOnLengthsAsNearAsWanted)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.3, 1);
+    const VectorXd lengths = edge_lengths(mesh.topology, test::bumpy_sphere(3, 0.33, 1).points);
+    Continuation continuation(mesh.topology, lengths);
+    for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+        const ContinuedMesh found =
+            continuation.settle(mesh.points, lengths, {.edge_tolerance = tolerance});
+        EXPECT_TRUE(found.converged) << tolerance;
+        EXPECT_LE(worst_edge(mesh.topology, found.points, lengths), tolerance * (1.0 + 1e-9));
+    }
+    const ContinuedMesh same = continuation.settle(mesh.points, lengths, {.rounds = 0});
+    EXPECT_EQ(same.points, mesh.points);
+    EXPECT_EQ(same.iterations, 0);
+    EXPECT_FALSE(same.converged);
+}
+
+TEST(Continuation, SettlesFewEdgesInTheirRegionsAlone)
+{
+    test::TestMesh mesh = test::icosphere(4);
+    const VectorXd lengths = edge_lengths(mesh.topology, mesh.points);
+    const VectorXd lifted = 1.01 * mesh.points.row(7).transpose();
+    mesh.points.row(7) = lifted;
+    const ContinuedMesh found =
+        Continuation(mesh.topology, lengths).settle(mesh.points, lengths, {.edge_tolerance = 1e-3});
+    EXPECT_TRUE(found.converged);
+    EXPECT_LE(worst_edge(mesh.topology, found.points, lengths), 1e-3 * (1.0 + 1e-9));
+    // Far from there no edge has changed: the mesh as a whole was held.
+    const VectorXd errors =
+        (edge_lengths(mesh.topology, found.points).array() / lengths.array() - 1.0).abs();
+    for (int e = 0; e < mesh.topology.edge_count(); ++e)
+        if (mesh.points.row(mesh.topology.edges()(e, 0)).dot(lifted) < 0.0) {
+            ASSERT_LE(errors[e], 1e-13) << e;
+        }
+}
+
 TEST(Continuation, RefusesWhatDoesNotFit)
 {
     const test::TestMesh mesh = test::icosphere(1);
@@ -128,6 +164,9 @@ TEST(Continuation, RefusesWhatDoesNotFit)
     EXPECT_THROW((void)continuation.adjust(Points(3, 3), target), InvalidInput);
     EXPECT_THROW((void)continuation.move(mesh.points, {VectorXd(2), VectorXd(2)}), InvalidInput);
     EXPECT_THROW((void)continuation.adjust(mesh.points, target, {.smoothness = 0.0}), InvalidInput);
+    EXPECT_THROW((void)continuation.settle(Points(3, 3), target.edge_lengths), InvalidInput);
+    EXPECT_THROW((void)continuation.settle(mesh.points, VectorXd::Ones(2)), InvalidInput);
+    EXPECT_THROW((void)continuation.settle(mesh.points, -target.edge_lengths), InvalidInput);
 }
 
 /// Two knobs on a bar.
