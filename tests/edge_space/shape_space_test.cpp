@@ -155,7 +155,7 @@ TEST(ShapeSpace, HasTheMetricThatItsHeaderStates)
         const Eigen::VectorXd shares =
             options.weighting == EdgeWeighting::Area
                 ? Eigen::VectorXd(vertex_area / vertex_area.sum())
-                : Eigen::VectorXd::Constant(vertex_area.size(), 1.0 / vertex_area.size());
+                : Eigen::VectorXd::Constant(vertex_area.size(), 1.0 / mesh.topology.vertex_count());
         const double expected =
             gains.cwiseProduct(relative).squaredNorm() +
             std::pow(options.dihedral_weight, 2) * gains.cwiseProduct(turn).squaredNorm() +
