@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -345,14 +347,24 @@ struct CoherentPath::State
             part.steps[between[k]].points = std::move(meshes[k]);
         for (const FoldCrossing& fold : crossings.folds)
             part.folds.push_back(fold.edges);
-        // Without folds there is nothing to turn over: the branches are one but for how far they descended.
-        for (int sweep = 0; sweep < (part.folds.empty() ? 0 : options.sweeps); ++sweep) {
+        // Without folds there is nothing to turn over, and branches that differ in the large alone, if they
+        // do, soon agree.
+        double before = std::numeric_limits<double>::infinity();
+        for (int sweep = 0; sweep < options.sweeps; ++sweep) {
+            std::vector<double> energies(between.size());
             parallel_for(between.size(), 1, [&](std::size_t k, std::size_t) {
                 meshes[k] = relaxed(part, between[k]);
+                VectorXd gradient;
+                energies[k] =
+                    energy(target(part.steps[between[k]].t)).evaluate(meshes[k], gradient);
             });
             for (std::size_t k = 0; k < between.size(); ++k)
                 part.steps[between[k]].points = std::move(meshes[k]);
             each();
+            const double now = std::accumulate(energies.begin(), energies.end(), 0.0);
+            if (part.folds.empty() && now > 0.99 * before)
+                break;
+            before = now;
         }
         return part;
     }
