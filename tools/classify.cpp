@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
@@ -27,7 +28,6 @@
 #include "tools/output/pass_store.h"
 #include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -170,10 +170,10 @@ void classify_and_write(const Session& session, const Arguments& arguments,
     if (arguments.leave_out.empty())
         warn_of_repeated_rows(session, meshes, codes(groups), {arguments.by}, "--leave-out");
     const Observations observed = observe();
-    throw_if_interrupted();
+    throw_if_stop_requested();
     const int modes = chosen_modes(session, arguments, groups, folds);
     const CrossValidation result = cross_validate(observed.products, groups, folds, modes);
-    throw_if_interrupted();
+    throw_if_stop_requested();
 
     const Table confusion = confusion_table(arguments.by, groups, result);
     const std::string plot = arguments.plot.empty() ? std::string()
@@ -216,7 +216,7 @@ Observations observe(const Session& session, const Arguments& arguments,
     Observations observed;
     observed.space = make_space(collection, arguments.space);
     warn_of_alignment(session, observed.space);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     observed.products = centred_inner_products(encode(observed.space, collection));
     observed.scores = [&collection, space = observed.space](int modes) {
         return principal_components(encode(space, collection), {.modes = modes}).scores;

@@ -7,6 +7,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/io/model_file.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -21,7 +22,6 @@
 #include "tools/output/mesh_output.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -205,7 +205,7 @@ void run_found(const Session& session, const Arguments& arguments)
     std::optional<ColumnEffects> effects;
     if (!arguments.effects.empty())
         effects = difference_effects(collection, options);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (transfer)
         figures = transfer->apply({difference});

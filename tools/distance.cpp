@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/streamed_space.h"
 #include "libshape/io/long_table.h"
@@ -24,7 +25,6 @@
 #include "tools/output/output_rules.h"
 #include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/ranks.h"
 #include "tools/program/session.h"
 
@@ -204,7 +204,7 @@ void write_all(const Session& session, const Arguments& arguments, const MeshLab
 {
     if (!ranks().speaks()) { // takes part in what is measured
         if (!arguments.output.empty())
-            each_rows([](Eigen::Index, const RowMatrix&) { throw_if_interrupted(); });
+            each_rows([](Eigen::Index, const RowMatrix&) { throw_if_stop_requested(); });
         return;
     }
     const auto columns = matrix_columns(meshes.names);
@@ -214,7 +214,7 @@ void write_all(const Session& session, const Arguments& arguments, const MeshLab
     if (!arguments.output.empty()) {
         write_long_table(arguments.output, columns, [&](const auto& add) {
             each_rows([&](Eigen::Index first, const RowMatrix& distances) {
-                throw_if_interrupted();
+                throw_if_stop_requested();
                 for (Eigen::Index i = 0; i < distances.rows(); ++i) {
                     extent.add(distances.row(i));
                     add(row_cells(meshes.names[to_size(first + i)], distances.row(i)));
@@ -250,7 +250,7 @@ void measure_in_memory(const Session& session, const Arguments& arguments)
     (void)colouring_values(arguments.points, collection.labels); // refused before the work
     ShapeDistances distances = shape_distances(collection, arguments.space);
     warn_of_alignment(session, distances.space);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     const Findings found{std::move(distances.space), classical_scaling(distances.matrix, 2),
                          std::move(distances.matrix)};
     write_all(session, arguments, collection, found, [&](const auto& visit) {

@@ -9,6 +9,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
@@ -19,7 +20,6 @@
 #include "tools/input/mesh_input.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -165,7 +165,7 @@ void run(const Session& session, const Arguments& arguments)
     else if (!arguments.color_range.empty())
         throw UsageError("--color-range needs --color-by with a property of the vertices");
     const Picture picture = draw_collection(collection, options, session.progress());
-    throw_if_interrupted();
+    throw_if_stop_requested();
     write_file_atomically(
         output, raster ? encode_png(picture.sheet)
                 : arguments.scores.empty()

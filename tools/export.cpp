@@ -9,6 +9,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_file.h"
@@ -21,7 +22,6 @@
 #include "tools/output/embedding_run.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -245,7 +245,7 @@ void write_folder(const fs::path& folder, const fs::path& model,
     fs::create_directory(staging);
     try {
         write(staging);
-        throw_if_interrupted();
+        throw_if_stop_requested();
         if (is_new) {
             fs::rename(staging, folder);
             return;

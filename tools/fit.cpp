@@ -32,7 +32,6 @@
 #include "tools/output/output_rules.h"
 #include "tools/output/shard.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {

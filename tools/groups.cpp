@@ -6,6 +6,7 @@
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/group_means.h"
@@ -20,7 +21,6 @@
 #include "tools/output/output_rules.h"
 #include "tools/output/test_tables.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -196,16 +196,16 @@ void compare_in_memory(const Session& session, const Arguments& arguments,
         groups, members(groups), group_shapes(collection, groups, arguments.space), {}, {}, {}};
     const Eigen::MatrixXd products = std::move(findings.shapes.products);
     warn_of_alignment(session, findings.shapes.space);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     const PermutationOptions permutations = permutation_options(session, arguments);
     findings.comparison = compare_groups(
         products, groups, setting.blocks,
         covariates_of(collection, findings.shapes.sizes, arguments.covariates), permutations);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     findings.spread =
         group_spread(products, groups, setting.blocks, bootstrap_options(session, arguments));
     findings.spread_test = test_spread(products, groups, setting.blocks, permutations);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (setting.means)
         figures = write_means(session, arguments, collection.topology, collection.points.front(),
@@ -232,7 +232,7 @@ void compare_in_passes(const Session& session, const Arguments& arguments,
     const Findings findings{setting.groups,          members(setting.groups),
                             std::move(found.shapes), std::move(found.comparison),
                             std::move(found.spread), found.spread_test};
-    throw_if_interrupted();
+    throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (setting.means)
         figures = write_means(session, arguments, meshes.topology, found.reference_points, findings,

@@ -7,6 +7,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/model_file.h"
@@ -19,7 +20,6 @@
 #include "tools/output/output_rules.h"
 #include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/ranks.h"
 #include "tools/program/session.h"
 
@@ -143,7 +143,7 @@ void run(const Session& session, const Arguments& arguments)
     std::vector<std::string> outputs{arguments.output};
     const std::string plot =
         arguments.plot.empty() ? std::string() : draw_scores(arguments, model, projection);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     write_table(arguments.output, table);
     if (!plot.empty()) {
         write_picture(arguments.plot, plot);

@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
@@ -22,7 +23,6 @@
 #include "tools/output/pass_store.h"
 #include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -213,7 +213,7 @@ void run(const Session& session, const Arguments& arguments)
     const ModelQuality quality =
         meshes ? measure_quality(*meshes, folds, options, stream, session.progress())
                : measure_quality(collection, folds, options, session.progress());
-    throw_if_interrupted();
+    throw_if_stop_requested();
     const std::string drawing = arguments.plot.empty() ? std::string() : draw(quality);
     std::vector<std::string> outputs{arguments.output};
     write_table(arguments.output, quality_table(quality));

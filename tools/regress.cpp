@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/covariate_effect.h"
@@ -26,7 +27,6 @@
 #include "tools/output/plot_output.h"
 #include "tools/output/test_tables.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -87,7 +87,7 @@ void test(const Session& session, const Arguments& arguments, const Grouping& bl
         return;
     }
     for (Eigen::Index k = 0; k < all.cols(); ++k) {
-        throw_if_interrupted();
+        throw_if_stop_requested();
         Eigen::MatrixXd others(all.rows(), all.cols() - 1);
         others << all.leftCols(k), all.rightCols(all.cols() - 1 - k);
         findings.each.push_back(
@@ -106,7 +106,7 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     const Grouping blocks = blocks_of(session, arguments, collection, findings.covariates);
     findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
     findings.slope_norms = findings.effect.regression.slopes.rowwise().norm();
-    throw_if_interrupted();
+    throw_if_stop_requested();
     test(session, arguments, blocks, findings);
     return findings;
 }
@@ -135,7 +135,7 @@ Findings find_in_passes(const Session& session, const Arguments& arguments,
     findings.slope_norms = std::move(found.slope_norms);
     findings.passes = found.passes;
     reference = std::move(found.reference_points);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     test(session, arguments, blocks, findings);
     return findings;
 }

@@ -6,6 +6,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/nuisance.h"
 #include "tools/commands.h"
@@ -14,7 +15,6 @@
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -60,7 +60,7 @@ void run(const Session& session, const Arguments& arguments)
             inputs.push_back(file);
     MeshOutput output(session, arguments.output, collection.names, inputs);
     const Nuisance nuisance = nuisance_of(session, arguments, collection);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     Eigen::VectorXd wanted = Eigen::VectorXd::Zero(nuisance.directions.rows());
     if (!arguments.like.empty())
         wanted = amounts_of(nuisance, choose_meshes(like, collection)).row(0).transpose();

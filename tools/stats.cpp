@@ -9,6 +9,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/version.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/shape_model.h"
@@ -24,7 +25,6 @@
 #include "tools/output/output_rules.h"
 #include "tools/output/pass_store.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/memory.h"
 #include "tools/program/ranks.h"
 #include "tools/program/session.h"
@@ -148,7 +148,7 @@ Findings fit_in_memory(const Session& session, const Arguments& arguments)
     const Collection collection = read_labelled(session, arguments.input);
     Findings found{.fit = {.model = fit_model(collection, model_options(arguments))}};
     warn_of_alignment(session, found.fit.model.space);
-    throw_if_interrupted();
+    throw_if_stop_requested();
     found.modes = figures_of_modes(session, arguments, collection, found.fit.model);
     return found;
 }

@@ -49,6 +49,7 @@ CoarseMesh coarsened(const Topology& topology, const Points& points, int vertex_
     decimater.add(no_slivers);
     decimater.module(by_length).set_edge_length(std::numeric_limits<float>::max());
     decimater.module(by_length).set_binary(false);
+    // Folds must not appear, nor faces whose angles say nothing; both bounds leave enough to collapse.
     decimater.module(no_flips).set_max_normal_deviation(45.0F);
     decimater.module(no_slivers).set_aspect_ratio(5.0F);
     decimater.module(no_slivers).set_binary(true);

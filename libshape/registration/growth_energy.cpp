@@ -21,7 +21,7 @@ using Eigen::Index;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr std::size_t grain = 1024;
+constexpr std::size_t grain = 1024; // vertices a task: some 10 us of work, a fixed order of sums
 
 /// The sum of the products of all four lanes.
 double dot(const LaneVectors& a, const LaneVectors& b)
@@ -192,7 +192,7 @@ void GrowthEnergy::apply(const LaneVectors& v, LaneVectors& product)
 void GrowthEnergy::prepare()
 {
     const VectorXd weights =
-        (rest_lengths_ / unit_).cwiseMax(1e-3).array().square().inverse().matrix();
+        (rest_lengths_ / unit_).cwiseMax(1e-3).array().square().inverse().matrix(); // floats
     if (options_.slides_freely)
         prepare_to_slide(weights);
     else
@@ -273,7 +273,7 @@ double GrowthEnergy::step(Points& points, VectorXd& growth, int linear_steps)
         const double last_square = std::exchange(square, precondition(residual, preconditioned));
         if (k == 0)
             first_square = square;
-        if (!(square > 1e-8 * first_square))
+        if (!(square > 1e-8 * first_square)) // 1e-4 of the residual: what floats can tell
             break;
         if (k == 0)
             direction = preconditioned;

@@ -102,7 +102,7 @@ Points every(const Points& points, Index count)
     return points(Eigen::seq(0, points.rows() - 1, stride), Eigen::all);
 }
 
-/// Mean of the least four fifths.
+/// Mean of the least four fifths: a scan's holes and a template's missing parts are the rest.
 double trimmed_mean(std::vector<double> values)
 {
     const std::size_t kept = std::max<std::size_t>(1, values.size() * 4 / 5);
@@ -144,7 +144,8 @@ double improve(const Points& samples, const Surface& fixed, int steps, RigidMoti
     return score;
 }
 
-/// Sizes that differ by less are in one unit, and what they differ by is growth or a part that is missing.
+/// Sizes that differ by less are in one unit, and what they differ by is growth or a part that is missing; units differ by 10
+/// or 25.4.
 constexpr double same_unit = 2.5;
 
 double scale_between(double from, double to)
@@ -194,9 +195,12 @@ std::vector<Similarity> rigid_starts(const Surface& moving, const Surface& fixed
     const Matrix3d from = of_moving.axes(), to = of_fixed.axes();
     for (const Matrix3d& turn : turns_of_a_cube())
         add(to * turn * from.transpose());
+    // Each of 40 stands for the rotations within 45 degrees of it (a share of (a - sin a) / pi, a = 45 degrees, is
+    // 1 / 40), from where closest points find home.
     for (const Matrix3d& rotation : spread_rotations(40))
         add(rotation);
 
+    // First all by few samples, to choose those worth more.
     const Points few = scale * every(moving.points, 60);
     parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
@@ -223,7 +227,7 @@ std::vector<Similarity> rigid_starts(const Surface& moving, const Surface& fixed
         }
     });
     std::stable_sort(candidates.begin() + 1, candidates.end(), better);
-    constexpr double least_turn = 20.0 * std::numbers::pi / 180.0;
+    constexpr double least_turn = 20.0 * std::numbers::pi / 180.0; // less is the same place again
     std::vector<Similarity> starts;
     for (const Candidate& c : candidates) {
         const auto is_like = [&](const Similarity& start) {

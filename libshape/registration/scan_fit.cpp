@@ -13,6 +13,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
@@ -40,8 +41,9 @@ using Eigen::VectorXd;
 constexpr double first_weight = 140.0, last_weight = 5e4;
 constexpr double first_scale = 0.1, last_scale = 0.005; // of Welsch's weights, of the diagonal
 constexpr double coarse_share = 0.4;                    // of the way, which the coarsest level goes
-constexpr double rim_weight = 10.0;                     // beside that of the surface
-constexpr int least_vertices = 450;                     // of the coarsest level
+constexpr double rim_weight = 10.0; // a rim's few vertices against all those of the surface
+constexpr int least_vertices = 450; // of the coarsest level: limbs and noses are still there
+constexpr int settling_rounds = 3;  // at the last weight, until the closest points stay the same
 
 /// Rounds of closest points on one level: the part of the way they go, from the first weight to the last.
 struct LevelRounds
@@ -74,9 +76,30 @@ constexpr LevelRounds held_rounds{12, finer_steps, 0.7, 1.0, false, 100.0, false
 /// for that by sliding.
 constexpr LevelRounds free_rounds{12, 2 * finer_steps, 0.3, 0.5, false, 100.0, true};
 constexpr int rounds_between_factors = 5;
-constexpr double doubtful_start = 0.04; // ChosenStart::score
+/// ChosenStart::score. Right starts of faces stay below the first, wrong ones of faces and bodies are above 0.08;
+/// above the second a person should look (docs/correspondence.md).
+constexpr double sure_start = 0.015, doubtful_start = 0.04;
 constexpr int tried_starts = 4, trial_rounds = 12;
 constexpr int landmark_rounds = 12; // by landmarks alone, before the surface pulls
+
+// Shares of the diagonal.
+constexpr double counterpart_within = 0.01; // a finished fit lies nearer by far
+constexpr double hand_placed = 0.003;       // what a landmark placed by hand is off by
+
+/// What a report's figures may be before a person should look, and before the fit is not one: set by hand, well above
+/// those of sound fits of faces, bodies and arms (docs/correspondence.md).
+struct Bound
+{
+    double check, failed;
+};
+constexpr Bound unseen_share{0.15, 0.8};    // of the vertices; half a face leaves half of them
+constexpr Bound scan_distance{0.005, 0.02}; // mean, over the diagonal
+constexpr Bound strain_bound{0.15, 0.25};   // RMS
+constexpr Bound landmark_miss{0.002, 0.03}; // over the diagonal
+constexpr double landmark_off_scan = 0.01;  // over the diagonal
+constexpr double growth_range = 3.0; // between parts of one shape, which no person's differ by
+constexpr double odd_faces = 0.02;   // share that may cross or fold
+constexpr double folded_angle = 120.0 * std::numbers::pi / 180.0; // no pose bends an edge so far
 
 /// Landmarks of the template as points of a level's faces.
 std::vector<SurfacePoint> on_level(const TemplateLevel& level, const Points& landmarks)
@@ -115,16 +138,6 @@ int loop_at(const Rims& rims, const Points& points, const Vector3d& landmark)
     return loop;
 }
 
-double quantile(std::vector<double> values, double share)
-{
-    if (values.empty())
-        return 0.0;
-    const auto at = values.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
 DistanceSummary summary_of(const std::vector<double>& distances)
 {
     DistanceSummary summary;
@@ -132,7 +145,7 @@ DistanceSummary summary_of(const std::vector<double>& distances)
         return summary;
     for (const double d : distances)
         summary.mean += d / static_cast<double>(distances.size());
-    summary.p95 = quantile(distances, 0.95);
+    summary.p95 = quantile_of(distances, 0.95);
     summary.max = *std::max_element(distances.begin(), distances.end());
     return summary;
 }
@@ -211,6 +224,7 @@ struct ScanFitter::State
     void finish_landmarks(const Target& target, const ShapePoint& rest, LevelMesh& mesh) const;
     void judge(const Target& target, const ShapePoint& rest, const LevelMesh& mesh,
                ScanFit& fit) const;
+    void set_status(const Target& target, ScanFit& fit) const;
 };
 
 void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
@@ -260,10 +274,11 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
             named.emplace_back(mine, other);
     }
     // A landmark is one vertex against all those that the surface pulls; a tolerance weakens it.
-    const double blur = target.landmark_tolerance / (0.003 * target.diagonal);
+    const double blur = target.landmark_tolerance / (hand_placed * target.diagonal);
     const double landmark_weight = 30.0 / (1.0 + blur * blur);
 
     if (schedule.landmarks_first && !marks.empty())
+        // Nothing pulls against them yet: a tenth moves the mesh as a whole and does not dent it.
         for (int round = 0; round < landmark_rounds; ++round) {
             energy.clear_pulls(mesh.points);
             add_landmark_pulls(level, marks, target, mesh.points, 0.1 * landmark_weight, energy);
@@ -271,7 +286,8 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
             (void)energy.step(mesh.points, mesh.growth, schedule.linear_steps);
         }
 
-    const int last_changing = std::max(1, schedule.rounds - (schedule.to == 1.0 ? 3 : 1));
+    const int last_changing =
+        std::max(1, schedule.rounds - (schedule.to == 1.0 ? settling_rounds : 1));
     for (int round = 0; round < schedule.rounds; ++round) {
         const double done =
             schedule.from + (schedule.to - schedule.from) *
@@ -315,6 +331,8 @@ ScanFitter::State::ChosenStart ScanFitter::State::choose_start(
         for (const double bend : bends)
             bent += wrapped_angle(bend) * wrapped_angle(bend);
         const ClosestPoints tree(mesh.points, level.topology.faces());
+        // Bends and distances count alike at 1 rad and 2 % of the diagonal; what the template lacks is not held
+        // against a start beyond 10 %.
         const Index stride = std::max<Index>(1, target.scan.points.rows() / 500);
         double apart = 0.0;
         Index samples = 0;
@@ -331,8 +349,7 @@ ScanFitter::State::ChosenStart ScanFitter::State::choose_start(
             best = i;
             least = score;
         }
-        constexpr double surely = 0.015; // wrong starts of faces and bodies are above 0.08
-        if (i == 0 && is_meant && score < surely)
+        if (i == 0 && is_meant && score < sure_start)
             break;
     }
     return {starts[best], least};
@@ -343,7 +360,7 @@ void ScanFitter::State::judge(const Target& target, const ShapePoint& rest, cons
 {
     const Topology& topology = levels.front().topology;
     const Points normals = vertex_normals(mesh.points, topology.faces());
-    const double near = 0.01 * target.diagonal; // what counts as a counterpart
+    const double near = counterpart_within * target.diagonal;
     const auto count = to_size(mesh.points.rows());
     fit.distance.resize(mesh.points.rows());
     fit.seen.assign(count, 0);
@@ -359,7 +376,7 @@ void ScanFitter::State::judge(const Target& target, const ShapePoint& rest, cons
             const SurfacePoint pair = target.scan.tree.nearest(mesh.points.row(row), rule);
             // At a rim, what lies a little beyond it is not seen; a template's own rim may lie on it.
             const bool is_end = pair.face >= 0 && target.scan.ends_at(pair) &&
-                                pair.distance > 0.003 * target.diagonal;
+                                pair.distance > hand_placed * target.diagonal;
             fit.seen[v] = pair.face >= 0 && !is_end ? 1 : 0;
         }
     });
@@ -370,7 +387,7 @@ void ScanFitter::State::judge(const Target& target, const ShapePoint& rest, cons
     fit.unseen_vertices = static_cast<int>(count - of_seen.size());
     fit.fit_to_scan = summary_of(of_seen);
 
-    constexpr Index most_samples = 20000;
+    constexpr Index most_samples = 20000; // the mean of so many is right to a percent
     const ClosestPoints tree(mesh.points, topology.faces());
     const Points samples = target.scan.points(
         Eigen::seq(0, target.scan.points.rows() - 1,
@@ -388,13 +405,12 @@ void ScanFitter::State::judge(const Target& target, const ShapePoint& rest, cons
     fit.strain_rms = std::sqrt(strains.squaredNorm() / static_cast<double>(strains.size()));
     fit.growth = mesh.growth.array().exp();
     const std::vector<double> growth(fit.growth.begin(), fit.growth.end());
-    fit.growth_low = quantile(growth, 0.01);
-    fit.growth_high = quantile(growth, 0.99);
+    fit.growth_low = quantile_of(growth, 0.01);
+    fit.growth_high = quantile_of(growth, 0.99);
     const VectorXd angles = dihedral_angles(topology, mesh.points);
     std::vector<char> folded(to_size(topology.face_count()), 0);
     for (int e = 0; e < topology.edge_count(); ++e)
-        if (std::abs(wrapped_angle(angles[e] - dihedral_angles_at_rest[e])) >
-            120.0 * std::numbers::pi / 180.0)
+        if (std::abs(wrapped_angle(angles[e] - dihedral_angles_at_rest[e])) > folded_angle)
             for (const int h : topology.edge_halfedges().row(e))
                 if (h >= 0)
                     folded[to_size(Topology::face(h))] = 1;
@@ -411,45 +427,45 @@ void ScanFitter::State::judge(const Target& target, const ShapePoint& rest, cons
              target.landmarks_there.row(static_cast<Index>(i)).transpose())
                 .norm();
 
-    // The status. Bounds are shares of the diagonal; docs/correspondence.md says how they were found.
+    set_status(target, fit);
+}
+
+void ScanFitter::State::set_status(const Target& target, ScanFit& fit) const
+{
     const auto say = [&](FitStatus status, std::string reason) {
         fit.status = std::max(fit.status, status);
         fit.reasons.push_back(std::move(reason));
     };
-    const double unseen = fit.unseen_vertices / static_cast<double>(count);
-    if (unseen > 0.8)
-        say(FitStatus::Failed, join(percent(unseen), " of the vertices have no counterpart"));
-    else if (unseen > 0.15)
-        say(FitStatus::Check, join(percent(unseen), " of the vertices have no counterpart"));
+    const auto hold = [&](double value, const Bound& bound, const std::string& reason) {
+        if (value > bound.check)
+            say(value > bound.failed ? FitStatus::Failed : FitStatus::Check, reason);
+    };
+    const double unseen = fit.unseen_vertices / static_cast<double>(fit.seen.size());
+    hold(unseen, unseen_share, join(percent(unseen), " of the vertices have no counterpart"));
     const double apart = fit.scan_to_fit.mean / fit.diagonal;
-    if (apart > 0.02)
-        say(FitStatus::Failed, join("the scan is ", percent(apart), " of the diagonal away"));
-    else if (apart > 0.005)
-        say(FitStatus::Check, join("the scan is ", percent(apart), " of the diagonal away"));
-    if (fit.strain_rms > 0.25)
-        say(FitStatus::Failed, join("edges are strained by ", percent(fit.strain_rms)));
-    else if (fit.strain_rms > 0.15)
-        say(FitStatus::Check, join("edges are strained by ", percent(fit.strain_rms)));
-    if (fit.growth_high > 3.0 * fit.growth_low)
+    hold(apart, scan_distance, join("the scan is ", percent(apart), " of the diagonal away"));
+    hold(fit.strain_rms, strain_bound, join("edges are strained by ", percent(fit.strain_rms)));
+    if (fit.growth_high > growth_range * fit.growth_low)
         say(FitStatus::Check,
             join("parts grew by factors from ", fit.growth_low, " to ", fit.growth_high));
-    if (fit.crossing_pairs > 0.02 * topology.face_count())
+    const double odd = odd_faces * levels.front().topology.face_count();
+    if (fit.crossing_pairs > odd)
         say(FitStatus::Check, join(counted(fit.crossing_pairs, "pair"), " of faces cross"));
-    if (fit.folded_faces > 0.02 * topology.face_count())
+    if (fit.folded_faces > odd)
         say(FitStatus::Check, join(counted(fit.folded_faces, "face"), " folded"));
-    for (std::size_t i = 0; i < marks.size(); ++i) {
-        const double error = fit.landmark_errors[static_cast<Index>(i)];
-        const double allowed = std::max(3.0 * target.landmark_tolerance, 0.002 * fit.diagonal);
-        if (error > allowed)
-            say(error > 0.03 * fit.diagonal ? FitStatus::Failed : FitStatus::Check,
-                join("landmark '", target.names[i], "' is missed by ",
-                     percent(error / fit.diagonal), " of the diagonal"));
+    // A tolerance is a standard deviation.
+    const double tolerated = 3.0 * target.landmark_tolerance / fit.diagonal;
+    for (Index i = 0; i < fit.landmark_errors.size(); ++i) {
+        const double missed = fit.landmark_errors[i] / fit.diagonal;
+        const std::string& name = target.names[to_size(i)];
+        hold(missed,
+             {std::max(tolerated, landmark_miss.check), std::max(tolerated, landmark_miss.failed)},
+             join("landmark '", name, "' is missed by ", percent(missed), " of the diagonal"));
         const double off =
-            target.scan.tree.nearest(target.landmarks_there.row(static_cast<Index>(i))).distance;
-        if (off > std::max(3.0 * target.landmark_tolerance, 0.01 * fit.diagonal))
+            target.scan.tree.nearest(target.landmarks_there.row(i)).distance / fit.diagonal;
+        if (off > std::max(tolerated, landmark_off_scan))
             say(FitStatus::Check,
-                join("landmark '", target.names[i], "' lies ", percent(off / fit.diagonal),
-                     " of the diagonal off the scan"));
+                join("landmark '", name, "' lies ", percent(off), " of the diagonal off the scan"));
     }
 }
 
@@ -464,12 +480,14 @@ void ScanFitter::State::finish_landmarks(const Target& target, const ShapePoint&
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
     GrowthEnergy energy = energy_of(level, rest);
     const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
-    for (int round = 0; round < 4; ++round) {
+    constexpr int rounds = 4;
+    constexpr double weight = 3e3; // some hundred times landmark_weight
+    for (int round = 0; round < rounds; ++round) {
         energy.clear_pulls(mesh.points);
         add_surface_pulls(target.scan, level.topology, mesh.points,
                           {.weight = last_weight * in_edges, .scale = last_scale * target.diagonal},
                           energy);
-        add_landmark_pulls(level, marks, target, mesh.points, 3e3, energy);
+        add_landmark_pulls(level, marks, target, mesh.points, weight, energy);
         energy.prepare();
         (void)energy.step(mesh.points, mesh.growth, 2 * finer_steps);
     }
@@ -492,7 +510,7 @@ namespace {
 /// The scan as it is, or all of it turned over if it is inside out as a whole.
 std::pair<Faces, int> turned_outwards(const Scan& scan, const Surface& pattern)
 {
-    constexpr double surely = 0.01;
+    constexpr double surely = 0.01; // a flat one has nothing to tell
     std::pair<Faces, int> result{scan.faces, 0};
     if (outwardness(pattern.points, pattern.faces) * outwardness(scan.points, scan.faces) <
         -surely) {

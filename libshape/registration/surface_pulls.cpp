@@ -82,6 +82,8 @@ void add_loop_pulls(const Surface& scan, const RimCurve& of_scan, const RimCurve
     const auto middle = distances.begin() + std::ssize(distances) / 2;
     std::nth_element(distances.begin(), middle, distances.end());
     const double diagonal = bounding_box_diagonal(points);
+    // Half of the loop lies within the median, so a few medians keep what belongs together; the second terms let a loop
+    // that fits already move on. Where a scan ends anywhere, what is far from the template's end is not that end.
     const double scale = is_open ? std::max(2.5 * *middle, 0.003 * diagonal)
                                  : std::max(4.0 * *middle, 0.05 * diagonal);
     const auto along = [](const Rims::Edge& edge, const Points& of) {
@@ -124,7 +126,7 @@ void add_loop_pulls(const Surface& scan, const RimCurve& of_scan, const RimCurve
 void add_surface_pulls(const Surface& scan, const Topology& topology, const Points& points,
                        const PullRule& rule, GrowthEnergy& energy)
 {
-    const double within = 4.0 * rule.scale;
+    const double within = 4.0 * rule.scale; // beyond, Welsch's weight is below exp(-8) = 3e-4
     const Points normals = vertex_normals(points, topology.faces());
     const std::vector<SurfacePoint> on_scan = nearest_points(scan.tree, points, normals, within);
     for (int v = 0; v < topology.vertex_count(); ++v) {
@@ -197,10 +199,10 @@ void add_rim_pulls(const Surface& scan, const Rims& rims, const Points& points,
             }
             const double shorter = std::min(a.length, b.length);
             if (std::max(a.length, b.length) > 2.0 * shorter)
-                continue;
+                continue; // an opened mouth's rim is that of the closed one within this
             const double apart =
                 std::max(mean_distance(a, points, b), mean_distance(b, scan.points, a));
-            if (apart < 0.1 * shorter)
+            if (apart < 0.1 * shorter) // a circle's own diameter is 0.32 of its length
                 pairs.emplace_back(apart / shorter, mine, other);
         }
     std::sort(pairs.begin(), pairs.end());

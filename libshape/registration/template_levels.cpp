@@ -99,6 +99,7 @@ std::vector<TemplateLevel> template_levels(const Topology& topology, const Point
         CoarseMesh coarse = coarsened(fine.topology, fine.rest, count / 4);
         if (coarse.topology.vertex_count() > count / 2)
             break; // no edge may collapse
+        // Two edges: every vertex between follows several, so that what it follows changes smoothly.
         const double reach = 2.0 * edge_lengths(coarse.topology, coarse.points).mean();
         auto followers = near_vertices(fine.topology, fine.rest, coarse.vertices, reach);
         levels.push_back(

@@ -32,10 +32,4 @@ void catch_signals()
     std::signal(SIGXFSZ, SIG_IGN); // a file beyond the limit of the shell is an error of writing
 }
 
-void throw_if_interrupted()
-{
-    if (stop_requested)
-        internal::throw_interrupted();
-}
-
 } // namespace shape::tools

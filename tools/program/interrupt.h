@@ -8,7 +8,4 @@ namespace shape::tools {
 /// one ends the process at once), and a closed pipe is an error of writing instead of the end of the process.
 void catch_signals();
 
-/// @throws Interrupted if a signal has asked the work to stop.
-void throw_if_interrupted();
-
 } // namespace shape::tools

@@ -12,8 +12,8 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 
 #ifdef SHAPE_WITH_MPI
 #define OMPI_SKIP_MPICXX 1 // its interface of C alone
@@ -80,7 +80,7 @@ void exchange(std::span<double> numbers, std::span<double> other, int partner)
     MPI_Isend(numbers.data(), count, MPI_DOUBLE, partner, 0, MPI_COMM_WORLD, &requests[1]);
     for (int are_done = 0; are_done == 0;) {
         MPI_Testall(2, requests, &are_done, MPI_STATUSES_IGNORE);
-        throw_if_interrupted();
+        throw_if_stop_requested();
     }
 }
 

@@ -15,7 +15,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "tools/program/interrupt.h"
+#include "libshape/base/stop.h"
 #include "tools/program/progress_listener.h"
 #include "tools/program/report.h"
 
@@ -180,9 +180,9 @@ Progress Session::progress() const
     if (listener)
         return listener;
     if (quiet || isatty(STDERR_FILENO) == 0)
-        return [](std::string_view, std::size_t, std::size_t) { throw_if_interrupted(); };
+        return [](std::string_view, std::size_t, std::size_t) { throw_if_stop_requested(); };
     return [bar = Bar()](std::string_view stage, std::size_t done, std::size_t total) mutable {
-        throw_if_interrupted();
+        throw_if_stop_requested();
         bar.update(stage, done, total);
     };
 }

@@ -14,11 +14,11 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/output_file.h"
 #include "tools/program/arguments.h"
-#include "tools/program/interrupt.h"
 
 namespace shape::tools {
 using namespace internal;
@@ -69,7 +69,7 @@ std::string read_standard_input()
     std::string content;
     std::array<char, 1 << 16> block;
     for (;;) {
-        throw_if_interrupted();
+        throw_if_stop_requested();
         const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
         if (got < 0 && errno == EINTR)
             continue;
