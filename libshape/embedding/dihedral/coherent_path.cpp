@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -175,25 +173,24 @@ struct CoherentPath::State
     [[nodiscard]] VectorXd followed(const ShapePoint& target, const ShapePoint& difference,
                                     int steps) const
     {
-        const auto start = system.starts.borrow();
         LengthDihedralEnergy to = energy(target);
-        if (options.anchor > 0.0) {
-            VectorXd companion = in_rows(start->points(target, 3));
-            const double weight = options.anchor * start->turn_share();
-            const VectorXd points = started(*start, target, difference);
-            if (weight > 0.0)
-                to.hold_near(fitted(companion, points), weight);
-            return descended(to, points, steps);
-        }
-        return descended(to, started(*start, target, difference), steps);
+        const auto start = system.starts.borrow();
+        const VectorXd companion = in_rows(start->points(target, 3));
+        const double share = start->turn_share();
+        VectorXd points = started(*start, target, difference, share);
+        if (share > 0.0 && options.anchor > 0.0)
+            to.hold_near(fitted(companion, points), share * options.anchor);
+        return descended(to, std::move(points), steps);
     }
 
+    /// @param share  Of turns in the start of the target itself. Where its transitions agree with each other
+    ///     they are right, with what is added to them too; else turns orient what nearly belongs to a mesh.
     static VectorXd started(LinearStart& start, const ShapePoint& target,
-                            const ShapePoint& difference)
+                            const ShapePoint& difference, double share)
     {
         ShapePoint near = sum(target, difference);
         near.edge_lengths = near.edge_lengths.cwiseMax(0.1 * target.edge_lengths);
-        return in_rows(start.points(near, 0, followed_turn_share));
+        return in_rows(start.points(near, 0, share > 0.0 ? followed_turn_share : 0.0));
     }
 
     /// A mesh moved rigidly onto another.
@@ -250,7 +247,9 @@ struct CoherentPath::State
                 share * (other.dihedral_angles[e] - mixed.dihedral_angles[e]);
         }
         mixed.patch_turns += crossings.share(place) * (other.patch_turns - mixed.patch_turns);
-        return followed(to, mixed, std::max(2, options.sweep_steps / 4));
+        return followed(
+            to, mixed,
+            crossings.folds.empty() ? options.branch_steps : std::max(2, options.sweep_steps / 4));
     }
 
     /// A mesh of a crossing, relaxed between its neighbours.
@@ -347,24 +346,18 @@ struct CoherentPath::State
             part.steps[between[k]].points = std::move(meshes[k]);
         for (const FoldCrossing& fold : crossings.folds)
             part.folds.push_back(fold.edges);
-        // Without folds there is nothing to turn over, and branches that differ in the large alone, if they
-        // do, soon agree.
-        double before = std::numeric_limits<double>::infinity();
+        if (part.folds.empty()) { // nothing turns over
+            for (Step& step : part.steps)
+                step.is_between = false;
+            return part;
+        }
         for (int sweep = 0; sweep < options.sweeps; ++sweep) {
-            std::vector<double> energies(between.size());
             parallel_for(between.size(), 1, [&](std::size_t k, std::size_t) {
                 meshes[k] = relaxed(part, between[k]);
-                VectorXd gradient;
-                energies[k] =
-                    energy(target(part.steps[between[k]].t)).evaluate(meshes[k], gradient);
             });
             for (std::size_t k = 0; k < between.size(); ++k)
                 part.steps[between[k]].points = std::move(meshes[k]);
             each();
-            const double now = std::accumulate(energies.begin(), energies.end(), 0.0);
-            if (part.folds.empty() && now > 0.99 * before)
-                break;
-            before = now;
         }
         return part;
     }
@@ -387,8 +380,10 @@ struct CoherentPath::State
         double weight = 0.0; // companions may be elsewhere than those of the steps
         {
             const auto linear = system.starts.borrow();
-            start = started(*linear, to, mixed);
-            weight = options.anchor * linear->turn_share();
+            (void)linear->points(to, 0);
+            const double turns = linear->turn_share();
+            start = started(*linear, to, mixed, turns);
+            weight = options.anchor * turns;
         }
         // What the linear start makes of blended differences is right where the steps wind up against
         // each other, their mean where they are near; E knows.
