@@ -12,29 +12,11 @@
 #include "libshape/edge_space/paths.h"
 #include "libshape/embedding/sequence_jumps.h"
 #include "libshape/mesh/alignment.h"
+#include "tests/support/dents.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
 namespace {
-
-/// A square plate with a dent, and the same with the dent popped to the other side: their lengths are the same, and
-/// half-way no angle is wanted, for which the lengths are too long. So E has two minima alike.
-Collection dents()
-{
-    const test::TestMesh patch = test::open_patch(16, 1);
-    Points up = patch.points;
-    const Eigen::RowVector3d low = up.colwise().minCoeff();
-    const Eigen::RowVector3d size = up.colwise().maxCoeff() - low;
-    for (int v = 0; v < up.rows(); ++v) {
-        const double x = (up(v, 0) - low[0]) / size[0] - 0.5;
-        const double y = (up(v, 1) - low[1]) / size[1] - 0.5;
-        const double r = 3.0 * std::hypot(x, y);
-        up(v, 2) = r < 1.0 ? 0.12 * size[0] * std::pow(1.0 - r * r, 2) : 0.0;
-    }
-    Points down = up;
-    down.col(2) *= -1.0;
-    return {patch.topology, {"up", "down"}, {up, down}, {}};
-}
 
 TargetPath line(const ShapeVectors& vectors)
 {
@@ -57,7 +39,7 @@ double distance(const Points& a, const Points& b)
 
 TEST(PathEmbedder, TurnsOverGraduallyWhatJumpsMeshByMesh)
 {
-    const Collection pair = dents();
+    const Collection pair = test::dents(16);
     const ShapeVectors vectors = shape_vectors(pair, Scale::None);
     const TargetPath path = line(vectors);
     const PathEmbedder along(pair.topology, pair.points, path);
@@ -84,7 +66,7 @@ TEST(PathEmbedder, TurnsOverGraduallyWhatJumpsMeshByMesh)
 
 TEST(PathEmbedder, HasTheSameBitsWhateverIsAskedFor)
 {
-    const Collection pair = dents();
+    const Collection pair = test::dents(16);
     const ShapeVectors vectors = shape_vectors(pair, Scale::None);
     const int threads = thread_count();
     set_thread_count(1);
@@ -112,7 +94,7 @@ TEST(PathEmbedder, FollowsWhatDoesNotJumpAsTheEmbedderDoes)
         const Eigen::RowVector3d x = mesh.points.row(v);
         const double angle = turn * (x[2] - bottom) / length;
         const double radius = length / turn - x[0];
-        bent.row(v) << radius * std::cos(angle), 1.2 * x[1], radius * std::sin(angle);
+        bent.row(v) << radius * std::cos(angle), -1.2 * x[1], radius * std::sin(angle);
     }
     const Collection pair{mesh.topology, {"a", "b"}, {mesh.points, bent}, {}};
     const ShapeVectors vectors = shape_vectors(pair, Scale::None);
@@ -129,9 +111,23 @@ TEST(PathEmbedder, FollowsWhatDoesNotJumpAsTheEmbedderDoes)
     }
 }
 
+TEST(PathEmbedder, WeighsAnglesAndAnchorsAsToldTo)
+{
+    const Collection pair = test::dents(8);
+    const ShapeVectors vectors = shape_vectors(pair, Scale::None);
+    const auto middle = [&](const EmbeddingOptions& options) {
+        return PathEmbedder(pair.topology, pair.points, line(vectors), options).embed(0.3).points;
+    };
+    const Points usual = middle({});
+    EXPECT_EQ(middle({.smoothness = default_smoothness}), usual);
+    EXPECT_EQ(middle({.anchor = 0.02}), usual);
+    EXPECT_NE(middle({.smoothness = 0.01}), usual);
+    EXPECT_NE(middle({.anchor = 0.001}), usual);
+}
+
 TEST(PathEmbedder, RefusesWhatItCannotFollow)
 {
-    const Collection pair = dents();
+    const Collection pair = test::dents(16);
     const ShapeVectors vectors = shape_vectors(pair, Scale::None);
     TargetPath path = line(vectors);
     EXPECT_THROW(
