@@ -13,6 +13,7 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/edge_space/shape_vectors.cpp
     libshape/embedding/closure/closure.cpp
     libshape/embedding/dihedral/dihedral_embedding.cpp
+    libshape/embedding/dihedral/dihedral_system.cpp
     libshape/embedding/energy/descent.cpp
     libshape/embedding/energy/eight_lane_descent.cpp
     libshape/embedding/energy/eight_lane_energy.cpp

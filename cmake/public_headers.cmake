@@ -29,6 +29,7 @@ set(public_headers
     libshape/embedding/multiscale/registration_options.h
     libshape/embedding/path/continuation.h
     libshape/embedding/path/path_follower.h
+    libshape/embedding/path_embedder.h
     libshape/embedding/report.h
     libshape/embedding/residual_field.h
     libshape/embedding/sequence_jumps.h

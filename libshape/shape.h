@@ -31,6 +31,7 @@
 #include "libshape/embedding/multiscale/registration_options.h"
 #include "libshape/embedding/path/continuation.h"
 #include "libshape/embedding/path/path_follower.h"
+#include "libshape/embedding/path_embedder.h"
 #include "libshape/embedding/report.h"
 #include "libshape/embedding/residual_field.h"
 #include "libshape/embedding/sequence_jumps.h"

@@ -18,6 +18,7 @@
 #include "libshape/conformal/sphere_map.h"
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/edge_space/shape_space.h"
+#include "libshape/embedding/dihedral/coherent_path.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/embedder.h"
 #include "libshape/embedding/energy/descent.h"
@@ -163,6 +164,14 @@ TEST(Options, OfEmbeddingsNameWhatBreaksARule)
     EXPECT_NO_THROW(check(dihedral_preview()));
     EXPECT_THROW(check(DihedralEmbeddingOptions{.folds = {.rings = -1}}), InvalidInput);
     EXPECT_THROW(check(DihedralEmbeddingOptions{.repair = {.filling_sweeps = -1}}), InvalidInput);
+    Fields<CoherentPathOptions>("CoherentPathOptions")
+        .positive("smoothness", &CoherentPathOptions::smoothness)
+        .not_negative("anchor", &CoherentPathOptions::anchor)
+        .at_least(8, "steps", &CoherentPathOptions::steps)
+        .at_least(2, "branch_steps", &CoherentPathOptions::branch_steps)
+        .at_least(1, "crossing_steps", &CoherentPathOptions::crossing_steps)
+        .at_least(0, "sweeps", &CoherentPathOptions::sweeps)
+        .at_least(2, "sweep_steps", &CoherentPathOptions::sweep_steps);
     Fields<MultiscaleOptions>("MultiscaleOptions")
         .refuse<int>("children", &MultiscaleOptions::children, {3, 17, -1});
     EXPECT_THROW(check(MultiscaleOptions{.registration = {.passes = -1}}), InvalidInput);
@@ -354,6 +363,10 @@ TEST(Options, AreCheckedByAllThatEmbeds)
     });
     expect_named("DihedralEmbeddingOptions.repairs[1]", [&] {
         (void)DihedralEmbedder(t, {mesh.points}).embed(target, {.repairs = {60, 24}});
+    });
+    expect_named("CoherentPathOptions.steps", [&] {
+        const DihedralEmbedder embedder(t, {mesh.points});
+        (void)CoherentPath(embedder, [&](double) { return target; }, {0.0, 1.0}, {.steps = 7});
     });
     expect_named("EmbeddingOptions.smoothness",
                  [&] { (void)Embedder(t, {mesh.points}, {.smoothness = nan}); });

@@ -143,6 +143,14 @@ Json settings_of(const Session& session, const Arguments& arguments, const Colle
     return settings;
 }
 
+/// Frames nearer to each other than 1/30 of the path make a motion, whose neighbours agree on folds;
+/// those farther apart are blends of their own.
+bool is_motion(const Blends& blends)
+{
+    return blends.places.size() >= 2 &&
+           std::abs(blends.places[1] - blends.places[0]) <= (1.0 + 1e-9) / 30.0;
+}
+
 void run(const Session& session, const Arguments& arguments)
 {
     const Collection collection = read_meshes(session, arguments.meshes);
@@ -166,6 +174,15 @@ void run(const Session& session, const Arguments& arguments)
                                         return part.scale(
                                             blend(vectors, weights, arguments.lengths), weights);
                                     }});
+    if (arguments.sequence.keyframes == 0 && is_motion(blends)) {
+        sequence.path =
+            TargetPath{[&](double t) {
+                           const Eigen::VectorXd weights = blends.weights_at(t);
+                           return part.scale(blend(vectors, weights, arguments.lengths), weights);
+                       },
+                       blends.stations};
+        sequence.places = blends.places;
+    }
     check_merged_output(shard, arguments.output.path);
     MeshOutputArguments place = arguments.output;
     if (shard.is_given())

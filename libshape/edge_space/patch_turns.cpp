@@ -52,6 +52,23 @@ Quaterniond ReferencePatches::rotation(int patch, const Rotations& others) const
     return Quaterniond(nearest_rotation(sum));
 }
 
+VectorXd ReferencePatches::turns(const Topology& topology, const Points& mesh) const
+{
+    const Rotations others = face_frames(topology, mesh);
+    Rotations rotations(to_size(patches.count()));
+    parallel_for(rotations.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p)
+            rotations[p] = rotation(static_cast<int>(p), others);
+    });
+    VectorXd turns(3 * static_cast<Index>(patches.pairs.size()));
+    for (Index k = 0; k < turns.size() / 3; ++k) {
+        const FacePatches::Pair& pair = patches.pairs[to_size(k)];
+        turns.segment<3>(3 * k) = rotation_vector(rotations[to_size(pair.lower)].conjugate() *
+                                                  rotations[to_size(pair.higher)]);
+    }
+    return turns;
+}
+
 PatchTurns::PatchTurns(const Topology& topology, const Points& reference)
     : renumbering_(renumber_for_locality(topology)),
       reference_(renumbering_.topology, renumbered(renumbering_, reference))
@@ -69,19 +86,7 @@ VectorXd PatchTurns::of(const Points& mesh) const
     if (mesh.rows() != topology.vertex_count())
         throw InvalidInput(join("turns: the mesh has ", mesh.rows(), " vertices, the reference ",
                                 topology.vertex_count()));
-    const Rotations frames = face_frames(topology, renumbered(renumbering_, mesh));
-    Rotations rotations(to_size(reference_.patches.count()));
-    parallel_for(rotations.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p)
-            rotations[p] = reference_.rotation(static_cast<int>(p), frames);
-    });
-    VectorXd turns(size());
-    for (Index k = 0; k < turns.size() / 3; ++k) {
-        const FacePatches::Pair& pair = reference_.patches.pairs[to_size(k)];
-        turns.segment<3>(3 * k) = rotation_vector(rotations[to_size(pair.lower)].conjugate() *
-                                                  rotations[to_size(pair.higher)]);
-    }
-    return turns;
+    return reference_.turns(topology, renumbered(renumbering_, mesh));
 }
 
 RowMatrix PatchTurns::of(const std::vector<Points>& meshes) const

@@ -32,6 +32,9 @@ struct ReferencePatches
     /// areas: maximises sum_f A_f trace(F_f^T Q R_f).
     /// @param others  F: #F.
     [[nodiscard]] Eigen::Quaterniond rotation(int patch, const Rotations& others) const;
+
+    /// How the patches of a mesh of this topology turn from one to the next: see PatchTurns.
+    [[nodiscard]] Eigen::VectorXd turns(const Topology& topology, const Points& mesh) const;
 };
 
 /// Turns from patch to patch, between a reference and other meshes of one topology.

@@ -2,7 +2,6 @@
 
 #include "libshape/embedding/embedder.h"
 
-#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <optional>
@@ -13,11 +12,11 @@
 #include "libshape/base/require.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/closure/closure_embedding.h"
+#include "libshape/embedding/crossing_count.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/finished_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
 #include "libshape/mesh/edge_lengths.h"
-#include "libshape/mesh/face_crossings.h"
 
 namespace shape {
 using namespace internal;
@@ -69,13 +68,10 @@ struct Embedder::State
     double dihedral_seconds = 0.0;
     double multiscale_seconds = 0.0;
 
-    // What make_tree() makes, for reports alone.
-    std::once_flag tree_made;
-    std::optional<FaceTree> faces;
-    std::vector<FacePair> known_crossings; // of any reference, sorted
+    CrossingCount crossings; // for reports alone
 
     State(const Topology& of, std::vector<Points> near, const EmbeddingOptions& by)
-        : topology(of), references(std::move(near)), options(by)
+        : topology(of), references(std::move(near)), options(by), crossings(topology, references)
     {
     }
 
@@ -85,30 +81,6 @@ struct Embedder::State
         chosen.seed = options.seed.value_or(chosen.seed);
         chosen.registration.start = options.registration_start.value_or(chosen.registration.start);
         return chosen;
-    }
-
-    void make_tree()
-    {
-        std::call_once(tree_made, [this] {
-            faces.emplace(topology, references.front());
-            for (const Points& reference : references) {
-                const std::vector<FacePair> pairs = faces->crossings(reference);
-                known_crossings.insert(known_crossings.end(), pairs.begin(), pairs.end());
-            }
-            std::sort(known_crossings.begin(), known_crossings.end());
-        });
-    }
-
-    void count_crossings(Embedding& embedding)
-    {
-        make_tree();
-        const std::vector<FacePair> pairs = faces->crossings(embedding.points);
-        const auto is_new = [this](const FacePair& pair) {
-            return !std::binary_search(known_crossings.begin(), known_crossings.end(), pair);
-        };
-        embedding.report.self_intersections = static_cast<int>(pairs.size());
-        embedding.report.new_self_intersections =
-            static_cast<int>(std::count_if(pairs.begin(), pairs.end(), is_new));
     }
 
     void prepare(EmbeddingMethod method)
@@ -226,7 +198,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
     if (method != s.options.method)
         embedding.instead = method;
     embedding.report.setup_seconds = s.setup_seconds(method);
-    s.count_crossings(embedding);
+    s.crossings.add_to(embedding);
     return embedding;
 }
 
@@ -234,7 +206,7 @@ Embedding Embedder::embed(const DecodedShape& shape) const
 {
     if (const Points* const points = std::get_if<Points>(&shape)) {
         Embedding embedding = as_embedding(state_->topology, *points);
-        state_->count_crossings(embedding);
+        state_->crossings.add_to(embedding);
         return embedding;
     }
     return embed(std::get<ShapePoint>(shape));

@@ -49,13 +49,10 @@ Embedding internal::finished_embedding(const Topology& topology, const Points& p
     return embedding;
 }
 
-Embedding internal::embed_by_dihedrals(const DihedralEmbedder& embedder, const Topology& topology,
+Embedding internal::finished_embedding(const Topology& topology, const DihedralEmbedding& nearest,
                                        const Points& reference, const ShapePoint& target,
-                                       const DihedralEmbeddingOptions& options,
-                                       EdgeResiduals* residuals)
+                                       Clock::time_point start, EdgeResiduals* residuals)
 {
-    const Clock::time_point start = Clock::now();
-    const DihedralEmbedding nearest = embedder.embed(target, options);
     Embedding embedding =
         finished_embedding(topology, nearest.points, reference, target, start, residuals);
     if (nearest.companion.rows() > 0)
@@ -66,6 +63,16 @@ Embedding internal::embed_by_dihedrals(const DihedralEmbedder& embedder, const T
     embedding.report.iterations = nearest.iterations;
     embedding.report.converged = nearest.converged;
     return embedding;
+}
+
+Embedding internal::embed_by_dihedrals(const DihedralEmbedder& embedder, const Topology& topology,
+                                       const Points& reference, const ShapePoint& target,
+                                       const DihedralEmbeddingOptions& options,
+                                       EdgeResiduals* residuals)
+{
+    const Clock::time_point start = Clock::now();
+    return finished_embedding(topology, embedder.embed(target, options), reference, target, start,
+                              residuals);
 }
 
 } // namespace shape

@@ -24,6 +24,13 @@ using Clock = std::chrono::steady_clock;
                                            Clock::time_point start,
                                            EdgeResiduals* residuals = nullptr);
 
+/// The same of what a DihedralEmbedder made, with its own figures.
+[[nodiscard]] Embedding finished_embedding(const Topology& topology,
+                                           const DihedralEmbedding& nearest,
+                                           const Points& reference, const ShapePoint& target,
+                                           Clock::time_point start,
+                                           EdgeResiduals* residuals = nullptr);
+
 /// EmbeddingMethod::Dihedral from beginning to end.
 /// @throws as DihedralEmbedder::embed().
 [[nodiscard]] Embedding embed_by_dihedrals(const DihedralEmbedder& embedder,

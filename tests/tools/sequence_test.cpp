@@ -2,6 +2,7 @@
 
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/vertex_scalars.h"
+#include "libshape/mesh/alignment.h"
 #include "tests/support/glb.h"
 #include "tests/tools/program_test.h"
 
@@ -47,6 +48,27 @@ TEST_F(Sequences, OneAnimationShowsWhatTheSeparateMeshesAre)
             worst, (shown - read_mesh(folder_ / file).points).cwiseAbs().maxCoeff() / diagonal);
     }
     EXPECT_NEAR(worst, error, 1e-6);
+}
+
+TEST_F(Sequences, FramesDoNotDependOnWhichPartIsAskedFor)
+{
+    const auto frames = [&](const std::string& to, const Arguments& rest) {
+        Arguments all{"interpolate", "a.ply", "b.ply", "-o", to};
+        all.insert(all.end(), rest.begin(), rest.end());
+        EXPECT_EQ(run(all)["jumps"], Json::array());
+    };
+    frames("whole", {"--frames", "61"});
+    frames("part", {"--frames", "31", "--range", "0.25:0.75"});
+    for (const int k : {0, 7, 15, 30}) {
+        char part[40];
+        char whole[40];
+        std::snprintf(part, sizeof part, "part/frame_%04d.ply", k);
+        std::snprintf(whole, sizeof whole, "whole/frame_%04d.ply", k + 15);
+        const Points a = read_mesh(folder_ / part).points;
+        const Points b = read_mesh(folder_ / whole).points;
+        const double worst = (best_rigid_motion(a, b)(a) - b).cwiseAbs().maxCoeff();
+        EXPECT_LT(worst, 1e-6 * bounding_box_diagonal(b));
+    }
 }
 
 TEST_F(Sequences, AModeIsAnAnimationToo)

@@ -139,19 +139,24 @@ VectorXd on_spline(SplineKind kind, int meshes, double t)
     return catmull_rom_weights(VectorXd::LinSpaced(meshes, 0.0, 1.0), t);
 }
 
-std::vector<VectorXd> on_curve(const PathDescription& path, PathKind kind, int meshes)
+void add_curve(const PathDescription& path, int meshes, Blends& blends)
 {
+    const SplineKind spline = path.spline.value_or(SplineKind::CatmullRom);
+    const bool is_line = blends.kind == PathKind::Line;
+    blends.weights_at = [=](double t) {
+        return is_line ? line_weights(meshes, t) : on_spline(spline, meshes, t);
+    };
+    const bool passes_all = is_line || spline == SplineKind::CatmullRom;
+    const int parts = passes_all ? meshes - 1 : 1;
+    for (int i = 0; i <= parts; ++i)
+        blends.stations.push_back(static_cast<double>(i) / parts);
     const Vector2d range = path.range.value_or(Vector2d(0.0, 1.0));
     const auto last = static_cast<double>(*path.frames - 1);
-    std::vector<VectorXd> weights;
     for (std::int64_t i = 0; i < *path.frames; ++i) {
         const double share = static_cast<double>(i) / last;
-        const double t = (1.0 - share) * range[0] + share * range[1];
-        weights.push_back(kind == PathKind::Line
-                              ? line_weights(meshes, t)
-                              : on_spline(path.spline.value_or(SplineKind::CatmullRom), meshes, t));
+        blends.places.push_back((1.0 - share) * range[0] + share * range[1]);
+        blends.weights.push_back(blends.weights_at(blends.places.back()));
     }
-    return weights;
 }
 
 std::string print(const VectorXd& weights)
@@ -295,7 +300,9 @@ Blends blends_of(const PathArguments& arguments, int meshes)
     PathDescription path = arguments.options;
     if (!arguments.file.empty())
         read_path_file(arguments.file, path);
-    Blends blends{path.kind.value_or(PathKind::Line), {}, path.frames.has_value()};
+    Blends blends;
+    blends.kind = path.kind.value_or(PathKind::Line);
+    blends.is_sequence = path.frames.has_value();
     check_combination(path, blends.kind);
     if (!path.weights.empty())
         blends.weights = given_weights(path, meshes);
@@ -304,7 +311,7 @@ Blends blends_of(const PathArguments& arguments, int meshes)
     else if (blends.kind == PathKind::Polygon)
         blends.weights = in_polygon(path, meshes);
     else
-        blends.weights = on_curve(path, blends.kind, meshes);
+        add_curve(path, meshes, blends);
     if (!arguments.extrapolate)
         refuse_extrapolation(blends);
     return blends;

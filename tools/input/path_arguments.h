@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,11 @@ struct Blends
     PathKind kind = PathKind::Line;
     std::vector<Eigen::VectorXd> weights; ///< One a blend, of as many entries as there are meshes.
     bool is_sequence = false;             ///< Frames along a path; else places of their own.
+
+    /// Of frames of a line or spline; else empty:
+    std::vector<double> places;                        ///< t of each,
+    std::function<Eigen::VectorXd(double)> weights_at; ///< the weights at t,
+    std::vector<double> stations; ///< and where the path passes through a mesh, and its ends.
 };
 
 /// @throws UsageError for options that do not go together or are missing.

@@ -64,6 +64,7 @@ Json identity(const Session& session, const EmbeddingOptions& options,
     Json all = embedding_settings(session, options);
     all.update({{"meshes", inputs},
                 {"blends", blends},
+                {"path", sequence.path ? join(sequence.places.size(), " places") : "none"},
                 {"--keyframes", join(arguments.keyframes)},
                 {"--between", between_name(arguments.between)}});
     return all;
@@ -116,13 +117,21 @@ InBetweens in_betweens(const Session& session, const EmbeddingOptions& given, Be
 class Maker
 {
 public:
-    Maker(const EmbeddingOptions& options, const Sequence& sequence, FrameStore& store)
+    /// @param progress  Hears of the path while it is solved.
+    Maker(const EmbeddingOptions& options, const Sequence& sequence, FrameStore& store,
+          const Progress& progress)
         : sequence_(sequence),
           store_(store),
           method_(name(options.method)),
           embedder_(sequence.topology, sequence.references, options),
           previous_(sequence.references.front())
     {
+        const bool is_fine =
+            options.method == EmbeddingMethod::Dihedral &&
+            options.quality.value_or(EmbeddingQuality::Fine) == EmbeddingQuality::Fine;
+        if (is_fine && sequence.path)
+            along_.emplace(sequence.topology, sequence.references, *sequence.path, options,
+                           progress);
     }
 
     /// Every N-th target becomes a keyframe, and the last.
@@ -144,7 +153,7 @@ public:
     {
         FinishedMesh mesh = taken_or_made(i, [&] {
             FinishedMesh made =
-                finish(sequence_.targets[i].name, method_, [&] { return embedder_.embed(point); });
+                finish(sequence_.targets[i].name, method_, [&] { return embed(i, point); });
             made.points = best_rigid_motion(made.points, previous_)(made.points);
             return made;
         });
@@ -164,6 +173,16 @@ public:
     }
 
 private:
+    [[nodiscard]] Embedding embed(std::size_t i, const ShapePoint& point) const
+    {
+        if (!along_)
+            return embedder_.embed(point);
+        const double t = sequence_.places[i];
+        const std::vector<double>& stations = sequence_.path->stations;
+        return t < stations.front() || t > stations.back() ? embedder_.embed(point)
+                                                           : along_->embed(t);
+    }
+
     template <class Make>
     [[nodiscard]] FinishedMesh taken_or_made(std::size_t i, const Make& make) const
     {
@@ -180,7 +199,8 @@ private:
     FrameStore& store_;
     std::string method_;
     Embedder embedder_;
-    Points previous_; ///< What the next mesh is placed as.
+    std::optional<PathEmbedder> along_; ///< If neighbours are to agree.
+    Points previous_;                   ///< What the next mesh is placed as.
 };
 
 Json run(const Session& session, const EmbeddingArguments& embedding,
@@ -189,7 +209,7 @@ Json run(const Session& session, const EmbeddingArguments& embedding,
 {
     const EmbeddingOptions options = keyframe_options(session, embedding, arguments);
     const TargetOrder order = sequence.is_path ? TargetOrder::Sequence : TargetOrder::Any;
-    Maker maker(options, sequence, store);
+    Maker maker(options, sequence, store, session.progress());
     if (arguments.keyframes == 0)
         return make_and_write(
             session, embedding, sequence.topology, sequence.targets,

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "libshape/embedding/path_embedder.h"
 #include "tools/output/embedding_run.h"
 
 namespace shape::tools {
@@ -39,6 +41,11 @@ struct Sequence
     bool is_path =
         false; ///< Each mesh is turned and placed as the one before it; else as the first
                ///< reference. The first is placed so always.
+
+    /// Where neighbours are to agree on folds: the path that all targets lie on, and t of each of them, or
+    /// none (path_embedder.h). Those beyond the stations are embedded by themselves.
+    std::optional<TargetPath> path = {};
+    std::vector<double> places = {};
 };
 
 /// Does what embed_and_write() does, by keyframes if wanted, and keeps finished meshes beside the

@@ -8,41 +8,18 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/pool.h"
 #include "libshape/base/require.h"
-#include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/dihedral/dihedral_system.h"
 #include "libshape/embedding/energy/descent.h"
 #include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/embedding/repair/hot_spots.h"
-#include "libshape/embedding/start/edge_laplacian.h"
-#include "libshape/embedding/start/face_fit.h"
-#include "libshape/embedding/start/face_layout.h"
-#include "libshape/embedding/start/linear_start.h"
 #include "libshape/mesh/alignment.h"
-#include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/renumbering.h"
 
 namespace shape::internal {
 namespace {
 
 using Eigen::VectorXd;
-
-VectorXd mean_lengths(const Topology& topology, const std::vector<Points>& meshes)
-{
-    VectorXd sum = VectorXd::Zero(topology.edge_count());
-    for (const Points& mesh : meshes)
-        sum += edge_lengths(topology, mesh);
-    return sum / static_cast<double>(meshes.size());
-}
-
-void check(const Topology& topology, const std::vector<Points>& references)
-{
-    if (references.empty())
-        throw InvalidInput("the embedding needs at least one reference mesh");
-    for (const Points& reference : references)
-        if (!(edge_lengths(topology, reference).minCoeff() > 0.0))
-            throw InvalidInput("a reference mesh has an edge of length 0");
-}
 
 /// The weight (nu of hold_near()) at which the mesh shows how E resists: weak, so that asking costs little;
 /// already with 0.01 edges lose up to 3 % (docs/embedding.md).
@@ -57,75 +34,6 @@ double yielding(double anchor, double resistance)
     // is nearly a switch, but without a jump.
     constexpr double strong = 0.6;
     return anchor / (1.0 + std::pow(resistance / strong, 4));
-}
-
-} // namespace
-
-struct DihedralEmbedder::State
-{
-    Renumbering renumbering; // all else is in its order
-    std::vector<Points> references;
-    EdgeLaplacian laplacian;    // of the references' mean lengths
-    ReferencePatches reference; // of turns
-    Pool<LinearStart> starts;
-
-    /// @param factor  Of the Laplacian, if it is known: one or none.
-    template <class... Factor>
-    State(const Topology& topology, const std::vector<Points>& meshes, Factor&&... factor)
-        : renumbering(renumber_for_locality(topology)),
-          references(in_order(renumbering, meshes)),
-          laplacian(renumbering.topology, mean_lengths(renumbering.topology, references),
-                    std::forward<Factor>(factor)...),
-          reference(renumbering.topology, references.front()),
-          starts([this, patches = std::make_shared<FacePatches>(renumbering.topology, 64)] {
-              return std::make_unique<LinearStart>(renumbering.topology, patches, reference,
-                                                   laplacian, laplacian.single_precision());
-          })
-    {
-    }
-
-    static std::vector<Points> in_order(const Renumbering& renumbering,
-                                        const std::vector<Points>& meshes)
-    {
-        std::vector<Points> ordered;
-        ordered.reserve(meshes.size());
-        for (const Points& mesh : meshes)
-            ordered.push_back(renumbered(renumbering, mesh));
-        return ordered;
-    }
-};
-
-namespace {
-
-/// A target in the order of the renumbering, fit for the energy.
-ShapePoint target_of(const Renumbering& renumbering, const ShapePoint& point)
-{
-    const Topology& topology = renumbering.topology;
-    if (point.edge_lengths.size() != topology.edge_count() ||
-        point.dihedral_angles.size() != topology.edge_count())
-        throw InvalidInput(join("target has ", point.edge_lengths.size(), " lengths and ",
-                                point.dihedral_angles.size(), " dihedral angles, the topology ",
-                                topology.edge_count(), " edges"));
-    Points positions;
-    if (point.positions.size() > 0) {
-        if (point.positions.rows() != topology.vertex_count() || !point.positions.allFinite())
-            throw InvalidInput(join("target has ", point.positions.rows(),
-                                    " positions, the topology ", topology.vertex_count(),
-                                    " vertices; all must be finite"));
-        positions = renumbered(renumbering, point.positions);
-    }
-    return {positive_lengths(renumbered(renumbering, point.edge_lengths)),
-            renumbered(renumbering, point.dihedral_angles), point.patch_turns, positions};
-}
-
-/// Vertices row by row in the order of the renumbering, in their own, about their centroid.
-Points result_of(const Renumbering& renumbering, const VectorXd& points)
-{
-    Points result =
-        restored(renumbering,
-                 Eigen::Map<const Points>(points.data(), renumbering.topology.vertex_count(), 3));
-    result.rowwise() -= centroid(result);
-    return result;
 }
 
 } // namespace
@@ -161,21 +69,19 @@ DihedralEmbeddingOptions dihedral_preview()
 }
 
 DihedralEmbedder::DihedralEmbedder(const Topology& topology, const std::vector<Points>& references)
+    : system_(std::make_unique<DihedralSystem>(topology, references))
 {
-    check(topology, references);
-    state_ = std::make_unique<State>(topology, references);
 }
 
 DihedralEmbedder::DihedralEmbedder(const Topology& topology, const std::vector<Points>& references,
                                    SinglePrecisionSolve factor)
+    : system_(std::make_unique<DihedralSystem>(topology, references, std::move(factor)))
 {
-    check(topology, references);
-    state_ = std::make_unique<State>(topology, references, std::move(factor));
 }
 
 const SinglePrecisionSolve& DihedralEmbedder::factor() const
 {
-    return state_->laplacian.single_precision();
+    return system_->laplacian.single_precision();
 }
 
 DihedralEmbedder::~DihedralEmbedder() = default;
@@ -192,15 +98,10 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options) const
 {
     check(options);
-    State& s = *state_;
-    const Topology& topology = s.renumbering.topology;
-    const ShapePoint target = target_of(s.renumbering, point);
+    DihedralSystem& s = *system_;
+    const Topology& topology = s.topology();
+    const ShapePoint target = s.target_of(point);
     const bool has_companion = point.patch_turns.size() > 0;
-    const auto pairs = static_cast<Eigen::Index>(s.reference.patches.pairs.size());
-    if (has_companion && (point.patch_turns.size() != 3 * pairs || !point.patch_turns.allFinite()))
-        throw InvalidInput(join("target has ", point.patch_turns.size(),
-                                " numbers of turns, must be 3 for each of ", pairs,
-                                " pairs of patches, all finite"));
     LengthDihedralEnergy energy(topology, target, options.smoothness);
     const auto start = s.starts.borrow();
     const Points& linear = start->points(target, options.local_global_steps);
@@ -212,8 +113,8 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     VectorXd points = linear.reshaped<Eigen::RowMajor>();
     const bool has_positions = target.positions.size() > 0;
     if (has_positions || has_companion)
-        result.companion = result_of(
-            s.renumbering, (has_positions ? target.positions : linear).reshaped<Eigen::RowMajor>());
+        result.companion =
+            s.result_of((has_positions ? target.positions : linear).reshaped<Eigen::RowMajor>());
     if (has_positions && options.position_anchor > 0.0)
         energy.hold_near(best_rigid_motion(target.positions, linear)(target.positions)
                              .reshaped<Eigen::RowMajor>(),
@@ -269,25 +170,25 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
         descend_to(options.max_iterations);
     }
     result.back_substitutions += result.iterations;
-    result.points = result_of(s.renumbering, points);
+    result.points = s.result_of(points);
     return result;
 }
 
 DihedralEmbedding DihedralEmbedder::sweep(const ShapePoint& point, const Points& start,
                                           int linear_steps, double smoothness) const
 {
-    const State& s = *state_;
-    const ShapePoint target = target_of(s.renumbering, point);
-    if (start.rows() != s.renumbering.topology.vertex_count())
+    const DihedralSystem& s = *system_;
+    const ShapePoint target = s.target_of(point);
+    if (start.rows() != s.topology().vertex_count())
         throw InvalidInput(join("sweep: the start has ", start.rows(), " vertices, the topology ",
-                                s.renumbering.topology.vertex_count()));
-    LengthDihedralEnergy energy(s.renumbering.topology, target, smoothness);
+                                s.topology().vertex_count()));
+    LengthDihedralEnergy energy(s.topology(), target, smoothness);
     Descender descender(energy, s.laplacian.single_precision());
     const Descent descent =
         descender.descend(renumbered(s.renumbering, start).reshaped<Eigen::RowMajor>(),
                           {.max_linear_steps = linear_steps, .first_linear_steps = linear_steps});
     DihedralEmbedding result;
-    result.points = result_of(s.renumbering, descent.points);
+    result.points = s.result_of(descent.points);
     result.energy = descent.energy;
     result.iterations = result.back_substitutions = descent.linear_steps;
     result.converged = descent.converged;

@@ -15,6 +15,8 @@
 
 namespace shape::internal {
 
+struct DihedralSystem;
+
 struct DihedralEmbeddingOptions
 {
     /// Angles weigh this much against lengths: mu of length_dihedral_energy.h; > 0.
@@ -118,9 +120,11 @@ public:
     /// What takes the most time to find.
     [[nodiscard]] const SinglePrecisionSolve& factor() const;
 
+    /// What is kept.
+    [[nodiscard]] DihedralSystem& system() const { return *system_; }
+
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    std::unique_ptr<DihedralSystem> system_;
 };
 
 } // namespace shape::internal

@@ -229,6 +229,9 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
     });
     collapses_ = energy_.collapses();
     holds_ = (unit_ * unit_ * energy_.hold_weights()).cast<float>();
+    sums_.clear();
+    for (const LengthDihedralEnergy::AngleSum& sum : energy_.held_sums())
+        sums_.push_back(slopes_of(sum));
     Lanes* const normals = internal::lanes(normals_);
     Lanes* const cotangents = internal::lanes(cotangents_);
     Lanes* const stiffness = internal::lanes(stiffness_);
@@ -256,6 +259,37 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
             stiffness[f] = lanes_of(1.0, stiff[0][i], stiff[1][i], stiff[2][i]);
         }
     });
+}
+
+GaussNewtonOperator::SumSlopes GaussNewtonOperator::slopes_of(
+    const LengthDihedralEnergy::AngleSum& sum) const
+{
+    const Topology& t = energy_.topology();
+    const VectorXd& lengths = energy_.lengths();
+    SumSlopes result;
+    for (std::size_t i = 0; i < sum.edges.size(); ++i)
+        for (const int h :
+             {t.edge_halfedges()(sum.edges[i], 0), t.edge_halfedges()(sum.edges[i], 1)}) {
+            const int before = Topology::previous(h);
+            const double length = lengths[sum.edges[i]];
+            const double at_a = lengths[t.face_edges()(before / 3, before % 3)];
+            const int after = Topology::next(h);
+            const double at_b = lengths[t.face_edges()(after / 3, after % 3)];
+            const auto shares =
+                hinge_shares(length, foot_of(length, length * length, at_a * at_a, at_b * at_b));
+            const Eigen::Vector3f normal =
+                (std::sqrt(sum.stiffness) * unit_ * sum.factors[i] *
+                 energy_.inverse_squares()[h / 3] * energy_.normals().row(h / 3))
+                    .cast<float>();
+            const auto add = [&](int vertex, double share) {
+                result.vertices.push_back(vertex);
+                result.slopes.emplace_back(static_cast<float>(share) * normal);
+            };
+            add(t.source(h), shares.a);
+            add(t.target(h), shares.b);
+            add(t.source(before), shares.c);
+        }
+    return result;
 }
 
 double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
@@ -289,6 +323,14 @@ double GaussNewtonOperator::apply(const LaneVectors& v, LaneVectors& product)
         for (int k = 0; k < 3; ++k)
             product.col(t.faces()(face, k)).head<3>() +=
                 (unit_ * change * gradients[to_size(k)]).cast<float>();
+        square += change * change;
+    }
+    for (const auto& [vertices, slopes] : sums_) {
+        double change = 0.0;
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            change += static_cast<double>(slopes[i].dot(v.col(vertices[i]).head<3>()));
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            product.col(vertices[i]).head<3>() += static_cast<float>(change) * slopes[i];
         square += change * change;
     }
     return square;

@@ -51,6 +51,15 @@ private:
     Eigen::VectorXf holds_; // of the vertices: hold_weights() of the energy, or empty
 
     std::vector<LengthDihedralEnergy::Collapse> collapses_;
+
+    /// How a held sum changes as vertices move: terms of one sum, each of a corner of a hinge.
+    struct SumSlopes
+    {
+        std::vector<int> vertices;
+        std::vector<Eigen::Vector3f> slopes; // times the root of the stiffness
+    };
+    [[nodiscard]] SumSlopes slopes_of(const LengthDihedralEnergy::AngleSum& sum) const;
+    std::vector<SumSlopes> sums_;
 };
 
 } // namespace shape::internal

@@ -15,6 +15,7 @@
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/embedding/energy/stretch_term.h"
+#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/hinge.h"
 #include "libshape/mesh/triangle_area.h"
 
@@ -252,6 +253,42 @@ double LengthDihedralEnergy::hold_energy(const VectorXd& points) const
         });
 }
 
+void LengthDihedralEnergy::hold_sums(std::vector<AngleSum> sums)
+{
+    for (const AngleSum& sum : sums) {
+        if (sum.factors.size() != sum.edges.size() || sum.aims.size() != sum.edges.size())
+            throw InvalidInput(join("a sum of angles has ", sum.edges.size(), " edges, ",
+                                    sum.factors.size(), " factors and ", sum.aims.size(), " aims"));
+        for (const int e : sum.edges)
+            if (topology_.is_boundary_edge(e))
+                throw InvalidInput(join("a sum of angles has edge ", e, " of the boundary"));
+    }
+    held_sums_ = std::move(sums);
+}
+
+/// What held sums add to E, and to its gradient by the moments of their edges.
+double LengthDihedralEnergy::add_sums()
+{
+    std::vector<double> misses; // all before any moment changes: sums may share edges
+    for (const AngleSum& sum : held_sums_) {
+        double& missed = misses.emplace_back(0.0);
+        for (std::size_t i = 0; i < sum.edges.size(); ++i) {
+            const int e = sum.edges[i];
+            const double bend = 0.5 * moments_[e] / bend_weights_[e];
+            missed +=
+                sum.factors[i] * wrapped_angle(bend + target_.dihedral_angles[e] - sum.aims[i]);
+        }
+    }
+    double energy = 0.0;
+    for (std::size_t k = 0; k < misses.size(); ++k) {
+        const AngleSum& sum = held_sums_[k];
+        for (std::size_t i = 0; i < sum.edges.size(); ++i)
+            moments_[sum.edges[i]] += 2.0 * sum.stiffness * misses[k] * sum.factors[i];
+        energy += sum.stiffness * misses[k] * misses[k];
+    }
+    return energy;
+}
+
 /// Faces below half of their areas: what they add to E, to the energies of one of their edges, and to
 /// its gradient, to the pulls of all three; d|n| / dl = l cot(opposite angle), n as long as 2 A.
 void LengthDihedralEnergy::add_collapses(const VectorXd& points)
@@ -331,6 +368,7 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
 
     if (areas_kept_)
         add_collapses(points);
+    const double of_sums = add_sums();
 
     lifts_.resize(t.halfedge_count());
     for_blocks(t.face_count(), [&](int first, int count) {
@@ -354,6 +392,7 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
         to_size(t.edge_count()), 8 * block_size, [&](std::size_t begin, std::size_t end) {
             return std::accumulate(energies_.data() + begin, energies_.data() + end, 0.0);
         });
+    energy += of_sums;
     if (hold_weights_.size() > 0) {
         for_blocks(t.vertex_count(), [&](int first, int count) {
             for (int v = first; v < first + count; ++v)

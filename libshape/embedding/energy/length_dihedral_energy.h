@@ -66,6 +66,24 @@ public:
     /// weight #E a_v / D^2 of every vertex [1/length^2]; empty if nothing is held.
     [[nodiscard]] const Eigen::VectorXd& hold_weights() const { return hold_weights_; }
 
+    /// A weighted sum of the dihedral angles of interior edges, and what it is wanted to be.
+    struct AngleSum
+    {
+        std::vector<int> edges;
+        std::vector<double> factors;
+        std::vector<double> aims; ///< Angles at which the sum is as wanted, one of many such [rad].
+        double stiffness = 0.0;   ///< >= 0.
+    };
+
+    /// From now on E has another term for every one of them,
+    ///
+    ///     stiffness (sum_i factors_i (theta_i - aims_i))^2,   differences wrapped:
+    ///
+    /// how far a fold has turned over is prescribed, and how it does is left to E.
+    /// @throws InvalidInput if an edge lies on the boundary, or sizes differ.
+    void hold_sums(std::vector<AngleSum> sums);
+    [[nodiscard]] const std::vector<AngleSum>& held_sums() const { return held_sums_; }
+
     /// A face that keep_areas() acts on: r = sqrt(beta) log(A* / (2 A)), and dr by its corners.
     struct Collapse
     {
@@ -100,6 +118,7 @@ public:
 
 private:
     void add_collapses(const Eigen::VectorXd& points);
+    [[nodiscard]] double add_sums();
 
     Topology topology_;
     ShapePoint target_;
@@ -112,6 +131,7 @@ private:
     bool areas_kept_ = false;
     Eigen::VectorXd least_squares_; // of normals of faces with half of the wanted area
 
+    std::vector<AngleSum> held_sums_;
     Eigen::VectorXd held_points_;
     Eigen::VectorXd hold_weights_;
 

@@ -45,7 +45,8 @@ LinearStart::LinearStart(const Topology& topology, std::shared_ptr<const FacePat
 {
 }
 
-const Points& LinearStart::points(const ShapePoint& target, int face_steps)
+const Points& LinearStart::points(const ShapePoint& target, int face_steps,
+                                  std::optional<double> turn_share)
 {
     layout_ =
         lay_out_faces(topology_, target.edge_lengths, target.dihedral_angles, std::move(layout_));
@@ -53,7 +54,7 @@ const Points& LinearStart::points(const ShapePoint& target, int face_steps)
     // Where every walk closes (r < 3e-6) there may be a mesh with all lengths and angles as wanted, and
     // single precision would lose it.
     closes_ = trust_.minCoeff() > 1.0 - 1e-9;
-    orient(target);
+    orient(target, turn_share);
     solve_for_points();
     for (int step = 0; step < face_steps; ++step) {
         frames_ = fit_faces(topology_, layout_, laplacian_.weights(), points_, std::move(frames_));
@@ -62,15 +63,18 @@ const Points& LinearStart::points(const ShapePoint& target, int face_steps)
     return points_;
 }
 
-void LinearStart::orient(const ShapePoint& target)
+void LinearStart::orient(const ShapePoint& target, std::optional<double> turn_share)
 {
     // Above the distrust of helices (6e-5), whose transitions are right to the last edge, and below that
     // of scanned and modelled shapes (9e-4 to 0.023; docs/embedding.md).
     constexpr double agreement = 3e-4;
     const double distrust = 1.0 - trust_.mean();
-    share_ = target.patch_turns.size() > 0 && distrust > agreement
-                 ? 1.0 - agreement / distrust * (agreement / distrust)
-                 : 0.0;
+    if (target.patch_turns.size() == 0)
+        share_ = 0.0;
+    else if (turn_share)
+        share_ = *turn_share;
+    else
+        share_ = distrust > agreement ? 1.0 - agreement / distrust * (agreement / distrust) : 0.0;
     if (share_ == 0.0) {
         frames_ = patch_frames_.face_frames(layout_.transitions, trust_, std::move(frames_));
         return;

@@ -34,11 +34,13 @@ public:
 
     /// @param target  #E lengths, > 0, and dihedral angles; and turns, or none.
     /// @param face_steps  >= 0; one more back-substitution is done.
+    /// @param turn_share  In place of turn_share(), if given: in [0, 1).
     /// @return Valid until the next call.
     /// @throws InvalidInput if there are turns, and not 3 for each pair of patches.
     /// Cost: O(#F) and the back-substitutions. Works in memory that is kept: not safe to call
     /// concurrently.
-    [[nodiscard]] const Points& points(const ShapePoint& target, int face_steps);
+    [[nodiscard]] const Points& points(const ShapePoint& target, int face_steps,
+                                       std::optional<double> turn_share = {});
 
     /// How much turns had a say in the last points, in [0, 1): max(0, 1 - (3e-4 / m)^2), m being the mean
     /// distrust in transitions. Where these agree with each other they are right, however far they
@@ -46,7 +48,7 @@ public:
     [[nodiscard]] double turn_share() const { return share_; }
 
 private:
-    void orient(const ShapePoint& target);
+    void orient(const ShapePoint& target, std::optional<double> turn_share);
     void solve_for_points();
 
     const Topology& topology_;

@@ -152,6 +152,39 @@ TEST(GaussNewtonOperator, AddsTheWeightsOfVerticesThatAreHeld)
     EXPECT_NEAR(matrix.apply(v, product), before + held, 1e-4 * (before + held));
 }
 
+TEST(GaussNewtonOperator, AddsTheSquaresOfSumsThatAreHeld)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(2, 0.2, 5);
+    Random random(2);
+    LengthDihedralEnergy energy(mesh.topology, target_near(mesh, random), mu);
+    GaussNewtonOperator matrix(energy);
+    const LaneVectors v = test::random_lane_vectors(mesh.points.rows(), random);
+    linearise(matrix, energy, mesh.points);
+    LaneVectors before;
+    LaneVectors after;
+    const double square = matrix.apply(v, before);
+    const LengthDihedralEnergy::AngleSum sum{{2, 5, 8}, {1.0, -2.0, 0.5}, {0.0, 0.1, 0.2}, 300.0};
+    energy.hold_sums({sum});
+    linearise(matrix, energy, mesh.points);
+    const double held = matrix.apply(v, after) - square;
+    // The derivative of the sum by central differences.
+    const double step = 1e-5;
+    const auto sum_at = [&](double scale) {
+        Points points = mesh.points;
+        points += scale * matrix.unit() * v.topRows<3>().transpose().cast<double>();
+        const VectorXd angles = dihedral_angles(mesh.topology, points);
+        double value = 0.0;
+        for (std::size_t i = 0; i < sum.edges.size(); ++i)
+            value += sum.factors[i] * angles[sum.edges[i]];
+        return value;
+    };
+    const double change = (sum_at(step) - sum_at(-step)) / (2.0 * step);
+    EXPECT_NEAR(held, sum.stiffness * change * change, 1e-4 * held);
+    EXPECT_GT(held, 0.01 * square);
+    const double product = (v.cwiseProduct(after - before)).sum();
+    EXPECT_NEAR(product, held, 1e-4 * held);
+}
+
 TEST(GaussNewtonOperator, IgnoresRigidMotions)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -205,6 +206,45 @@ TEST(LengthDihedralEnergy, HoldsVerticesByTheirSharesOfTheArea)
         x[i] = here;
         EXPECT_NEAR((above - below) / 2e-6, gradient[i], 1e-7 * gradient.norm());
     }
+}
+
+TEST(LengthDihedralEnergy, HoldsSumsOfAngles)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(2, 0.2, 3);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+    const VectorXd angles = target.dihedral_angles;
+    target.dihedral_angles.array() += 0.3;
+    target.edge_lengths *= 1.05;
+    LengthDihedralEnergy energy(mesh.topology, target, 0.1);
+    VectorXd x = flat(mesh.points);
+    VectorXd gradient;
+    const double before = energy.evaluate(x, gradient);
+    // One aim differs by a whole turn, which changes nothing; two sums share an edge.
+    const double turn = 2.0 * std::numbers::pi;
+    energy.hold_sums({{{3, 7}, {2.0, -1.0}, {angles[3] - 0.1, angles[7] + turn}, 0.5},
+                      {{7, 11}, {1.0, 1.0}, {angles[7] + 0.2, angles[11]}, 2.0}});
+    EXPECT_NEAR(energy.evaluate(x, gradient) - before, 0.5 * 0.04 + 2.0 * 0.04, 1e-12);
+    VectorXd unused;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+        const double here = std::exchange(x[i], x[i] + 1e-6);
+        const double above = energy.evaluate(x, unused);
+        x[i] = here - 1e-6;
+        const double below = energy.evaluate(x, unused);
+        x[i] = here;
+        EXPECT_NEAR((above - below) / 2e-6, gradient[i], 1e-7 * gradient.norm());
+    }
+}
+
+TEST(LengthDihedralEnergy, RefusesSumsThatDoNotFit)
+{
+    const test::TestMesh mesh = test::open_patch(3, 1);
+    LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+    int boundary = 0;
+    while (!mesh.topology.is_boundary_edge(boundary))
+        ++boundary;
+    EXPECT_THROW(energy.hold_sums({{{boundary}, {1.0}, {0.0}, 1.0}}), InvalidInput);
+    EXPECT_THROW(energy.hold_sums({{{0}, {1.0, 2.0}, {0.0}, 1.0}}), InvalidInput);
+    EXPECT_THROW(energy.hold_sums({{{0}, {1.0}, {}, 1.0}}), InvalidInput);
 }
 
 TEST(LengthDihedralEnergy, HasTheGradientOfCentralDifferences)
