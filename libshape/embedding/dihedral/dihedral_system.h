@@ -46,8 +46,7 @@ struct DihedralSystem
 
 private:
     template <class... Factor>
-    DihedralSystem(int, const Topology& of, const std::vector<Points>& meshes,
-                   Factor&&... factor);
+    DihedralSystem(int, const Topology& of, const std::vector<Points>& meshes, Factor&&... factor);
 };
 
 } // namespace shape::internal
