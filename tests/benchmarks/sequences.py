@@ -24,7 +24,7 @@ GESTURES = ["fist_0", "point", "victory", "hook", "thumb_in", "flat_bend", "fist
 PATHS = {"arm": ("mh_arm", ["elbow_000", "elbow_1000"]), "hand": ("mh_hand", ["fist_0", "fist_5"]),
          "body": ("mh_body_poses", ["rest", "lunge"]), "walk": ("mh_body_poses", ["walk_00", "walk_06"]),
          "face": ("ict_faces_full", ["s000_neutral", "s000_happy"]), "gestures": ("mh_hand", GESTURES),
-         "arm2": ("mh_arm", ["elbow_1000", "elbow_250"]), "kick": ("mh_body_poses", ["squat", "kick"]),
+         "arm 100-25": ("mh_arm", ["elbow_1000", "elbow_250"]), "kick": ("mh_body_poses", ["squat", "kick"]),
          "twist": ("mh_body_poses", ["twist", "tpose"]), "bow": ("mh_body_poses", ["bow", "arms_up"])}
 
 

@@ -28,11 +28,11 @@ struct DihedralSystem
     Pool<LinearStart> starts;
 
     /// @throws InvalidInput if there is no reference, or one has another size or edges of length 0.
-    DihedralSystem(const Topology& topology, const std::vector<Points>& meshes);
+    DihedralSystem(const Topology& of, const std::vector<Points>& meshes);
 
     /// With the factor of the Laplacian of another one of the same arguments.
     /// @throws InvalidInput as well if it is of another size.
-    DihedralSystem(const Topology& topology, const std::vector<Points>& meshes,
+    DihedralSystem(const Topology& of, const std::vector<Points>& meshes,
                    SinglePrecisionSolve factor);
 
     [[nodiscard]] const Topology& topology() const { return renumbering.topology; }
@@ -46,8 +46,7 @@ struct DihedralSystem
 
 private:
     template <class... Factor>
-    DihedralSystem(int, const Topology& topology, const std::vector<Points>& meshes,
-                   Factor&&... factor);
+    DihedralSystem(int, const Topology& of, const std::vector<Points>& meshes, Factor&&... factor);
 };
 
 } // namespace shape::internal
