@@ -2,6 +2,7 @@
 
 #include "libshape/edge_space/shape_space.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -84,6 +85,17 @@ Eigen::VectorXd vertex_shares(const Topology& topology, const Eigen::VectorXd& o
         for (const int v : topology.edges().row(e))
             shares[v] += 0.5 * of_edges[e];
     return shares;
+}
+
+/// The diagonal of the bounding box whose sides run along the principal axes of the points, which does not
+/// depend on how they stand, as that of a box along x, y and z does [length].
+double principal_diagonal(const Points& points)
+{
+    const Points centred = points.rowwise() - points.colwise().mean().eval();
+    const Eigen::Matrix3d axes =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(centred.transpose() * centred)
+            .eigenvectors();
+    return bounding_box_diagonal(centred * axes);
 }
 
 /// Generalised Procrustes alignment of meshes that come in parts: each is turned towards the mean of the
@@ -312,7 +324,7 @@ EdgeSpace make_edge_space(const Topology& topology, std::size_t meshes, const Sp
                 ? vertex_shares(topology, area_shares(topology, mean))
                 : Eigen::VectorXd::Constant(topology.vertex_count(), 1.0 / topology.vertex_count());
         space.position_factors = options.position_weight * gains.norm() /
-                                 bounding_box_diagonal(space.mean_positions) * shares.cwiseSqrt();
+                                 principal_diagonal(space.mean_positions) * shares.cwiseSqrt();
     }
     return space;
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 
 #include <cmath>
 #include <limits>
@@ -146,6 +147,9 @@ TEST(ShapeSpace, HasTheMetricThatItsHeaderStates)
         for (const int corner_of_face : corner)
             vertex_area[corner_of_face] += 0.5 * u.cross(v).norm() / 3.0;
     }
+    const Eigen::JacobiSVD<Eigen::MatrixXd> principal(
+        mesh.points.rowwise() - mesh.points.colwise().mean().eval(), Eigen::ComputeThinV);
+    const double diagonal = bounding_box_diagonal(mesh.points * principal.matrixV());
     for (const SpaceOptions& options : test::sample_spaces()) {
         if (options.kind != SpaceKind::Edge || options.scale != Scale::None)
             continue;
@@ -159,8 +163,8 @@ TEST(ShapeSpace, HasTheMetricThatItsHeaderStates)
         const double expected =
             gains.cwiseProduct(relative).squaredNorm() +
             std::pow(options.dihedral_weight, 2) * gains.cwiseProduct(turn).squaredNorm() +
-            std::pow(options.position_weight / bounding_box_diagonal(mesh.points), 2) *
-                gains.squaredNorm() * shares.dot(moved.cwiseAbs2());
+            std::pow(options.position_weight / diagonal, 2) * gains.squaredNorm() *
+                shares.dot(moved.cwiseAbs2());
         const RowMatrix coordinates = encode(make_space(pair, options), pair);
         EXPECT_NEAR((coordinates.row(1) - coordinates.row(0)).squaredNorm(), expected,
                     1e-6 * expected);
@@ -251,6 +255,24 @@ TEST(ShapeSpace, AlignsPositionsWithTheirMean)
         }
         EXPECT_LE((sum / 6.0 - mean).norm(), 1e-11 * mean.norm());
         EXPECT_LE(mean.colwise().mean().norm(), 1e-12 * mean.norm());
+    }
+}
+
+TEST(ShapeSpace, DistancesDoNotDependOnHowMeshesStand)
+{
+    Collection collection = test::bumpy_spheres(5, 3);
+    for (Points& points : collection.points) // a box along x, y and z shrinks when they turn
+        points *= Eigen::Vector3d(4.0, 1.0, 0.3).asDiagonal();
+    const auto products = [](const Collection& meshes, const SpaceOptions& options) {
+        const RowMatrix rows = encode(make_space(meshes, options), meshes);
+        const RowMatrix centred = rows.rowwise() - rows.colwise().mean().eval();
+        return Eigen::MatrixXd(centred * centred.transpose());
+    };
+    for (const SpaceOptions& options : test::sample_spaces()) {
+        const Eigen::MatrixXd here = products(collection, options);
+        for (const unsigned seed : {1u, 2u, 3u})
+            EXPECT_LE((products(test::moved(collection, seed), options) - here).norm(),
+                      1e-5 * here.norm());
     }
 }
 
