@@ -155,6 +155,16 @@ std::vector<std::size_t> score_columns(const Table& table, const std::string& fi
     if (columns.size() > to_size(modes))
         throw InvalidInput(
             join(file, ": scores for ", columns.size(), " modes, the model has ", modes));
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+        const std::string& name = table.columns[c];
+        const bool is_score = name.size() > 2 && name.starts_with("pc") &&
+                              name.find_first_not_of("0123456789", 2) == std::string::npos;
+        if (is_score && std::find(columns.begin(), columns.end(), c) == columns.end())
+            throw InvalidInput(join(file, ": column '", name, "', but no column 'pc",
+                                    columns.size() + 1,
+                                    "'; name the columns pc1, pc2, ... without a gap, 0 where a "
+                                    "score is none"));
+    }
     return columns;
 }
 

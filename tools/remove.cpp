@@ -103,10 +103,11 @@ Run set_up_remove(CLI::App& command)
         add_integer(*what, "--modes", arguments->modes,
                     "The K leading modes, [1, number of modes], of MESHES or of --model", 1,
                     std::numeric_limits<int>::max());
-    what->add_option("--direction", arguments->direction,
-                     "The direction of a difference made by `shape difference` (.h5); what is\n"
-                     "removed leads to its starting mean")
-        ->option_text("FILE");
+    CLI::Option* direction =
+        what->add_option("--direction", arguments->direction,
+                         "The direction of a difference made by `shape difference` (.h5); what is\n"
+                         "removed leads to its starting mean")
+            ->option_text("FILE");
     what->require_option(1);
     CLI::Option* model = command
                              .add_option("--model", arguments->model,
@@ -120,7 +121,9 @@ Run set_up_remove(CLI::App& command)
             "the name of one of MESHES, or a mesh file")
         ->option_text("MESH");
     add_mesh_output(command, arguments->output);
-    add_space_options(command, arguments->space)->excludes(model);
+    add_space_options(command, arguments->space);
+    exclude_space_options(command, *model);
+    exclude_space_options(command, *direction);
     add_embedding_options(command, arguments->embedding);
     return [arguments](const Session& session) { run(session, *arguments); };
 }

@@ -99,6 +99,9 @@ Json figures_of_modes(const Session& session, const Arguments& arguments,
     Json modes = mode_figures(model);
     if (arguments.replicates == 0)
         return modes;
+    if (arguments.within.empty())
+        warn_of_repeated_rows(session, collection, Eigen::MatrixXd(model.scores.rows(), 0), {},
+                              "then the intervals are too narrow. Give --within");
     const std::vector<Interval> intervals = variance_intervals(
         wide_scores(collection, model), model.mode_count(),
         {group_by_label_or_each(collection, arguments.within), one_group(model.scores.rows())},
@@ -281,6 +284,9 @@ void run(const Session& session, const Arguments& arguments)
 {
     check_space_options(arguments.space);
     check_ending("-o", arguments.output, ".h5");
+    if (arguments.variance > 1.0)
+        throw UsageError(join("--variance: ", arguments.variance,
+                              " must be a share in (0, 1], such as 0.95 for 95 %"));
     std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     if (!arguments.update.empty())
         inputs.emplace_back(arguments.update);
@@ -335,7 +341,7 @@ Run set_up_stats(CLI::App& command)
     add_label(command, "--within", arguments->within,
               "Resample meshes with the same value of it together, such as all of a subject")
         ->needs(bootstrap);
-    CLI::Option* space = add_space_options(command, arguments->space);
+    add_space_options(command, arguments->space);
     CLI::Option* memory = add_memory(command, arguments->memory);
     add_choice(
         command, "--algorithm", arguments->algorithm,
@@ -354,15 +360,18 @@ Run set_up_stats(CLI::App& command)
     add_number(command, "--save-every", arguments->save_every,
                "At least this much time lies between two states that are kept for --resume\n"
                "[s], after a pass each (default: 30)");
-    command
-        .add_option(
-            "--update", arguments->update,
-            "Model of all its modes (.h5) to which the meshes are added that it does not have;\n"
-            "those it has are not read. The result is that of a run on all of them")
-        ->option_text("MODEL")
-        ->excludes(bootstrap)
-        ->excludes(space)
-        ->excludes(memory);
+    CLI::Option* update = command
+                              .add_option("--update", arguments->update,
+                                          "Model of all its modes (.h5) to which the meshes are "
+                                          "added that it does not have;\n"
+                                          "those it has are not read. The result is that of a run "
+                                          "on all of them, in its space")
+                              ->option_text("MODEL")
+                              ->excludes(bootstrap)
+                              ->excludes(memory);
+    exclude_space_options(command, *update);
+    for (const char* option : {"--algorithm", "--tolerance", "--resume", "--save-every"})
+        update->excludes(command.get_option(option));
     return [arguments](const Session& session) { run(session, *arguments); };
 }
 

@@ -454,6 +454,20 @@ TEST_F(Groups, WrongUsageIsNamed)
     expect_failure(2, remove + Arguments{"--modes", "1", "--direction", "smile.h5"}, {"--"});
     expect_failure(2, remove + Arguments{"--direction", "smile.h5", "--model", "m.h5"},
                    {"--modes"});
+    for (const Arguments& space :
+         {Arguments{"--space", "procrustes"}, Arguments{"--scale", "none"},
+          Arguments{"--coordinates", "log"}, Arguments{"--area-weighted"},
+          Arguments{"--with-dihedrals", "1"}, Arguments{"--with-positions", "5"}}) {
+        // A model, and a difference, have a space already.
+        expect_failure(2, remove + Arguments{"--modes", "1", "--model", "m.h5"} + space,
+                       {"--model", space.front()});
+        expect_failure(2, remove + Arguments{"--direction", "smile.h5"} + space,
+                       {"--direction", space.front()});
+        expect_failure(2, Arguments{"stats", "a.ply", "-o", "x.h5", "--update", "m.h5"} + space,
+                       {"--update", space.front()});
+    }
+    expect_failure(2, {"stats", "a.ply", "-o", "x.h5", "--variance", "95"}, {"--variance", "0.95"});
+    expect_failure(2, {"stats", "a.ply", "-o", "x.h5", "-o", "y.h5"}, {"--output", "2 times"});
 
     const Arguments load{"difference", "--load", "smile.h5"};
     expect_failure(2, load, {"--mesh"});

@@ -2,6 +2,7 @@
 
 #include "tools/input/space_arguments.h"
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/format.h"
@@ -64,6 +65,13 @@ CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options)
                Sign::Positive)
         ->group(group);
     return space;
+}
+
+void exclude_space_options(CLI::App& command, CLI::Option& other)
+{
+    for (const char* option : {"--space", "--scale", "--coordinates", "--area-weighted",
+                               "--with-dihedrals", "--with-positions"})
+        other.excludes(command.get_option(option));
 }
 
 void check_space_options(const SpaceOptions& options)

@@ -16,6 +16,9 @@ namespace shape::tools {
 /// --with-positions.
 CLI::Option* add_space_options(CLI::App& command, SpaceOptions& options);
 
+/// Refuses all of these options beside another, which brings its own space.
+void exclude_space_options(CLI::App& command, CLI::Option& other);
+
 /// @throws UsageError if an option of edge space is given for Procrustes space.
 void check_space_options(const SpaceOptions& options);
 

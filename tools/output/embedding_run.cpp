@@ -239,7 +239,7 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
              "and angles resist; >= 0, 0: not at all (default: ",
              default_anchor,
              ").\nOf models with positions: how firmly near these, whatever resists (default: ",
-             default_position_anchor, "). Of the method dihedral"))
+             default_position_anchor, ").\nOf the method dihedral"))
         ->check([](const std::string& text) {
             return std::strtod(text.c_str(), nullptr) < 0.0 ? text + " must be >= 0" : "";
         })
