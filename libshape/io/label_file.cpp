@@ -120,6 +120,24 @@ std::string label_value(std::string_view cell)
     return composed(text);
 }
 
+std::optional<std::pair<std::string, std::string>> values_alike(
+    const std::vector<std::string>& values)
+{
+    // Numbers of one value are spelled alike by print_number(); other texts by their lower case.
+    std::map<std::string, std::string> first;
+    for (const std::string& value : values) {
+        if (value.empty())
+            continue;
+        const std::optional<double> number = spelled_number(value);
+        const std::string& known =
+            first.try_emplace(number ? print_number(*number) : lower_case(value), value)
+                .first->second;
+        if (known != value)
+            return std::pair{known, value};
+    }
+    return std::nullopt;
+}
+
 LabelFile read_label_file(const std::filesystem::path& path, const std::vector<std::string>& names)
 {
     const Table table = read_table(path);

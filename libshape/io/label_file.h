@@ -3,8 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "libshape/mesh/labels.h"
@@ -17,6 +19,11 @@ struct LabelFile
     Labels labels;                   ///< Values as label_value() gives them.
     std::vector<std::string> unused; ///< Meshes of the table that were not asked for, in its order.
 };
+
+/// Two values of a label that differ in case, or in how a number is written, alone (`F` and `f`, `1` and
+/// `1.0`), and so are seldom meant to be two: the first such pair, or nothing.
+[[nodiscard]] std::optional<std::pair<std::string, std::string>> values_alike(
+    const std::vector<std::string>& values);
 
 /// Reads the labels of the named meshes from a table whose first column is `mesh`.
 ///

@@ -32,6 +32,11 @@ public:
     {
         if (rest_.starts_with("\xEF\xBB\xBF"))
             rest_.remove_prefix(3);
+        for (const std::string_view line : {"sep=,\n", "sep=,\r\n"}) // what spreadsheets put first
+            if (rest_.starts_with(line)) {
+                rest_.remove_prefix(line.size());
+                next_line_ = 2;
+            }
         while (rest_.ends_with('\n')) // blank lines at the end, too
             rest_.remove_suffix(rest_.ends_with("\r\n") ? 2 : 1);
         if (rest_.find('\0') != std::string_view::npos || !is_utf8(rest_))
@@ -108,9 +113,25 @@ void check_columns(const Row& columns, const std::string& place)
     std::set<std::string> seen;
     for (std::size_t c = 0; c < columns.size(); ++c) {
         if (columns[c].empty())
-            throw InvalidInput(join(place, "column ", c + 1, " has no name"));
+            throw InvalidInput(join(place, "column ", c + 1, " has no name",
+                                    c == 0
+                                        ? "; if it numbers or names the rows, write the table "
+                                          "without it (R: row.names = FALSE, pandas: index=False)"
+                                        : ""));
         if (!seen.insert(columns[c]).second)
             throw InvalidInput(join(place, "column name ", in_quotes(columns[c]), " occurs twice"));
+    }
+}
+
+/// Spreadsheets write columns that were used once: without a name and a value they are none.
+void drop_blank_columns(Table& table)
+{
+    const auto is_blank = [](const Row& row) { return row.back().empty(); };
+    while (table.columns.size() > 1 && table.columns.back().empty() &&
+           std::all_of(table.rows.begin(), table.rows.end(), is_blank)) {
+        table.columns.pop_back();
+        for (Row& row : table.rows)
+            row.pop_back();
     }
 }
 
@@ -157,7 +178,6 @@ Table read_table(const std::filesystem::path& path)
     Table table;
     table.columns = parser.row();
     check_separator(table.columns, path.string());
-    check_columns(table.columns, path.string() + ": line 1: ");
     while (!parser.done()) {
         Row row = parser.row();
         if (row.size() != table.columns.size())
@@ -165,6 +185,8 @@ Table read_table(const std::filesystem::path& path)
                              table.columns.size()));
         table.rows.push_back(std::move(row));
     }
+    drop_blank_columns(table);
+    check_columns(table.columns, path.string() + ": line 1: ");
     return table;
 }
 

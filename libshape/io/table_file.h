@@ -15,7 +15,8 @@ struct Table
     std::vector<std::vector<std::string>> rows; ///< Each as long as columns.
 };
 
-/// Reads RFC 4180 CSV (UTF-8, a byte order mark is skipped, LF or CRLF).
+/// Reads RFC 4180 CSV (UTF-8, a byte order mark is skipped, LF or CRLF). Last columns without a name and
+/// without any value, and a first line `sep=,`, are passed over: spreadsheets write them.
 /// @throws FileError if it cannot be read.
 /// @throws InvalidInput naming the line for ragged rows, unclosed quotes, empty or repeated
 ///     column names, or cells separated by semicolons or tabs.

@@ -50,6 +50,16 @@ TEST_F(LabelFiles, NameMeshesThatAreMissingOrRepeated)
               std::string::npos);
 }
 
+TEST(LabelValues, AreAlikeThatDifferInCaseOrInTheSpellingOfANumberAlone)
+{
+    using Pair = std::pair<std::string, std::string>;
+    EXPECT_EQ(values_alike({"f", "m", "F"}), (Pair{"f", "F"}));
+    EXPECT_EQ(values_alike({"", "TRUE", "x", "True"}), (Pair{"TRUE", "True"}));
+    EXPECT_EQ(values_alike({"1", "2", "1.0"}), (Pair{"1", "1.0"}));
+    EXPECT_EQ(values_alike({"1e1", "10"}), (Pair{"1e1", "10"}));
+    EXPECT_EQ(values_alike({"f", "m", "f", "", "1", "1", "10", "a1", "a10"}), std::nullopt);
+}
+
 TEST_F(LabelFiles, MayBeOfALargerStudy)
 {
     const LabelFile file = read("mesh,x\nz,0\nb,2\nc,3\na,1\n");

@@ -49,7 +49,8 @@ TEST(TableFile, ReadsWhatSpreadsheetsWrite)
     for (const char* text : {"a,b\n1,2\n3,4\n", "a,b\n1,2\n3,4", "a,b\r\n1,2\r\n3,4\r\n",
                              "\xEF\xBB\xBF"
                              "a,b\n1,2\n3,4\n",
-                             "\"a\",\"b\"\n\"1\",2\n3,\"4\"\n\n\n", "a,b\r\n1,2\n3,4\r\n\r\n"}) {
+                             "\"a\",\"b\"\n\"1\",2\n3,\"4\"\n\n\n", "a,b\r\n1,2\n3,4\r\n\r\n",
+                             "a,b,,\n1,2,,\n3,4,,\n", "sep=,\r\na,b\r\n1,2\r\n3,4\r\n"}) {
         SCOPED_TRACE(text);
         EXPECT_EQ(read(text).columns, (std::vector<std::string>{"a", "b"}));
         EXPECT_EQ(read(text).rows, rows);
@@ -71,6 +72,9 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
              {"\n\n", "t", "empty"},
              {"a,a\n1,2\n", "line 1", "'a' occurs twice"},
              {"a,,b\n1,2,3\n", "line 1", "column 2 has no name"},
+             {"a,\n1,\n2,x\n", "line 1", "column 2 has no name"},
+             {",mesh\n1,a\n", "line 1", "row.names = FALSE"},
+             {"sep=,\na,b\n1,2,3\n", "line 3", "has 3 cells, the header has 2"},
              {"a,b\n1,2\n3\n", "line 3", "has 1 cell, the header has 2"},
              {"a,b\n1,2,3\n", "line 2", "has 3 cells, the header has 2"},
              {"a,b\n1,2\n\n3,4\n", "line 3", "has 1 cell,"},

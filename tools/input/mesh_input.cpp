@@ -120,6 +120,11 @@ Labels labels_of(const MeshNotices& notices, const std::string& path,
         notices.message(join(path, ": ", counted(file.unused.size(), "row"),
                              " of meshes that are not among these left out, first '",
                              file.unused.front(), "'"));
+    for (const LabelColumn& column : file.labels)
+        if (const auto alike = values_alike(column.values))
+            notices.warn(join("label '", column.name, "' has the values '", alike->first, "' and '",
+                              alike->second, "', which are two groups; spell them alike in ", path,
+                              " if they mean one"));
     return std::move(file.labels);
 }
 
