@@ -462,6 +462,8 @@ MeshFileContent parse_glb(std::string_view content, const std::filesystem::path&
         const Json& mesh = glb.entry("meshes", glb.integer(*node.node, "mesh"));
         Faces faces;
         std::vector<Points> points = members(glb, mesh, faces, options, path);
+        if (node.place.topLeftCorner<3, 3>().determinant() < 0.0) // glTF 2.0, section 3.7.4
+            faces.col(1).swap(faces.col(2));
         std::string name = stem;
         if (placed.size() > 1) {
             const std::string own = glb.text(*node.node, "name");

@@ -242,6 +242,10 @@ void check(const GlbAnimationOptions& options)
 {
     require_not_negative(options.tolerance, "GlbAnimationOptions.tolerance");
     require_positive(options.frames_per_second, "GlbAnimationOptions.frames_per_second");
+    // Times are single precision; beyond these they would be infinite, or one time of all frames.
+    if (options.frames_per_second < 1e-6 || options.frames_per_second > 1e6)
+        throw InvalidInput(join("GlbAnimationOptions.frames_per_second is ",
+                                options.frames_per_second, ", must be in [1e-6, 1e6]"));
 }
 
 GlbAnimation write_glb_animation(const std::filesystem::path& path,

@@ -15,7 +15,7 @@ struct GlbAnimationOptions
     /// Frames are left out while positions between the others stay within this times the bounding box
     /// diagonal [1]; >= 0.
     double tolerance = 1e-3;
-    /// The animation shows this many frames a second; > 0.
+    /// The animation shows this many frames a second; in [1e-6, 1e6].
     double frames_per_second = 25.0;
 };
 

@@ -149,7 +149,9 @@ void write_mesh(const std::filesystem::path& path, const Points& points, const F
         throw InvalidInput("points: a coordinate is beyond single precision");
     if (options.obj_template != nullptr && (options.obj_template->faces.rows() != faces.rows() ||
                                             options.obj_template->faces != faces))
-        throw InvalidInput("the template has other faces than the mesh");
+        throw InvalidInput(
+            "the template has other faces than the mesh; it must be the OBJ file that the meshes "
+            "were made from, or one of the same faces in the same order");
     write_file_atomically(path, format.print(points, faces, options));
 }
 

@@ -130,6 +130,12 @@ ObjTemplate read_obj_template(const std::filesystem::path& path,
 
 std::string internal::print_obj_template(const ObjTemplate& model, const Points& points)
 {
+    Eigen::Index vertices = 0;
+    for_each_line(model.text,
+                  [&](std::string_view line) { vertices += take_word(line) == "v" ? 1 : 0; });
+    if (vertices != points.rows()) // some belong to no face: the faces are the same
+        throw InvalidInput(join("the template has ", vertices, " vertices, the mesh ",
+                                points.rows(), "; take away those that belong to no face"));
     const Points normals = template_normals(model.text, points);
     std::string text;
     text.reserve(model.text.size() + to_size(points.rows()) * 32);

@@ -87,7 +87,11 @@ bool is_binary(std::string_view content)
         return false;
     if (content.size() == head_size + face_size * std::size_t{stated_count(content)})
         return true;
-    return !is_keyword(content.substr(0, 5), "solid") ||
+    std::string_view text = content;
+    if (text.starts_with("\xEF\xBB\xBF"))
+        text.remove_prefix(3);
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    return !is_keyword(text.substr(0, 5), "solid") ||
            content.substr(0, 512).find('\0') != content.npos;
 }
 

@@ -228,6 +228,9 @@ TEST(GltfFile, RefusesWhatIsNoAnimation)
     const std::vector<Points> good{mesh.points, 2.0 * mesh.points};
     expect(message({mesh.points}, faces), "two");
     expect(message(good, faces, {.frames_per_second = 0.0}), "frames_per_second");
+    for (const double rate :
+         {1e-300, 1e-7, 2e6, 1e300}) // times beyond single precision, or all one
+        expect(message(good, faces, {.frames_per_second = rate}), "[1e-6, 1e6]");
     expect(message(good, faces, {.tolerance = -1.0}), "tolerance");
     expect(message({mesh.points, Points::Zero(3, 3)}, faces), "frames[1]");
     expect(message({mesh.points, mesh.points * std::numeric_limits<double>::infinity()}, faces),

@@ -108,6 +108,8 @@ TEST(StlFile, TellsBytesFromTextByItsLength)
     bytes += bytes_of<float>({0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0.5F}) + "xx";
     bytes += bytes_of<float>({0, 0, 1, 0, 0, 0, 1, 1, 0.5F, 0, 1, 0}) + "xx";
     expect_square(read("a.stl", bytes));
+    expect_square(read("e.stl", "\xEF\xBB\xBF" + stl_text));
+    expect_square(read("f.stl", " \n" + stl_text));
     EXPECT_NE(refusal("b.stl", std::string(200, '\1')).find("byte 80"), std::string::npos);
     EXPECT_NE(
         refusal("c.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\n").find("line 4"),
@@ -368,6 +370,15 @@ TEST(ObjTemplate, KeepsTextureMaterialsAndPolygonsAndComputesNormalsAnew)
         test::read_bytes(directory / "out/x.obj"),
         "# made by hand\nmtllib ../skin.mtl\nv 0 0 0 0.5 0.5 0.5\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt "
         "0 0\nvt 1 0.25\nvn 0 0 1\nvn 0 1 0\nusemtl skin\nf 1/1/1 2/2/1 3/1/1 4/2/1\n");
+    test::write_bytes(directory / "loose.obj",
+                      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 7 7 7\nf 1 2 3 4\n");
+    const auto loose =
+        std::make_shared<ObjTemplate>(read_obj_template(directory / "loose.obj", directory.path()));
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  write_mesh(directory / "y.obj", flat, halves, MeshFormat::Obj,
+                             {.obj_template = loose});
+              }).find("5 vertices, the mesh 4"),
+              std::string::npos);
     EXPECT_NE(test::message_of<InvalidInput>([&] {
                   (void)read_obj_template(directory / "skin.ply", directory.path());
               }).find("must be an OBJ"),
@@ -416,6 +427,15 @@ TEST(GlbFile, ReadsNodesSmallIndicesAndSparseTargets)
     placed(2, 2) += 2.0;
     EXPECT_EQ(content.meshes[1].points, placed);
     EXPECT_EQ(content.meshes[0].faces, halves);
+    // A node that mirrors its mesh turns the faces as well.
+    std::string mirroring = glb_json;
+    mirroring.replace(mirroring.find("[2,2,2]"), 7, "[2,2,-2]");
+    Faces turned = halves;
+    turned.col(1).swap(turned.col(2));
+    const MeshFileContent mirrored = read("face.glb", glb_of(mirroring, glb_buffer));
+    for (const NamedMesh& mesh : mirrored.meshes)
+        EXPECT_EQ(mesh.faces, turned);
+    EXPECT_EQ(mirrored.meshes[0].points(2, 2), -1.0);
 }
 
 TEST(GlbFile, RefusesInALineWhatItDoesNotHold)

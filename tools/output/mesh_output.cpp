@@ -157,7 +157,7 @@ void add_animation_options(CLI::App& command, MeshOutputArguments& arguments)
 {
     const GlbAnimationOptions standard;
     add_number(command, "--fps", arguments.frames_per_second,
-               join("Frames per second of an animation (-o FILE.glb), > 0 (default: ",
+               join("Frames per second of an animation (-o FILE.glb), in [1e-6, 1e6] (default: ",
                     standard.frames_per_second, ")"),
                Sign::Positive);
     add_number(command, "--glb-tolerance", arguments.glb_tolerance,
@@ -233,6 +233,9 @@ void MeshOutput::prepare_animation(const MeshOutputArguments& arguments, std::si
         throw UsageError(
             "--fps and --glb-tolerance are for an animation: several meshes and a "
             ".glb file as -o");
+    const double rate = arguments.frames_per_second.value_or(25.0);
+    if (rate < 1e-6 || rate > 1e6)
+        throw UsageError(join("--fps: ", rate, " is out of range [1e-6, 1e6]"));
     const GlbAnimationOptions standard;
     animation_options_ = {
         .tolerance = arguments.glb_tolerance.value_or(standard.tolerance),
