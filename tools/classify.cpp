@@ -168,7 +168,8 @@ void classify_and_write(const Session& session, const Arguments& arguments,
     const Grouping groups = group_by_label(meshes, arguments.by);
     const Grouping folds = group_by_label_or_each(meshes, arguments.leave_out);
     if (arguments.leave_out.empty())
-        warn_of_repeated_rows(session, meshes, codes(groups), {arguments.by}, "--leave-out");
+        warn_of_repeated_rows(session, meshes, codes(groups), {arguments.by},
+                              "then chance looks significant. Give --leave-out");
     const Observations observed = observe();
     throw_if_stop_requested();
     const int modes = chosen_modes(session, arguments, groups, folds);

@@ -58,6 +58,26 @@ DifferenceOptions difference_options(const Arguments& arguments)
             .scale = arguments.scale};
 }
 
+/// Of groups without pairs whose effects are tested.
+void warn_of_repeated_members(const Session& session, const DifferenceOptions& options,
+                              const Collection& collection)
+{
+    const std::vector<std::string>& from = find_label(collection.labels, options.from_label).values;
+    const std::vector<std::string>& to = find_label(collection.labels, options.to_label).values;
+    std::vector<std::size_t> members;
+    std::vector<double> side;
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        if (from[i] == options.from_value || to[i] == options.to_value) {
+            members.push_back(i);
+            side.push_back(from[i] == options.from_value ? 0.0 : 1.0);
+        }
+    warn_of_repeated_rows(
+        session, subset(collection, members),
+        Eigen::Map<const Eigen::VectorXd>(side.data(), static_cast<Eigen::Index>(side.size())),
+        {options.from_label, options.to_label},
+        "then chance looks significant. Take one mesh, or the mean, of each");
+}
+
 /// One number for each difference; 1 where nothing is said.
 std::vector<double> amounts_of(const Arguments& arguments)
 {
@@ -203,8 +223,11 @@ void run_found(const Session& session, const Arguments& arguments)
         transfer = std::make_unique<Transfer>(session, arguments, collection, inputs);
     const DifferenceVector difference = mean_difference(collection, options);
     std::optional<ColumnEffects> effects;
-    if (!arguments.effects.empty())
+    if (!arguments.effects.empty()) {
         effects = difference_effects(collection, options);
+        if (options.pair_by.empty())
+            warn_of_repeated_members(session, options, collection);
+    }
     throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (transfer)

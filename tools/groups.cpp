@@ -166,7 +166,8 @@ Setting prepare(const Session& session, const Arguments& arguments, const MeshLa
         setting.means =
             std::make_unique<MeshOutput>(session, arguments.means, setting.groups.names, inputs);
     if (arguments.within.empty())
-        warn_of_repeated_rows(session, meshes, codes(setting.groups), {arguments.by}, "--within");
+        warn_of_repeated_rows(session, meshes, codes(setting.groups), {arguments.by},
+                              "then chance looks significant. Give --within");
     return setting;
 }
 

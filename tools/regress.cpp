@@ -67,7 +67,8 @@ Grouping blocks_of(const Session& session, const Arguments& arguments, const Mes
                    const Eigen::MatrixXd& covariates)
 {
     if (arguments.within.empty())
-        warn_of_repeated_rows(session, meshes, covariates, arguments.on, "--within");
+        warn_of_repeated_rows(session, meshes, covariates, arguments.on,
+                              "then chance looks significant. Give --within");
     return group_by_label_or_all(meshes, arguments.within);
 }
 

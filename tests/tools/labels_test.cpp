@@ -123,6 +123,48 @@ TEST_F(LabelledMeshes, RepeatedScansAreRegressedByTheirMeansAndElseWarnedOf)
               std::string::npos);
 }
 
+TEST_F(LabelledMeshes, RepeatedScansAreWarnedOfWhereverTheyCount)
+{
+    std::string text = "mesh,person,sex,session\n";
+    for (int i = 0; i < 10; ++i)
+        text += join("m", i, ",p", i / 2, ",", i / 2 % 2 == 0 ? "f" : "m", ",", i % 2, "\n");
+    folder_.write("l.csv", text);
+    const auto warns = [&](const Arguments& arguments, const std::string& advice) {
+        const Outcome outcome = shape(arguments + Arguments{"set", "--labels", "l.csv", "--force"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        const bool is_warned = outcome.err.find("not independent") != std::string::npos;
+        EXPECT_TRUE(!is_warned || outcome.err.find(advice + " person") != std::string::npos)
+            << outcome.err;
+        return is_warned;
+    };
+    const Arguments stats{"stats", "-o", "x.h5", "--modes", "2", "--bootstrap", "5"};
+    EXPECT_TRUE(warns(stats, "--within"));
+    EXPECT_FALSE(warns(stats + Arguments{"--within", "person"}, ""));
+    const Arguments quality{"quality", "-o", "q.csv",     "--modes", "1",
+                            "--tests", "1",  "--samples", "1"};
+    EXPECT_TRUE(warns(quality, "--leave-out"));
+    EXPECT_FALSE(warns(quality + Arguments{"--leave-out", "person"}, ""));
+    const Arguments sexes{"difference", "--from", "sex=f", "--to", "sex=m", "-o", "x.h5"};
+    EXPECT_FALSE(warns(sexes, "")); // a mean, and no test
+    EXPECT_TRUE(warns(sexes + Arguments{"--effects", "e.ply"}, "of each"));
+    EXPECT_FALSE(warns({"difference", "--pair-by", "person", "--from", "session=0", "--to",
+                        "session=1", "-o", "x.h5", "--effects", "e.ply"},
+                       ""));
+}
+
+TEST_F(LabelledMeshes, ValuesThatDifferInSpellingAloneAreWarnedOf)
+{
+    write_labels("g", {"f", "F", "m", "m", "f", "m", "f", "m", "f", "m"});
+    const Outcome outcome = shape({"collect", "set", "--labels", "l.csv", "-o", "c.h5"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.err.find("label 'g' has the values 'f' and 'F'"), std::string::npos)
+        << outcome.err;
+    const Outcome none = shape({"stats", "c.h5", "-o", "m.h5", "--only", "g=M"});
+    EXPECT_EQ(none.exit_code, 3);
+    EXPECT_NE(none.err.find("no mesh has g = 'M', there are F, f and m"), std::string::npos)
+        << none.err;
+}
+
 TEST_F(LabelledMeshes, GroupsOfAnyNameBecomeFiles)
 {
     write_labels("g", {"a/b", "a/b", "a_b", "a_b", "../c", "../c", "a/b", "A_B", "A_B", "../c"});

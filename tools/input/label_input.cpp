@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "libshape/base/error.h"
@@ -12,6 +13,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/table_file.h"
+#include "libshape/mesh/oddities.h"
 #include "tools/input/complete_labels.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
@@ -34,6 +36,27 @@ const LabelColumn& complete_label(const MeshLabels& meshes, const std::string& l
                                 " meshes; leave them out (", remedy, ") or label them"));
     }
     return column;
+}
+
+/// Which of the wanted values of labels no mesh has, and which there are; empty if all occur.
+std::string values_that_do_not_occur(const std::map<std::string, std::set<std::string>>& wanted,
+                                     const Labels& labels)
+{
+    for (const auto& [label, values] : wanted) {
+        std::set<std::string> there;
+        for (const std::string& value : find_label(labels, label).values)
+            if (!value.empty())
+                there.insert(value);
+        for (const std::string& value : values)
+            if (!there.contains(value)) {
+                const std::vector<std::string> list(there.begin(), there.end());
+                std::vector<std::size_t> all(list.size());
+                std::iota(all.begin(), all.end(), 0);
+                return join("; no mesh has ", label, " = '", value, "', there are ",
+                            list_names(list, all));
+            }
+    }
+    return {};
 }
 
 std::string only(const std::string& label)
@@ -91,7 +114,7 @@ std::vector<std::size_t> chosen_meshes(const std::vector<std::string>& only, con
             }))
             kept.push_back(i);
     if (kept.empty())
-        throw InvalidInput("--only leaves no mesh");
+        throw InvalidInput(join("--only leaves no mesh", values_that_do_not_occur(wanted, labels)));
     return kept;
 }
 
@@ -174,7 +197,9 @@ void warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
                            const Eigen::MatrixXd& covariates,
                            const std::vector<std::string>& columns, const std::string& remedy)
 {
-    if ((covariates.rowwise() - covariates.row(0)).isZero(0.0)) // refused later, by its name
+    const bool is_constant = covariates.cols() > 0 && covariates.rows() > 0 &&
+                             (covariates.rowwise() - covariates.row(0)).isZero(0.0);
+    if (is_constant) // refused later, by its name
         return;
     constexpr std::size_t least_blocks = 5;
     constexpr std::size_t largest_blocks = 20;
@@ -196,10 +221,8 @@ void warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
         if (!is_nested)
             continue;
         session.warn(join("the ", meshes.size(), " meshes are not independent if those of one ",
-                          column.name, " (", count,
-                          " of them) are repeated measurements: then chance "
-                          "looks significant. Give ",
-                          remedy, " ", column.name));
+                          column.name, " (", count, " of them) are repeated measurements: ", remedy,
+                          " ", column.name));
         return;
     }
 }
