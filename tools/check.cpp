@@ -2,11 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
 #include <span>
+#include <string_view>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -194,6 +196,24 @@ void find_touching(const Collection& collection, const std::vector<std::size_t>&
     }
 }
 
+/// Meshes with all vertices at the same places, in lists of two and more.
+std::vector<std::vector<std::size_t>> copies(const Collection& collection)
+{
+    const auto bytes = [](const Points& points) {
+        return std::string_view(reinterpret_cast<const char*>(points.data()),
+                                static_cast<std::size_t>(points.size()) * sizeof(double));
+    };
+    std::map<std::string_view, std::vector<std::size_t>> by_content;
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        by_content[bytes(collection.points[i])].push_back(i);
+    std::vector<std::vector<std::size_t>> lists;
+    for (auto& [content, meshes] : by_content)
+        if (meshes.size() > 1)
+            lists.push_back(std::move(meshes));
+    std::ranges::sort(lists);
+    return lists;
+}
+
 /// What is odd about the sound meshes together.
 void check_together(Result& result)
 {
@@ -225,6 +245,10 @@ void check_together(Result& result)
     }
     if (!has_seam)
         find_touching(collection, index, result);
+    for (const std::vector<std::size_t>& meshes : copies(collection))
+        warn("copies", {meshes.begin() + 1, meshes.end()}, -1,
+             join(list_names(collection.names, meshes),
+                  " are copies of one mesh; statistics count each of them: keep one"));
     for (const OutlyingMesh& outlier : find_outlying_meshes(collection))
         warn("outlier", {outlier.mesh}, outlier.vertex, outlier.message);
 }
@@ -455,7 +479,7 @@ void run(const Session& session, const Arguments& arguments)
     Result result = check_all(session, arguments);
     const auto broken = count_broken(result);
     if (!session.json)
-        session.print(print(result, arguments.verbose));
+        session.print(session.readable(print(result, arguments.verbose)));
     Json all{{"meshes", figures(result)},
              {"broken", broken},
              {"suspicious", count_suspicious(result)},

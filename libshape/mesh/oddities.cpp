@@ -30,6 +30,19 @@ std::string rounded(double value)
     return text.str();
 }
 
+/// 1.4826 times the median deviation from the median of the own part, which is the standard deviation
+/// where logarithms of sizes are normally distributed.
+double spread_within(const std::vector<std::vector<double>>& parts)
+{
+    std::vector<double> deviations;
+    for (const std::vector<double>& part : parts) {
+        const double centre = median(part);
+        for (const double value : part)
+            deviations.push_back(std::abs(value - centre));
+    }
+    return 1.4826 * median(deviations);
+}
+
 void find_seams(const Collection& collection, std::vector<Oddity>& oddities)
 {
     if (collection.topology.is_closed())
@@ -141,29 +154,36 @@ std::vector<std::size_t> odd_sizes(const std::vector<double>& sizes)
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return sizes[a] < sizes[b]; });
-    // Of fewer than five, two strange sizes would decide what the spread is. 1.4826 times the median
-    // deviation is the standard deviation where sizes are normally distributed.
-    double spread = std::numeric_limits<double>::infinity();
-    if (sizes.size() >= 5) {
-        std::vector<double> logarithms;
-        for (const double size : sizes)
-            logarithms.push_back(std::log(size));
-        const double centre = median(logarithms);
-        for (double& value : logarithms)
-            value = std::abs(value - centre);
-        spread = 1.4826 * median(logarithms);
-    }
+    std::vector<double> logarithms;
+    for (const std::size_t i : order)
+        logarithms.push_back(std::log(sizes[i]));
+    // Of fewer than five, two strange sizes would decide what the spread is.
+    const double spread =
+        sizes.size() >= 5 ? spread_within({logarithms}) : std::numeric_limits<double>::infinity();
+    // Where many are strange the spread of all is the gap. Two kinds may differ so; at the ratio of
+    // inches and centimetres, to the spread within the parts, they are units.
+    const auto are_inches = [&](std::size_t end) {
+        const auto middle = logarithms.begin() + static_cast<std::ptrdiff_t>(end);
+        const std::vector<double> low(logarithms.begin(), middle);
+        const std::vector<double> high(middle, logarithms.end());
+        const double within = spread_within({low, high});
+        return sizes.size() >= 5 && high.front() - low.back() >= 10.0 * within &&
+               std::abs(median(high) - median(low) - std::log(2.54)) <= 2.0 * within;
+    };
     // Units differ by 10 at least, but for inches and centimetres (2.54); shapes of one kind seldom by 5, or
     // by 2 with nothing between where the others are much alike.
-    const auto splits = [&](double before, double after) {
+    const auto splits = [&](std::size_t end) {
+        const double before = sizes[order[end - 1]];
+        const double after = sizes[order[end]];
         return after >= 5.0 * before ||
-               (after >= 2.0 * before && std::log(after / before) >= 10.0 * spread);
+               (after >= 2.0 * before &&
+                (std::log(after / before) >= 10.0 * spread || are_inches(end)));
     };
     std::size_t best_begin = 0;
     std::size_t best_end = 0;
     for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
         end = begin + 1;
-        while (end < order.size() && !splits(sizes[order[end - 1]], sizes[order[end]]))
+        while (end < order.size() && !splits(end))
             ++end;
         if (end - begin > best_end - best_begin) {
             best_begin = begin;

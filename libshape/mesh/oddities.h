@@ -34,7 +34,8 @@ struct Oddity
 /// Sizes far from the others, as those of meshes in another unit are; ascending indices. Sorted, the
 /// sizes are split where one is at least 5 times the one before it; or, of five and more, at least
 /// twice it and 10 times further (in the logarithm) than the sizes spread (1.4826 times the median
-/// deviation from the median). All but the largest part (the first of equal ones) are odd.
+/// deviation from the median), or as far from the spread within both parts, whose medians have the ratio
+/// 2.54 of inches to 2 spreads. All but the largest part (the first of equal ones) are odd.
 /// @param sizes  Each > 0.
 [[nodiscard]] std::vector<std::size_t> odd_sizes(const std::vector<double>& sizes);
 

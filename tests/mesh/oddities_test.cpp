@@ -98,7 +98,9 @@ TEST(Oddities, OddSizesStandApartFromTheLargestPart)
     EXPECT_EQ(odd_sizes({1.0, 1e3, 1.1e3, 0.9e3}), Indices{0});
     EXPECT_EQ(odd_sizes({1.0, 2.0, 4.0, 8.0, 16.0, 32.0}), Indices{}); // a steady growth
     EXPECT_EQ(odd_sizes({7.7, 0.008, 7.5, 0.0081, 7.9}), (Indices{1, 3}));
-    EXPECT_EQ(odd_sizes({1.0, 1.01, 0.99, 2.54, 1.02, 0.98}), Indices{3}); // inches
+    EXPECT_EQ(odd_sizes({1.0, 1.01, 0.99, 2.54, 1.02, 0.98}), Indices{3});         // inches
+    EXPECT_EQ(odd_sizes({1.0, 2.56, 1.01, 2.54, 0.99, 2.52}), (Indices{1, 3, 5})); // half of them
+    EXPECT_EQ(odd_sizes({1.0, 2.86, 1.01, 2.84, 0.99, 2.82}), Indices{});          // two kinds
     EXPECT_EQ(odd_sizes({1.0, 1.01, 0.99, 1.5, 1.02, 0.98}), Indices{});
     EXPECT_EQ(odd_sizes({1.0, 1.4, 0.7, 2.9, 1.2, 0.8}), Indices{}); // a wide spread
     EXPECT_EQ(odd_sizes({}), Indices{});

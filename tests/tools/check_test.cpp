@@ -170,6 +170,18 @@ TEST_F(Check, OtherUnitsAreSaidAndRepaired)
     EXPECT_TRUE(fixed().points[6].isApprox(sphere(6).points, 1e-12));
 }
 
+TEST_F(Check, CopiesUnderOtherNamesAreSaid)
+{
+    for (const unsigned i : {3u, 4u})
+        write(i, sphere(5).points, sphere(5).topology.faces());
+    const Json figures = run({"check", "set"});
+    ASSERT_EQ(figures["warnings"].size(), 1U) << figures["warnings"].dump();
+    EXPECT_EQ(figures["warnings"][0]["kind"], "copies");
+    EXPECT_EQ(figures["suspicious"], 2);
+    const std::string said = figures["warnings"][0]["message"];
+    EXPECT_TRUE(said.starts_with("m3, m4 and m5 are copies of one mesh")) << said;
+}
+
 TEST_F(Check, ExchangedVerticesAreSaid)
 {
     Points points = sphere(3).points;
