@@ -26,6 +26,7 @@ RUNS = [
     ["collect", "faces", *LABELS, "-o", "faces.h5"],
     ["check", "faces", "broken.obj", "twice.obj"],
     ["check", "twice.obj", "--fix", "fixed"],
+    ["check", "broken.obj", "--fix", "left"],
     ["check", "ball", "ball.obj"],
     ["stats", "faces.h5", "-o", "model.h5", "--bootstrap", "20"],
     ["stats", "faces.h5", "-o", "krylov.h5", "--modes", "3", "--memory", "16M", "--algorithm", "krylov"],

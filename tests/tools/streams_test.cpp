@@ -36,6 +36,9 @@ TEST_F(Streams, TablesMeshesAndPicturesGoToStandardOutput)
     EXPECT_EQ(shape({"generate", "model.h5", "--mean", "-o", "-"}).out, folder_.read("mean.ply"));
     EXPECT_EQ(shape({"generate", "model.h5", "--mean", "-o", "-", "--format", "off"}).out,
               folder_.read("mean.off"));
+    (void)run({"distance", "f.h5", "--mds", "mds.csv", "--cluster", "tree.csv"});
+    EXPECT_EQ(shape({"distance", "f.h5", "--mds", "-"}).out, folder_.read("mds.csv"));
+    EXPECT_EQ(shape({"distance", "f.h5", "--cluster", "-"}).out, folder_.read("tree.csv"));
     EXPECT_TRUE(shape({"draw", "a.ply", "-o", "-"}).out.find("<svg") != std::string::npos);
     EXPECT_FALSE(folder_.has("-"));
 }
@@ -79,8 +82,14 @@ TEST_F(Streams, MessagesNameTheStreamAndNoFileOfOurs)
         EXPECT_TRUE(outcome.err.starts_with("-: ")) << outcome.err;
         EXPECT_EQ(outcome.err.find("/shape-"), std::string::npos) << outcome.err;
     }
-    const Outcome checked = shape({"check", "-", "--json"}, "a.ply");
-    EXPECT_EQ(checked.out.find("/shape-"), std::string::npos) << checked.out;
+    folder_.write("bad.obj", "v 0 0 zero\n");
+    for (const char* file : {"a.ply", "bad.obj"})
+        for (const Arguments& arguments :
+             {Arguments{"check", "-", "--json"}, Arguments{"check", "-"},
+              Arguments{"check", "-", "--verbose"}}) {
+            const Outcome checked = shape(arguments, file);
+            EXPECT_EQ(checked.out.find("/shape-"), std::string::npos) << checked.out;
+        }
 }
 
 TEST_F(Streams, OneStreamServesOnePurpose)
@@ -88,7 +97,7 @@ TEST_F(Streams, OneStreamServesOnePurpose)
     for (const Arguments& arguments :
          {Arguments{"project", "model.h5", "f.h5", "-o", "-", "--json"},
           Arguments{"project", "model.h5", "f.h5", "-o", "-", "--plot", "-"},
-          Arguments{"check", "-", "-"}}) {
+          Arguments{"check", "f.h5", "--fix", "-"}, Arguments{"check", "-", "-"}}) {
         const Outcome outcome = shape(arguments, "a.ply");
         EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
         if (arguments.back() == "--json")

@@ -27,15 +27,21 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Options that name an output, and what they write; -o depends on the command.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> outputs = {
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> outputs = {
     {{"-o", ""},
      {"--output", ""},
      {"--plot", ".svg"},
      {"--heat-map", ".svg"},
      {"--predictions", ".csv"},
+     {"--mds", ".csv"},
+     {"--cluster", ".csv"},
      {"--mesh", ".ply"},
      {"--effects", ".ply"},
      {"--tree", ".svg"}}};
+
+/// Options that name a folder.
+constexpr std::array<std::string_view, 4> folders = {"--fix", "--means", "--expected",
+                                                     "--corrected"};
 
 /// Which ending the content of a file asks for; tables are read whatever their name.
 std::string ending_of(std::string_view content)
@@ -115,6 +121,8 @@ StandardStreams::StandardStreams(std::vector<std::string> arguments,
             option = "-o";
         const auto output =
             std::ranges::find_if(outputs, [&](const auto& known) { return known.first == option; });
+        if (std::ranges::find(folders, option) != folders.end())
+            throw UsageError(join(option, " -: several files come out; name a folder for them"));
         fs::path place;
         if (output != outputs.end()) {
             if (!output_.empty())
