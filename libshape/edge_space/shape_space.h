@@ -83,10 +83,12 @@ void check(const SpaceOptions& options);
 ///
 ///     sum_e g_e^2 ( (dl_e / m_e)^2 + W^2 dtheta_e^2 + P^2 sum_v s_v |dx_v|^2 / D^2 ),
 ///
-/// W = dihedral_weight, P = position_weight, s_v = 1 / #V, D the diagonal of the box along the principal axes of
-/// the mean of the aligned positions x (generalised Procrustes alignment at the meshes' sizes, or unit sum), with g_e = m_e f'(m_e) for uniform weights, and g_e^2 = A_e / A for area weights, whatever f:
-/// A_e is a third of the areas of the faces at e and A the whole area, of the mean. So an area
-/// counts by its size however finely it is meshed; s_v is a third of the areas of the faces at v, likewise.
+/// with g_e = m_e f'(m_e) for uniform weights, and g_e^2 = A_e / A for area weights, whatever f: A_e is a
+/// third of the areas of the faces at e and A the whole area, of the mean. So an area counts by its size
+/// however finely it is meshed. W = dihedral_weight, P = position_weight; s_v is 1 / #V for uniform weights and a
+/// third of the areas of the faces at v over A for area weights; x are aligned positions (generalised
+/// Procrustes alignment of the meshes as scaled), D the diagonal of the box along the principal axes of
+/// their mean.
 ///
 /// @throws InvalidInput if the collection is empty, the weight is negative or not finite, or options
 ///     of edge space are set for another.
