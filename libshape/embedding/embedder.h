@@ -38,7 +38,7 @@ inline constexpr double default_smoothness = 5e-3;
 inline constexpr double default_anchor = 0.05;
 
 /// Weight of the distance from positions that belong to the target, which are data as lengths are.
-inline constexpr double default_position_anchor = 5.0;
+inline constexpr double default_position_anchor = 1.0;
 
 /// Fields that belong to a method may be set only where it is chosen; what is not set has its default.
 struct EmbeddingOptions

@@ -26,7 +26,7 @@ struct DihedralEmbeddingOptions
     double anchor = 0.05;
     /// A mesh whose target has positions is held near them by this from the start on (nu of hold_near());
     /// >= 0.
-    double position_anchor = 5.0;
+    double position_anchor = 1.0;
     /// The linear start is followed by this many face steps; >= 0.
     int local_global_steps = 3;
     /// Hot spots are solved before the descent.

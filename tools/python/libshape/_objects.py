@@ -827,7 +827,7 @@ def difference(
     from_, to: "LABEL=VALUE". pair_by: meshes with the same value of this label are a pair; default: the
     means of the groups are compared.
     """
-    _space("edge", scale, "plain", False, 0.0)  # refuses an unknown scale
+    _space("edge", scale, "plain", False, 0.0, 0.0)  # refuses an unknown scale
     return Difference(
         _core.difference(
             _collection(meshes),
@@ -892,7 +892,7 @@ def distance(meshes: Collection, metric: str = "edge-unit") -> Distances:
     if _arrays.text(metric, "metric") not in spaces:
         raise InvalidInput(f"metric: {metric!r} must be one of {', '.join(spaces)}")
     space, scale = spaces[metric]
-    options = _space(space, scale, "plain", False, 0.0)
+    options = _space(space, scale, "plain", False, 0.0, 0.0)
     return Distances(meshes.names, _core.distances(core, options))
 
 
