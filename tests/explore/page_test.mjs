@@ -398,7 +398,7 @@ async function printRates(name, model, command) {
 }
 
 async function rates() {
-    console.log("| model | vertices | shown | waited, median [ms] | worst [ms] | a second | edge RMS | preview here [ms] | by the program [ms] | edge RMS |\n" +
+    console.log("| model | vertices | shown | waited, median [ms] | a second | worst [ms] | edge RMS | preview here [ms] | by the program [ms] | edge RMS |\n" +
         "|---|---|---|---|---|---|---|---|---|---|");
     await printRates("600 faces", "rate_faces", ["stats", join(data, "ict_faces600"), "-o", "rate_faces.h5", "--modes", "20"]);
     await printRates("10 vertebrae", "rate_vertebrae", ["stats", join(data, "vertebrae"), "-o", "rate_vertebrae.h5"]);
