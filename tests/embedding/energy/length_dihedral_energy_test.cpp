@@ -105,6 +105,21 @@ TEST(StretchTerm, StiffensFromSixPerCentOn)
     }
 }
 
+/// By central differences, of every `stride`-th coordinate.
+void expect_gradient(LengthDihedralEnergy& energy, VectorXd x, const VectorXd& gradient,
+                     Eigen::Index stride)
+{
+    VectorXd unused;
+    for (Eigen::Index i = 0; i < x.size(); i += stride) {
+        const double here = std::exchange(x[i], x[i] + 1e-6);
+        const double above = energy.evaluate(x, unused);
+        x[i] = here - 1e-6;
+        const double below = energy.evaluate(x, unused);
+        x[i] = here;
+        EXPECT_NEAR((above - below) / 2e-6, gradient[i], 1e-7 * gradient.norm());
+    }
+}
+
 TEST(LengthDihedralEnergy, TrustsTheBendsOfSliversByTheSquareOfTheirHeights)
 {
     // Two triangles on an edge of length 1, the longest of both; their heights are those given.
@@ -196,16 +211,8 @@ TEST(LengthDihedralEnergy, HoldsVerticesByTheirSharesOfTheArea)
                 1e-10);
 
     VectorXd x = flat(away);
-    VectorXd unused;
     (void)energy.evaluate(x, gradient);
-    for (Eigen::Index i = 0; i < x.size(); i += 97) {
-        const double here = std::exchange(x[i], x[i] + 1e-6);
-        const double above = energy.evaluate(x, unused);
-        x[i] = here - 1e-6;
-        const double below = energy.evaluate(x, unused);
-        x[i] = here;
-        EXPECT_NEAR((above - below) / 2e-6, gradient[i], 1e-7 * gradient.norm());
-    }
+    expect_gradient(energy, x, gradient, 97);
 }
 
 TEST(LengthDihedralEnergy, HoldsSumsOfAngles)
@@ -224,15 +231,7 @@ TEST(LengthDihedralEnergy, HoldsSumsOfAngles)
     energy.hold_sums({{{3, 7}, {2.0, -1.0}, {angles[3] - 0.1, angles[7] + turn}, 0.5},
                       {{7, 11}, {1.0, 1.0}, {angles[7] + 0.2, angles[11]}, 2.0}});
     EXPECT_NEAR(energy.evaluate(x, gradient) - before, 0.5 * 0.04 + 2.0 * 0.04, 1e-12);
-    VectorXd unused;
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-        const double here = std::exchange(x[i], x[i] + 1e-6);
-        const double above = energy.evaluate(x, unused);
-        x[i] = here - 1e-6;
-        const double below = energy.evaluate(x, unused);
-        x[i] = here;
-        EXPECT_NEAR((above - below) / 2e-6, gradient[i], 1e-7 * gradient.norm());
-    }
+    expect_gradient(energy, x, gradient, 1);
 }
 
 TEST(LengthDihedralEnergy, RefusesSumsThatDoNotFit)
