@@ -234,8 +234,11 @@ TEST(Options, OfSpacesAndConformalMapsNameWhatBreaksARule)
         .at_least(1, "max_iterations", &ProcrustesOptions::max_iterations)
         .positive("tolerance", &ProcrustesOptions::tolerance);
     Fields<SpaceOptions>("SpaceOptions")
-        .not_negative("dihedral_weight", &SpaceOptions::dihedral_weight)
-        .not_negative("position_weight", &SpaceOptions::position_weight);
+        .refuse<double>("dihedral_weight", &SpaceOptions::dihedral_weight,
+                        {-1e-9, 1.1e6, nan, infinity})
+        .refuse<double>("position_weight", &SpaceOptions::position_weight,
+                        {-1e-9, 1.1e6, nan, infinity})
+        .accept(&SpaceOptions::position_weight, 1e6);
     Fields<SpaceOptions>("SpaceOptions", {.kind = SpaceKind::Procrustes})
         .refuse<LengthCoordinates>("coordinates", &SpaceOptions::coordinates,
                                    {LengthCoordinates::Log})

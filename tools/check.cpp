@@ -2,13 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
 #include <span>
-#include <string_view>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -168,6 +166,8 @@ const char* kind_name(OddityKind kind)
             return "inside_out";
         case OddityKind::Size:
             return "size";
+        case OddityKind::Copies:
+            return "copies";
     }
     return "";
 }
@@ -194,24 +194,6 @@ void find_touching(const Collection& collection, const std::vector<std::size_t>&
                  join(count, " boundary vertices lie on others in this mesh, first vertex ", first,
                       "; blends open them there")});
     }
-}
-
-/// Meshes with all vertices at the same places, in lists of two and more.
-std::vector<std::vector<std::size_t>> copies(const Collection& collection)
-{
-    const auto bytes = [](const Points& points) {
-        return std::string_view(reinterpret_cast<const char*>(points.data()),
-                                static_cast<std::size_t>(points.size()) * sizeof(double));
-    };
-    std::map<std::string_view, std::vector<std::size_t>> by_content;
-    for (std::size_t i = 0; i < collection.size(); ++i)
-        by_content[bytes(collection.points[i])].push_back(i);
-    std::vector<std::vector<std::size_t>> lists;
-    for (auto& [content, meshes] : by_content)
-        if (meshes.size() > 1)
-            lists.push_back(std::move(meshes));
-    std::ranges::sort(lists);
-    return lists;
 }
 
 /// What is odd about the sound meshes together.
@@ -245,10 +227,6 @@ void check_together(Result& result)
     }
     if (!has_seam)
         find_touching(collection, index, result);
-    for (const std::vector<std::size_t>& meshes : copies(collection))
-        warn("copies", {meshes.begin() + 1, meshes.end()}, -1,
-             join(list_names(collection.names, meshes),
-                  " are copies of one mesh; statistics count each of them: keep one"));
     for (const OutlyingMesh& outlier : find_outlying_meshes(collection))
         warn("outlier", {outlier.mesh}, outlier.vertex, outlier.message);
 }

@@ -50,7 +50,8 @@ void warn_of_oddities(const Session& session, const MeshStream& present, const C
     together.points.emplace_back(added.topology.vertex_count(), 3);
     present.fetch({0})(std::span(together.points).last(1));
     for (const Oddity& oddity : find_oddities(together))
-        if (oddity.kind == OddityKind::Mirrored || oddity.kind == OddityKind::Size)
+        if (oddity.kind == OddityKind::Mirrored || oddity.kind == OddityKind::Size ||
+            (oddity.kind == OddityKind::Copies && oddity.meshes.back() == added.size()))
             session.warn(oddity.message);
 }
 

@@ -49,6 +49,18 @@ std::string print(const SyntheticRange& range)
     return join(range.standard, " [", range.low, ", ", range.high, "]");
 }
 
+/// The library knows no scans.
+void check_name(const std::string& name)
+{
+    std::string names;
+    for (const SyntheticDataset& set : synthetic_datasets()) {
+        if (set.name == name)
+            return;
+        names += set.name + ", ";
+    }
+    throw InvalidInput(join("no synthetic dataset '", name, "'; there are ", names, scans_name));
+}
+
 void list_datasets(const Session& session)
 {
     Json datasets = Json::array();
@@ -155,6 +167,7 @@ void run(const Session& session, const Arguments& arguments)
     if (!arguments.of.paths.empty() || arguments.scan.noise > 0.0 || arguments.holes > 0 ||
         arguments.scan.cut > 0.0)
         throw UsageError("--of, --noise, --holes and --cut are for `shape synth scans`");
+    check_name(arguments.name);
     const Progress progress = session.progress();
     const Collection collection =
         make_synthetic(arguments.name, {.count = static_cast<int>(arguments.count),

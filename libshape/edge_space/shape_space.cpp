@@ -267,8 +267,13 @@ DecodedShape decode_point(const ProcrustesSpace& space, const Eigen::VectorXd& c
 
 void check(const SpaceOptions& options)
 {
-    require_not_negative(options.dihedral_weight, "SpaceOptions.dihedral_weight");
-    require_not_negative(options.position_weight, "SpaceOptions.position_weight");
+    // Beyond it the lengths' part of an inner product is lost to rounding.
+    constexpr double most = 1e6;
+    const auto require_weight = [](double weight, std::string_view field) {
+        require(weight >= 0.0 && weight <= most, field, weight, "in [0, 1e6]");
+    };
+    require_weight(options.dihedral_weight, "SpaceOptions.dihedral_weight");
+    require_weight(options.position_weight, "SpaceOptions.position_weight");
     const auto of_edge_space = [&](const char* field, bool is_set) {
         if (is_set && options.kind != SpaceKind::Edge)
             throw InvalidInput(

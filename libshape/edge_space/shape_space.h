@@ -66,11 +66,11 @@ struct SpaceOptions
     /// Edges count alike, or by the area around them.
     EdgeWeighting weighting = EdgeWeighting::Uniform;
     /// Where > 0, dihedral angles are coordinates too: 1 rad counts as much as a relative change of
-    /// length by this; >= 0.
+    /// length by this; in [0, 1e6].
     double dihedral_weight = 0.0;
     /// Where > 0, vertex positions are coordinates too, and say where meshes are in the large: a
     /// displacement of all vertices by the diagonal counts as much as a relative change of all lengths by
-    /// this; >= 0.
+    /// this; in [0, 1e6].
     double position_weight = 0.0;
 };
 

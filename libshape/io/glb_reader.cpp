@@ -277,6 +277,23 @@ Eigen::Matrix4d local_matrix(const Glb& glb, const Json& node)
     return matrix.matrix();
 }
 
+/// The nodes of the scene; of a file without one, a library of objects, those that are no node's child.
+Json root_nodes(const Glb& glb)
+{
+    if (!glb.list(glb.root(), "scenes").empty())
+        return glb.list(glb.entry("scenes", glb.integer(glb.root(), "scene", 0)), "nodes");
+    const Json& nodes = glb.list(glb.root(), "nodes");
+    std::set<Json> children;
+    for (const Json& node : nodes)
+        for (const Json& child : glb.list(node, "children"))
+            children.insert(child);
+    Json roots = Json::array();
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (!children.contains(i))
+            roots.push_back(i);
+    return roots;
+}
+
 struct PlacedMesh
 {
     const Json* node;
@@ -294,10 +311,7 @@ std::vector<PlacedMesh> placed_meshes(const Glb& glb)
             open.emplace_back(node->get<std::int64_t>(), parent);
         }
     };
-    if (glb.list(glb.root(), "scenes").empty())
-        glb.fail("there is no scene");
-    push(glb.list(glb.entry("scenes", glb.integer(glb.root(), "scene", 0)), "nodes"),
-         Eigen::Matrix4d::Identity());
+    push(root_nodes(glb), Eigen::Matrix4d::Identity());
     std::set<std::int64_t> seen;
     std::vector<PlacedMesh> meshes;
     while (!open.empty()) {

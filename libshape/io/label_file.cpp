@@ -12,6 +12,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/table_file.h"
@@ -22,14 +23,6 @@ namespace {
 
 /// Stands for a key that several meshes have.
 constexpr std::size_t ambiguous = to_size(-1);
-
-std::string lower_case(std::string_view text)
-{
-    std::string lower(text);
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-    return lower;
-}
 
 /// Blanks of ASCII, and those that are pasted from web pages and documents.
 std::string_view without_outer_blanks(std::string_view text)
@@ -136,6 +129,17 @@ std::optional<std::pair<std::string, std::string>> values_alike(
             return std::pair{known, value};
     }
     return std::nullopt;
+}
+
+std::vector<std::string> alike_values(const Labels& labels)
+{
+    std::vector<std::string> sentences;
+    for (const LabelColumn& column : labels)
+        if (const auto alike = values_alike(column.values))
+            sentences.push_back(join("label '", column.name, "' has the values '", alike->first,
+                                     "' and '", alike->second,
+                                     "', which are two groups; spell them alike if they mean one"));
+    return sentences;
 }
 
 LabelFile read_label_file(const std::filesystem::path& path, const std::vector<std::string>& names)

@@ -25,6 +25,9 @@ struct LabelFile
 [[nodiscard]] std::optional<std::pair<std::string, std::string>> values_alike(
     const std::vector<std::string>& values);
 
+/// A sentence of every label that has values_alike().
+[[nodiscard]] std::vector<std::string> alike_values(const Labels& labels);
+
 /// Reads the labels of the named meshes from a table whose first column is `mesh`.
 ///
 /// A row is of the mesh whose name it has; if there is none, of the one whose name is the same without

@@ -8,6 +8,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_builder.h"
@@ -163,9 +164,8 @@ void write_mesh(const std::filesystem::path& path, const Points& points, const F
 MeshFormat mesh_format(const std::filesystem::path& path)
 {
     const std::filesystem::path name = path.filename();
-    std::string ending = (name.has_extension() ? name.extension() : name).string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    const std::string ending =
+        lower_case((name.has_extension() ? name.extension() : name).string());
     for (const Format& format : formats)
         if (ending == format.ending)
             return format.format;

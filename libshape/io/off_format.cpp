@@ -35,12 +35,15 @@ struct Variant
 {
     std::int64_t least_extras = 0;
     std::int64_t most_extras = 0;
-    std::string_view counts; ///< Glued to the keyword ("OFF490 518 0"), as ModelNet has it.
+    /// Glued to the keyword ("OFF490 518 0"), as ModelNet has it, or without one, as Geomview takes it.
+    std::string_view counts;
 };
 
 Variant parse_variant(const LineReader& reader, std::string_view word)
 {
     Variant variant;
+    if (spelled_integer(word))
+        return {.counts = word};
     std::string_view rest = word;
     const auto take = [&](std::string_view prefix, int least, int most) {
         if (!rest.starts_with(prefix))

@@ -8,6 +8,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/mesh_builder.h"
@@ -76,6 +77,10 @@ public:
         return text;
     }
 
+    /// The next word in capitals, in which keywords are compared as VTK itself does: in either case.
+    std::string keyword() { return upper_case(token()); }
+    std::string keyword(std::string_view what) { return upper_case(word(what)); }
+
     std::int64_t count(std::string_view what)
     {
         const std::string_view text = word(what);
@@ -89,7 +94,7 @@ public:
 
     ScalarType type(std::string_view name) const
     {
-        const std::optional<ScalarType> found = legacy_vtk_type(name);
+        const std::optional<ScalarType> found = legacy_vtk_type(lower_case(name));
         if (!found)
             fail(join("an array of type ", in_quotes(name), " is not read"));
         return *found;
@@ -136,7 +141,7 @@ public:
     /// Passes over an array of a field, which may hold texts and bits as well.
     void skip(std::int64_t count)
     {
-        const std::string_view name = word("the type of an array");
+        const std::string name = lower_case(word("the type of an array"));
         if (name == "string" || name == "utf8_string")
             skip_texts(count);
         else if (name == "bit" && is_binary)
@@ -190,7 +195,7 @@ bool parse_head(VtkReader& reader)
     if (!major || *major < 1 || *major > 5)
         reader.fail(join("version is ", in_quotes(version), ", must be 1.0 to 5.1"));
     (void)reader.line(); // the title
-    const std::string_view encoding = reader.word("ASCII or BINARY");
+    const std::string encoding = reader.keyword("ASCII or BINARY");
     if (encoding != "ASCII" && encoding != "BINARY")
         reader.fail(join("encoding is ", in_quotes(encoding), ", must be ASCII or BINARY"));
     reader.is_binary = encoding == "BINARY";
@@ -230,14 +235,14 @@ VtkCells parse_cells(VtkReader& reader, bool has_offsets)
     if (has_offsets) {
         if (count == 0)
             return cells;
-        if (reader.word("OFFSETS") != "OFFSETS")
+        if (reader.keyword("OFFSETS") != "OFFSETS")
             reader.fail("OFFSETS must follow the counts");
         const ScalarType type = reader.type();
         cells.ends = reader.integers(type, count);
         if (cells.ends.front() != 0)
             reader.fail("the first of OFFSETS must be 0");
         cells.ends.erase(cells.ends.begin());
-        if (reader.word("CONNECTIVITY") != "CONNECTIVITY")
+        if (reader.keyword("CONNECTIVITY") != "CONNECTIVITY")
             reader.fail("CONNECTIVITY must follow OFFSETS");
         const ScalarType corner_type = reader.type();
         cells.connectivity = reader.integers(corner_type, size);
@@ -294,9 +299,9 @@ MeshFileContent parse_vtk(std::string_view content, const std::filesystem::path&
     const bool has_offsets = parse_head(reader);
     bool is_single = false;
     bool has_kind = false;
-    for (std::string_view keyword = reader.token(); !keyword.empty(); keyword = reader.token()) {
+    for (std::string keyword = reader.keyword(); !keyword.empty(); keyword = reader.keyword()) {
         if (keyword == "DATASET") {
-            const std::string_view kind = reader.word("the kind of the dataset");
+            const std::string kind = reader.keyword("the kind of the dataset");
             if (kind != "POLYDATA")
                 reader.fail(join("the dataset is ", in_quotes(kind),
                                  ", must be POLYDATA: extract the surface first"));

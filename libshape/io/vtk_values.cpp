@@ -28,7 +28,7 @@ constexpr std::array<std::array<std::string_view, 3>, 11> type_names = {
 
 std::optional<ScalarType> legacy_vtk_type(std::string_view name)
 {
-    if (name == "vtkIdType") // written as int, whatever it is in memory
+    if (name == "vtkidtype") // written as int, whatever it is in memory
         return ScalarType::Int32;
     if (name == "vtktypeint32")
         return ScalarType::Int32;

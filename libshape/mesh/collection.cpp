@@ -172,7 +172,8 @@ Collection collect(std::vector<NamedMesh> meshes)
             throw InvalidInput(mesh.path + ": " + defects.front().message);
         if (!seen.insert(mesh.name).second)
             throw InvalidInput(join(mesh.path, ": the name '", mesh.name,
-                                    "' occurs twice; names of a collection must differ"));
+                                    "' occurs twice; names of a collection must differ: rename one "
+                                    "of the files"));
     }
     for (NamedMesh& mesh : meshes) {
         collection.names.push_back(std::move(mesh.name));

@@ -62,7 +62,7 @@ MeshStream joined(const MeshStream& first, const MeshStream& second)
         if (names.contains(name))
             throw InvalidInput(join("the name '", name,
                                     "' occurs twice; names of a collection must "
-                                    "differ"));
+                                    "differ: rename one of the meshes"));
     MeshStream result = first;
     result.names.insert(result.names.end(), second.names.begin(), second.names.end());
     append_labels(result.labels, first.names.size(), second.labels, second.names.size());

@@ -13,6 +13,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/order_statistics.h"
 #include "libshape/mesh/coincident_vertices.h"
+#include "libshape/mesh/congruent_meshes.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/handedness.h"
 #include "libshape/mesh/unit_ratio.h"
@@ -137,6 +138,18 @@ void find_sizes(const Collection& collection, std::vector<Oddity>& oddities)
               " (`shape check MESHES --fix DIR` scales by units)")});
 }
 
+void find_copies(const Collection& collection, std::vector<Oddity>& oddities)
+{
+    for (const std::vector<std::size_t>& meshes :
+         congruent_meshes(collection.topology, collection.points))
+        oddities.push_back(
+            {OddityKind::Copies,
+             {meshes.begin() + 1, meshes.end()},
+             join(list_names(collection.names, meshes),
+                  " are copies of one mesh, in place or moved; statistics count each of them: keep "
+                  "one")});
+}
+
 } // namespace
 
 std::vector<Oddity> find_oddities(const Collection& collection)
@@ -145,6 +158,7 @@ std::vector<Oddity> find_oddities(const Collection& collection)
     find_seams(collection, oddities);
     find_orientation(collection, oddities);
     find_sizes(collection, oddities);
+    find_copies(collection, oddities);
     return oddities;
 }
 

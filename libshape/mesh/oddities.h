@@ -16,6 +16,7 @@ enum class OddityKind
     Mirrored,  ///< Some meshes are mirror images of the others (compare_handedness()).
     InsideOut, ///< All meshes, or all but those, are inside out.
     Size,      ///< Some meshes are far larger or smaller than the others (odd_sizes()).
+    Copies,    ///< Some meshes are the same one, in place or moved (congruent_meshes()).
 };
 
 /// One oddity: the kind, the meshes concerned, and a sentence with what, where and what to do.
@@ -28,7 +29,7 @@ struct Oddity
 
 /// Finds what is odd about the meshes of a collection together.
 /// @param collection  At least one mesh.
-/// Cost: O(#V log #V + N #F).
+/// Cost: O(#V log #V + N #F), and for each pair of meshes of one size the edges up to the first that differs.
 [[nodiscard]] std::vector<Oddity> find_oddities(const Collection& collection);
 
 /// Sizes far from the others, as those of meshes in another unit are; ascending indices. Sorted, the

@@ -214,6 +214,7 @@ TEST(OffFile, ReadsCountsOnEitherLineCommentsAndColours)
              "# c\nOFF # c\n# c\n\n3 1 0 # c\n\n0 0 0\n# c\n1 0 0\n0 1 0\n3 0 1 2 255 0 0 # c\n# "
              "c\n",
              "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+             "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
              "OFF3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
              "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 .1 .2 .3\n0 1 0 0 0 0 0\n3 0 1 2\n",
              "NOFF 3 1 0\n0 0 0 0 0 1\n1 0 0 nan nan nan\n0 1 0 0 0 1\n3 0 1 2\n",

@@ -129,6 +129,9 @@ TEST(VtkFile, ReadsEveryFormOfPolydata)
         read("b.vtk", vtk_head + "ASCII\n" + points +
                           "METADATA\nINFORMATION 0\n\nLINES 1 3\n2 0 1\n\nPOLYGONS 2 8\n3 0 "
                           "1 2 3 0 2 3\nPOINT_DATA 4\nSCALARS x float\nwhatever follows"));
+    expect_square(read("l.vtk", vtk_head +
+                                    "ascii\ndataset polydata\nPoints 4 Double\n0 0 0 1 0 0\n1 "
+                                    "1 0.5 0 1 0\npolygons 2 8\n3 0 1 2\n3 0 2 3\n"));
     // A strip turns every other triangle over: 1 2 0, then 2 and 0 exchanged before 3.
     const MeshFileContent strip =
         read("c.vtk", vtk_head + "ASCII\n" + points + "TRIANGLE_STRIPS 1 5\n4 1 2 0 3\n");
@@ -427,6 +430,9 @@ TEST(GlbFile, ReadsNodesSmallIndicesAndSparseTargets)
     placed(2, 2) += 2.0;
     EXPECT_EQ(content.meshes[1].points, placed);
     EXPECT_EQ(content.meshes[0].faces, halves);
+    // Without a scene, the nodes that are no node's child are where the tree begins.
+    const std::string library = replaced(glb_json, R"("scene":0,"scenes":[{"nodes":[0]}],)", "");
+    EXPECT_EQ(read("face.glb", glb_of(library, glb_buffer)).meshes[1].points, placed);
     // A node that mirrors its mesh turns the faces as well.
     std::string mirroring = glb_json;
     mirroring.replace(mirroring.find("[2,2,2]"), 7, "[2,2,-2]");

@@ -454,6 +454,8 @@ class Objects(unittest.TestCase):
         self.assertTrue(of_read)
         self.assertEqual([str(w.message) for w in of_collection], [str(w.message) for w in of_read])
         self.assertEqual(of_collection[0].filename, __file__)
+        with self.assertWarnsRegex(UserWarning, "'f' and 'F', which are two groups"):
+            ls.collection(list(faces)[:2], labels={"sex": ["f", "F"]})
 
     def test_errors_say_what_they_are(self) -> None:
         for kind in (ls.Error, ls.InvalidInput, ls.NumericalError, ls.FileError, ls.LimitExceeded):

@@ -445,8 +445,9 @@ std::vector<BadInput> bad_requests()
          3,
          {"equal"},
          [](const Folder& folder) -> Arguments {
-             folder.write("same.ply", folder.read("a.ply"));
-             return {"stats", "a.ply", "same.ply", "-o", "out.h5"};
+             const NamedMesh mesh = read_mesh(folder / "a.ply");
+             write_mesh(folder / "larger.ply", 1.5 * mesh.points, mesh.faces);
+             return {"stats", "a.ply", "larger.ply", "-o", "out.h5"};
          }},
         {"ProjectionOfAnotherTriangulation",
          3,
@@ -496,7 +497,7 @@ std::vector<BadInput> bad_requests()
          3,
          {"a"},
          running({"interpolate", "a.ply", "--weights", "1", "-o", "x.ply"})},
-        {"UnknownDataset", 3, {"cube", "torus"}, running({"synth", "cube", "-o", "new"})},
+        {"UnknownDataset", 3, {"cube", "torus", "scans"}, running({"synth", "cube", "-o", "new"})},
         {"BarbellsOfOddNumber",
          3,
          {"barbells", "7", "even"},

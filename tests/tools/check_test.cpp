@@ -172,8 +172,8 @@ TEST_F(Check, OtherUnitsAreSaidAndRepaired)
 
 TEST_F(Check, CopiesUnderOtherNamesAreSaid)
 {
-    for (const unsigned i : {3u, 4u})
-        write(i, sphere(5).points, sphere(5).topology.faces());
+    write(3, sphere(5).points, sphere(5).topology.faces());
+    write(4, sphere(5).points.rowwise() + Eigen::RowVector3d(3, 0, 1), sphere(5).topology.faces());
     const Json figures = run({"check", "set"});
     ASSERT_EQ(figures["warnings"].size(), 1U) << figures["warnings"].dump();
     EXPECT_EQ(figures["warnings"][0]["kind"], "copies");

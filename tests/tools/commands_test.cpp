@@ -29,6 +29,15 @@ protected:
         collect_labelled();
         (void)run({"stats", "f.h5", "-o", "model.h5"});
     }
+    /// One mesh in several sizes under set/, where copies would be warned of.
+    void write_set(const Arguments& names) const
+    {
+        std::filesystem::create_directory(folder_ / "set");
+        const NamedMesh mesh = read_mesh(folder_ / "a.ply");
+        for (std::size_t i = 0; i < names.size(); ++i)
+            write_mesh(folder_ / join("set/", names[i], ".ply"),
+                       (1.0 + 0.01 * static_cast<double>(i + 1)) * mesh.points, mesh.faces);
+    }
 };
 
 TEST_F(Commands, CollectKeepsPositionsNamesAndLabels)
@@ -48,8 +57,7 @@ TEST_F(Commands, CollectKeepsPositionsNamesAndLabels)
 
 TEST_F(Commands, ADirectoryIsReadInNaturalNameOrder)
 {
-    for (const char* name : {"s10", "s2", "s1", "t"})
-        folder_.write(join("set/", name, ".ply"), folder_.read("a.ply"));
+    write_set({"s10", "s2", "s1", "t"});
     folder_.write("set/notes.txt", "not a mesh");
     folder_.write("set/labels.csv", "neither");
     (void)run({"collect", "set", "-o", "f.h5"});
@@ -75,8 +83,7 @@ TEST_F(Commands, NaturalOrderReadsSignedDecimals)
 {
     const auto order = [&](const Arguments& names) {
         std::filesystem::remove_all(folder_ / "set");
-        for (const std::string& name : names)
-            folder_.write("set/" + name + ".ply", folder_.read("a.ply"));
+        write_set(names);
         (void)run({"collect", "set", "-o", "f.h5", "--force"});
         return run({"info", "f.h5"})["names"];
     };
@@ -98,9 +105,8 @@ TEST_F(Commands, NaturalOrderReadsSignedDecimals)
 TEST_F(Commands, FilesDirectoriesAndCollectionsMix)
 {
     collect_labelled();
-    folder_.write("set/d.ply", folder_.read("a.ply"));
-    folder_.write("e.ply", folder_.read("b.ply"));
-    (void)run({"collect", "e.ply", "f.h5", "set", "-o", "all.h5"});
+    write_set({"d", "e"});
+    (void)run({"collect", "set/e.ply", "f.h5", "set/d.ply", "-o", "all.h5"});
     const Collection all = read_collection(folder_ / "all.h5");
     EXPECT_EQ(all.names, (std::vector<std::string>{"e", "a", "b", "c", "d"}));
     EXPECT_EQ(find_label(all.labels, "subject").values,

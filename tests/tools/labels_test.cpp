@@ -88,6 +88,22 @@ TEST_F(LabelledMeshes, TablesMayBeOfALargerStudyWithANote)
     EXPECT_EQ(find_label(read_collection(folder_ / "c.h5").labels, "k").values, (Values{"1", "2"}));
 }
 
+TEST_F(LabelledMeshes, ValuesThatDifferInCaseAloneAreSaid)
+{
+    folder_.write("l.csv", "mesh,sex\nm0,f\nm1,F\n");
+    const Outcome outcome =
+        shape({"collect", "set/m0.ply", "set/m1.ply", "--labels", "l.csv", "-o", "c.h5"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("l.csv: label 'sex' has the values 'f' and 'F'"), std::string::npos)
+        << outcome.err;
+}
+
+TEST_F(LabelledMeshes, DirectoriesNamedLikeMeshesArePassedOver)
+{
+    folder_.write("set/old.ply/m9.ply", folder_.read("set/m0.ply"));
+    EXPECT_EQ(run({"collect", "set", "-o", "c.h5"})["meshes"], 10);
+}
+
 TEST_F(LabelledMeshes, AccentsMatchInEitherSpelling)
 {
     const std::string composed = "Ren\xC3\xA9";

@@ -5,12 +5,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <set>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/mesh_file.h"
@@ -28,10 +28,7 @@ namespace fs = std::filesystem;
 
 std::string lower_extension(const fs::path& path)
 {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
+    return lower_case(path.extension().string());
 }
 
 bool is_mesh_file(const fs::path& path)
@@ -45,7 +42,8 @@ std::vector<fs::path> mesh_files_of_directory(const fs::path& directory)
 {
     std::vector<fs::path> files;
     for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-        if (is_mesh_file(entry.path()) && entry.path().filename().string().front() != '.')
+        if (!entry.is_directory() && is_mesh_file(entry.path()) &&
+            entry.path().filename().string().front() != '.')
             files.push_back(entry.path());
     if (files.empty())
         throw InvalidInput(join(directory.string(),
@@ -120,11 +118,8 @@ Labels labels_of(const MeshNotices& notices, const std::string& path,
         notices.message(join(path, ": ", counted(file.unused.size(), "row"),
                              " of meshes that are not among these left out, first '",
                              file.unused.front(), "'"));
-    for (const LabelColumn& column : file.labels)
-        if (const auto alike = values_alike(column.values))
-            notices.warn(join("label '", column.name, "' has the values '", alike->first, "' and '",
-                              alike->second, "', which are two groups; spell them alike in ", path,
-                              " if they mean one"));
+    for (const std::string& sentence : alike_values(file.labels))
+        notices.warn(join(path, ": ", sentence));
     return std::move(file.labels);
 }
 
@@ -247,7 +242,8 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
     collection.labels =
         input.labels.empty() ? labels : labels_of(notices, input.labels, collection.names);
     for (const Oddity& oddity : find_oddities(collection))
-        notices.warn(oddity.message);
+        if (oddity.kind != OddityKind::Copies || !input.may_repeat)
+            notices.warn(oddity.message);
     return collection;
 }
 

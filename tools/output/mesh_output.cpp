@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/base/to_size.h"
 #include "libshape/report/colour_map.h"
 #include "tools/output/frame_store.h"
@@ -44,15 +45,6 @@ std::string shortened(const std::string& name, std::size_t most)
         return name;
     const std::string hash = hash_text(name.data(), name.size());
     return name.substr(0, most - 1 - hash.size()) + "-" + hash;
-}
-
-/// Without the case of ASCII letters, as some file systems compare names.
-std::string lower_case(std::string text)
-{
-    std::ranges::transform(text, text.begin(), [](char c) {
-        return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
-    return text;
 }
 
 /// Names of files, one for each mesh: what a file name may not hold becomes '_', and names that are

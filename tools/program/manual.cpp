@@ -4,12 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <sstream>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/base/version.h"
 #include "libshape/io/file/output_file.h"
 #include "tools/program/completion.h"
@@ -41,11 +41,9 @@ std::string flowing(std::string text)
     return escaped(text);
 }
 
-std::string section(std::string title)
+std::string section(const std::string& title)
 {
-    std::transform(title.begin(), title.end(), title.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    return ".SH \"" + escaped(title) + "\"\n";
+    return ".SH \"" + escaped(upper_case(title)) + "\"\n";
 }
 
 /// A term and what it is.
@@ -129,11 +127,9 @@ std::string man_page(const CLI::App& program, const CLI::App* command)
 {
     const CLI::App& app = command != nullptr ? *command : program;
     const std::string name = command != nullptr ? page_name(app) : "shape";
-    std::string title = name;
-    std::transform(title.begin(), title.end(), title.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
     std::ostringstream page;
-    page << ".TH \"" << escaped(title) << "\" 1 \"\" \"shape " << version() << "\" \"libshape\"\n";
+    page << ".TH \"" << escaped(upper_case(name)) << "\" 1 \"\" \"shape " << version()
+         << "\" \"libshape\"\n";
     page << ".SH NAME\n" << escaped(name) << " \\- " << flowing(summary_of(app)) << "\n";
     page << ".SH SYNOPSIS\n"
          << bold(command != nullptr ? "shape " + app.get_name() : "shape")

@@ -120,7 +120,7 @@ py::tuple from_arrays(const std::vector<Doubles>& vertices, const Integers& face
     Made made = run([meshes, columns](const Progress&) {
         Collection collection = collect(meshes);
         collection.labels = columns;
-        std::vector<std::string> warnings;
+        std::vector<std::string> warnings = alike_values(columns);
         for (const Oddity& oddity : find_oddities(collection))
             warnings.push_back(oddity.message);
         return Made{std::move(collection), std::move(warnings)};
