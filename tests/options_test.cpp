@@ -18,6 +18,7 @@
 #include "libshape/conformal/sphere_map.h"
 #include "libshape/edge_space/procrustes.h"
 #include "libshape/edge_space/shape_space.h"
+#include "libshape/embedding/contact/contact_separation.h"
 #include "libshape/embedding/dihedral/coherent_path.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/embedder.h"
@@ -147,6 +148,23 @@ TEST(Options, OfRepairsNameWhatBreaksARule)
         .at_least(0, "filling_sweeps", &RegionRepairOptions::filling_sweeps)
         .at_least(0, "perturbed_starts", &RegionRepairOptions::perturbed_starts);
     EXPECT_THROW(check(RegionRepairOptions{.descent = {.linear_steps = 0}}), InvalidInput);
+}
+
+TEST(Options, OfContactsNameWhatBreaksARule)
+{
+    Fields<ContactGapOptions>("ContactGapOptions")
+        .at_least(0, "rings", &ContactGapOptions::rings)
+        .not_negative("margin", &ContactGapOptions::margin)
+        .positive("step", &ContactGapOptions::step)
+        .positive("deepest", &ContactGapOptions::deepest)
+        .not_negative("stiffness", &ContactGapOptions::stiffness);
+    Fields<ContactSeparationOptions>("ContactSeparationOptions")
+        .positive("smoothness", &ContactSeparationOptions::smoothness)
+        .at_least(0, "rounds", &ContactSeparationOptions::rounds)
+        .at_least(0, "refinements", &ContactSeparationOptions::refinements)
+        .at_least(2, "linear_steps", &ContactSeparationOptions::linear_steps)
+        .refuse<double>("growth", &ContactSeparationOptions::growth, {0.99, nan, infinity});
+    EXPECT_THROW(check(ContactSeparationOptions{.gaps = {.rings = -1}}), InvalidInput);
 }
 
 TEST(Options, OfEmbeddingsNameWhatBreaksARule)

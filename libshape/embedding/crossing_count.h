@@ -23,15 +23,30 @@ public:
     {
     }
 
-    /// Sets self_intersections and new_self_intersections of its report. Safe to call concurrently.
+    struct Count
+    {
+        int all;
+        int in_no_reference;
+    };
+    [[nodiscard]] Count count(const Points& points);
+
+    /// Sets self_intersections and new_self_intersections of its report.
     void add_to(Embedding& embedding);
 
+    [[nodiscard]] const FaceTree& faces();
+    /// Pairs that cross in any reference, sorted.
+    [[nodiscard]] const std::vector<FacePair>& known();
+
+    // All of these are safe to call concurrently.
+
 private:
+    void make();
+
     const Topology& topology_;
     const std::vector<Points>& references_;
     std::once_flag made_;
     std::optional<FaceTree> faces_;
-    std::vector<FacePair> known_; // of any reference, sorted
+    std::vector<FacePair> known_;
 };
 
 } // namespace shape::internal

@@ -12,10 +12,12 @@
 #include "libshape/base/require.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/closure/closure_embedding.h"
+#include "libshape/embedding/contact_avoidance.h"
 #include "libshape/embedding/crossing_count.h"
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/finished_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
+#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
@@ -68,11 +70,27 @@ struct Embedder::State
     double dihedral_seconds = 0.0;
     double multiscale_seconds = 0.0;
 
-    CrossingCount crossings; // for reports alone
+    CrossingCount crossings;
+    ContactAvoidance contacts;
 
     State(const Topology& of, std::vector<Points> near, const EmbeddingOptions& by)
-        : topology(of), references(std::move(near)), options(by), crossings(topology, references)
+        : topology(of),
+          references(std::move(near)),
+          options(by),
+          crossings(topology, references),
+          contacts(topology, references, crossings, by.smoothness.value_or(default_smoothness))
     {
+    }
+
+    /// Moves faces apart if that is asked for.
+    /// @return What avoidable_self_intersections becomes.
+    std::optional<int> avoid_contact(Points& points, const ShapePoint& target)
+    {
+        if (!options.avoid_contact)
+            return std::nullopt;
+        ContactAvoidance::Result apart = contacts.apart(points, target);
+        points = std::move(apart.points);
+        return apart.pairs_before;
     }
 
     [[nodiscard]] MultiscaleOptions multiscale_options() const
@@ -168,6 +186,7 @@ Embedding Embedder::embed(const ShapePoint& target) const
     const Clock::time_point start = Clock::now();
     const Points& reference = s.references.front();
     Embedding embedding;
+    std::optional<int> avoidable;
     switch (method) {
         case EmbeddingMethod::Dihedral: {
             DihedralEmbeddingOptions options;
@@ -176,11 +195,14 @@ Embedding Embedder::embed(const ShapePoint& target) const
             options.smoothness = s.options.smoothness.value_or(default_smoothness);
             options.anchor = s.options.anchor.value_or(default_anchor);
             options.position_anchor = s.options.anchor.value_or(default_position_anchor);
-            embedding = embed_by_dihedrals(*s.dihedral, s.topology, reference, target, options);
+            DihedralEmbedding nearest = s.dihedral->embed(target, options);
+            avoidable = s.avoid_contact(nearest.points, target);
+            embedding = finished_embedding(s.topology, nearest, reference, target, start);
             break;
         }
         case EmbeddingMethod::Closure: {
-            const ClosureEmbedding closed = embed_by_closure(s.topology, target);
+            ClosureEmbedding closed = embed_by_closure(s.topology, target);
+            avoidable = s.avoid_contact(closed.points, target);
             embedding = finished_embedding(s.topology, closed.points, reference, target, start);
             embedding.report.iterations = closed.solution.iterations;
             embedding.report.converged = closed.solution.converged;
@@ -188,7 +210,8 @@ Embedding Embedder::embed(const ShapePoint& target) const
             break;
         }
         case EmbeddingMethod::Multiscale: {
-            const MultiscaleEmbedding pose = s.multiscale->embed(target);
+            MultiscaleEmbedding pose = s.multiscale->embed(target);
+            avoidable = s.avoid_contact(pose.points, target);
             embedding = finished_embedding(s.topology, pose.points, reference, target, start);
             embedding.multiscale = {s.multiscale->setup_times(), pose.times};
             embedding.report.converged = true; // a fixed number of passes
@@ -199,14 +222,28 @@ Embedding Embedder::embed(const ShapePoint& target) const
         embedding.instead = method;
     embedding.report.setup_seconds = s.setup_seconds(method);
     s.crossings.add_to(embedding);
+    embedding.report.avoidable_self_intersections = avoidable;
     return embedding;
 }
 
 Embedding Embedder::embed(const DecodedShape& shape) const
 {
     if (const Points* const points = std::get_if<Points>(&shape)) {
-        Embedding embedding = as_embedding(state_->topology, *points);
-        state_->crossings.add_to(embedding);
+        State& s = *state_;
+        Embedding embedding = as_embedding(s.topology, *points);
+        if (s.options.avoid_contact) {
+            const Clock::time_point start = Clock::now();
+            const ShapePoint own{edge_lengths(s.topology, *points),
+                                 dihedral_angles(s.topology, *points)};
+            Points moved = *points;
+            const std::optional<int> avoidable = s.avoid_contact(moved, own);
+            if (moved != *points) {
+                embedding = finished_embedding(s.topology, moved, *points, own, start);
+                embedding.report.converged = true;
+            }
+            embedding.report.avoidable_self_intersections = avoidable;
+        }
+        s.crossings.add_to(embedding);
         return embedding;
     }
     return embed(std::get<ShapePoint>(shape));

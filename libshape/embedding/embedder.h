@@ -57,6 +57,9 @@ struct EmbeddingOptions
     std::optional<RegistrationStart> registration_start = {};
     /// Multiscale draws the seed triangles of its patches by this; default 1.
     std::optional<std::uint64_t> seed = {};
+    /// Faces that cross, though they do in no reference, are moved apart afterwards; of all methods. Where
+    /// some still cross, the report says so.
+    bool avoid_contact = false;
 };
 
 /// @throws InvalidInput naming the first field that breaks its rule, or that belongs to another method.

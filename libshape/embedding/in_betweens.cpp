@@ -107,6 +107,7 @@ Embedding InBetweens::embed(double time, const ShapePoint& target) const
     result.report.converged = solver.converged || !filler_;
     result.report.self_intersections = solver.self_intersections;
     result.report.new_self_intersections = solver.new_self_intersections;
+    result.report.avoidable_self_intersections = solver.avoidable_self_intersections;
     result.report.setup_seconds = solver.setup_seconds;
     result.report.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "libshape/base/error.h"
+#include "libshape/embedding/contact_avoidance.h"
 #include "libshape/embedding/crossing_count.h"
 #include "libshape/embedding/dihedral/coherent_path.h"
 #include "libshape/embedding/finished_embedding.h"
@@ -24,6 +25,7 @@ struct PathEmbedder::State
     CoherentPathOptions options;
     Progress progress;
     CrossingCount crossings;
+    std::optional<ContactAvoidance> contacts; ///< If asked for.
 
     std::once_flag solved;
     std::optional<DihedralEmbedder> embedder;
@@ -65,6 +67,9 @@ PathEmbedder::PathEmbedder(const Topology& topology, std::vector<Points> referen
                                      std::move(progress));
     CoherentPathOptions& path_options = state_->options;
     path_options.smoothness = options.smoothness.value_or(default_smoothness);
+    if (options.avoid_contact)
+        state_->contacts.emplace(state_->topology, state_->references, state_->crossings,
+                                 path_options.smoothness);
     path_options.anchor = std::min(path_options.anchor, options.anchor.value_or(default_anchor));
 }
 
@@ -77,11 +82,19 @@ Embedding PathEmbedder::embed(double t) const
     State& s = *state_;
     s.solve();
     const Clock::time_point start = Clock::now();
-    const DihedralEmbedding mesh = s.meshes->at(t);
+    DihedralEmbedding mesh = s.meshes->at(t);
+    const ShapePoint target = s.path.target(t);
+    std::optional<int> avoidable;
+    if (s.contacts) {
+        ContactAvoidance::Result apart = s.contacts->apart(mesh.points, target);
+        mesh.points = std::move(apart.points);
+        avoidable = apart.pairs_before;
+    }
     Embedding embedding =
-        finished_embedding(s.topology, mesh, s.references.front(), s.path.target(t), start);
+        finished_embedding(s.topology, mesh, s.references.front(), target, start);
     embedding.report.setup_seconds = s.setup_seconds;
     s.crossings.add_to(embedding);
+    embedding.report.avoidable_self_intersections = avoidable;
     return embedding;
 }
 

@@ -45,6 +45,8 @@ struct EmbeddingReport
 
     std::optional<int> self_intersections = {};     ///< Pairs of faces that cross each other.
     std::optional<int> new_self_intersections = {}; ///< Those that do so in no reference mesh.
+    /// What new_self_intersections was before contact was avoided; nothing if that was not asked for.
+    std::optional<int> avoidable_self_intersections = {};
 
     int inverted_faces = 0;     ///< Faces without area; or folded flat onto a neighbour (drift of
                                 ///< an edge beyond 150 deg).
@@ -55,8 +57,8 @@ struct EmbeddingReport
 };
 
 /// Measures a mesh against its target: all figures but those of the solver (closure_energy, iterations,
-/// converged, seconds, setup_seconds) and of references (companion_rms, self_intersections,
-/// new_self_intersections). @throws InvalidInput if points or target do not fit the topology.
+/// converged, seconds, setup_seconds) and of references (companion_rms, and all pairs that cross).
+/// @throws InvalidInput if points or target do not fit the topology.
 [[nodiscard]] EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                                 const ShapePoint& target);
 

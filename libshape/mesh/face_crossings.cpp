@@ -154,22 +154,6 @@ int exact_side(const double* a, const double* b, const double* c, const double* 
     return sum.sign();
 }
 
-using Corners = std::array<const double*, 3>;
-
-/// Whether the side from p to q crosses the inside of a triangle. One from a corner of it does not.
-bool crosses(const double* p, const double* q, const Corners& t)
-{
-    for (const double* const corner : t)
-        if (corner == p || corner == q)
-            return false;
-    const int side = side_of_plane(t[0], t[1], t[2], p);
-    if (side == 0 || side_of_plane(t[0], t[1], t[2], q) != -side)
-        return false;
-    const int turn = side_of_plane(p, q, t[0], t[1]);
-    return turn != 0 && side_of_plane(p, q, t[1], t[2]) == turn &&
-           side_of_plane(p, q, t[2], t[0]) == turn;
-}
-
 /// Whether the corners of s are on both sides of the plane of t. If not, their insides do not meet: s
 /// touches the plane with its rim alone, or lies in it.
 bool straddles(const Corners& s, const Corners& t)
@@ -270,6 +254,19 @@ int side_of_plane(const double* a, const double* b, const double* c, const doubl
     if (std::abs(determinant) > rounding * size)
         return determinant > 0.0 ? 1 : -1;
     return exact_side(a, b, c, d);
+}
+
+bool crosses(const double* p, const double* q, const Corners& t)
+{
+    for (const double* const corner : t)
+        if (corner == p || corner == q)
+            return false;
+    const int side = side_of_plane(t[0], t[1], t[2], p);
+    if (side == 0 || side_of_plane(t[0], t[1], t[2], q) != -side)
+        return false;
+    const int turn = side_of_plane(p, q, t[0], t[1]);
+    return turn != 0 && side_of_plane(p, q, t[1], t[2]) == turn &&
+           side_of_plane(p, q, t[2], t[0]) == turn;
 }
 
 FaceTree::FaceTree(const Topology& topology, const Points& reference)

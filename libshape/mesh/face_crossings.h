@@ -49,4 +49,11 @@ private:
 /// @param a, b, c, d  Three coordinates each; products of three must not over- or underflow.
 [[nodiscard]] int side_of_plane(const double* a, const double* b, const double* c, const double* d);
 
+/// Three coordinates of each corner of a triangle.
+using Corners = std::array<const double*, 3>;
+
+/// Whether the side from p to q crosses the inside of a triangle. One from a corner of it, by its address,
+/// does not.
+[[nodiscard]] bool crosses(const double* p, const double* q, const Corners& t);
+
 } // namespace shape::internal

@@ -12,7 +12,7 @@
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/edge_lengths.h"
-#include "libshape/registration/scan_surface.h"
+#include "libshape/mesh/vertex_normals.h"
 
 namespace shape::internal {
 namespace {

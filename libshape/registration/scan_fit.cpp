@@ -21,6 +21,8 @@
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/face_crossings.h"
+#include "libshape/mesh/nearest_in_triangle.h"
+#include "libshape/mesh/vertex_normals.h"
 #include "libshape/registration/growth_energy.h"
 #include "libshape/registration/rigid_start.h"
 #include "libshape/registration/scan_surface.h"

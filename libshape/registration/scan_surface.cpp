@@ -10,24 +10,11 @@
 
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/mesh/vertex_normals.h"
 
 namespace shape::internal {
 
 using Eigen::Vector3d;
-
-Points vertex_normals(const Points& points, const Faces& faces)
-{
-    Points normals = Points::Zero(points.rows(), 3);
-    for (const auto& face : faces.rowwise()) {
-        const Vector3d a = points.row(face[0]), b = points.row(face[1]), c = points.row(face[2]);
-        const Vector3d normal = (b - a).cross(c - a);
-        for (const int v : face)
-            normals.row(v) += normal.transpose();
-    }
-    for (auto normal : normals.rowwise())
-        normal.stableNormalize();
-    return normals;
-}
 
 double outwardness(const Points& points, const Faces& faces)
 {

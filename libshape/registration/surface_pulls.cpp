@@ -11,6 +11,7 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/points.h"
+#include "libshape/mesh/vertex_normals.h"
 
 namespace shape::internal {
 namespace {

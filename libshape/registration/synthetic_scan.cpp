@@ -19,6 +19,7 @@
 #include "libshape/base/require.h"
 #include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
+#include "libshape/mesh/vertex_normals.h"
 #include "libshape/registration/closest_points.h"
 #include "libshape/registration/scan_surface.h"
 

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "libshape/base/error.h"
+#include "libshape/mesh/nearest_in_triangle.h"
 #include "tests/support/meshes.h"
 
 namespace shape::test {

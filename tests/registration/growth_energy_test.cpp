@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libshape/registration/scan_surface.h"
+#include "libshape/mesh/vertex_normals.h"
 #include "tests/support/meshes.h"
 
 namespace shape::internal {

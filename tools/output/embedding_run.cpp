@@ -14,6 +14,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/residual_field.h"
 #include "libshape/embedding/sequence_jumps.h"
@@ -63,6 +64,8 @@ Json figures_of(const std::string& mesh, const std::string& method, const Embedd
         {"converged", report.converged},
         {"seconds", report.seconds},
         {"setup_seconds", report.setup_seconds}};
+    if (report.avoidable_self_intersections)
+        figures["avoidable_self_intersections"] = *report.avoidable_self_intersections;
     if (embedding.multiscale)
         figures["multiscale_seconds"] = times_of(*embedding.multiscale);
     return figures;
@@ -169,6 +172,34 @@ private:
     double worst_edge_ = 0.0;
 };
 
+/// Says what became of faces that cross in no input; nothing if nobody asked.
+void tell_contacts(const Session& session, const Json& embeddings)
+{
+    std::size_t had = 0, have = 0;
+    int most = 0;
+    std::string worst;
+    for (const Json& figures : embeddings) {
+        if (!figures.contains("avoidable_self_intersections"))
+            return;
+        had += figures.at("avoidable_self_intersections").get<int>() > 0 ? 1 : 0;
+        const int left = figures.at("new_self_intersections").get<int>();
+        have += left > 0 ? 1 : 0;
+        if (left > most) {
+            most = left;
+            worst = join(figures.at("name").get<std::string>(), ": ",
+                         counted(to_size(left), "pair"), " of ",
+                         figures.at("avoidable_self_intersections").get<int>());
+        }
+    }
+    if (have > 0)
+        session.warn(join("contact: in ", have, " of ", counted(embeddings.size(), "mesh", "meshes"),
+                          " faces still cross that cross in no input (worst: ", worst,
+                          "); no small bend was found that moves them apart"));
+    if (had > 0)
+        session.message(join("contact: faces that cross in no input were moved apart in ",
+                             had - have, " of ", counted(had, "mesh", "meshes"), " that had some"));
+}
+
 void write_residuals(const MeshOutput& output, const std::filesystem::path& path,
                      const Topology& topology, const Points& points, const DecodedShape& target)
 {
@@ -251,6 +282,11 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
         {{"incremental", RegistrationStart::Incremental},
          {"identity", RegistrationStart::Identity}})
         ->group("Embedding");
+    command
+        .add_flag("--avoid-contact", options.avoid_contact,
+                  "Bend meshes a little where faces cross that cross in no input, until they no longer\n"
+                  "do; says where some still cross. What inputs have of this stays")
+        ->group("Embedding");
 }
 
 void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments, double smoothness)
@@ -328,6 +364,7 @@ Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
     progress("embedding", targets.size(), targets.size());
     output.commit();
     infeasible.warn(session, targets.size(), arguments.verbose);
+    tell_contacts(session, embeddings);
     for (const std::string& row : rows)
         session.message(row);
     Json result{{"outputs", output.paths()}, {"embeddings", embeddings}};
@@ -397,7 +434,7 @@ void check_methods(const EmbeddingOptions& given, const std::vector<EmbeddingMet
 EmbeddingOptions options_of(const Session& session, EmbeddingMethod method,
                             const EmbeddingOptions& given)
 {
-    EmbeddingOptions options{.method = method};
+    EmbeddingOptions options{.method = method, .avoid_contact = given.avoid_contact};
     if (method == EmbeddingMethod::Dihedral) {
         options.quality = given.quality;
         options.smoothness = given.smoothness;

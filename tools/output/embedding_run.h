@@ -28,7 +28,7 @@ struct EmbeddingArguments
     bool verbose = false;     ///< Every infeasible target is described, not all in one line.
 };
 
-/// Adds --method, --quality, --smoothness, --anchor and --init.
+/// Adds --method, --quality, --smoothness, --anchor, --init and --avoid-contact.
 /// @param smoothness  What the help says where none is given.
 void add_embedder_options(CLI::App& command, EmbeddingOptions& options,
                           double smoothness = default_smoothness);

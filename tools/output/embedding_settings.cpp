@@ -12,7 +12,7 @@ using namespace internal;
 
 Json embedding_settings(const Session& session, const EmbeddingOptions& options)
 {
-    return {{"program", version()},
+    Json settings{{"program", version()},
             {"--method", name(options.method)},
             {"--quality", options.quality == EmbeddingQuality::Preview ? "preview" : "fine"},
             {"--smoothness", print_number(options.smoothness.value_or(default_smoothness))},
@@ -20,6 +20,9 @@ Json embedding_settings(const Session& session, const EmbeddingOptions& options)
             {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
                                                                                  : "incremental"},
             {"--seed", join(session.seed)}};
+    if (options.avoid_contact) // else settings are those of runs that knew no such option
+        settings["--avoid-contact"] = "yes";
+    return settings;
 }
 
 } // namespace shape::tools

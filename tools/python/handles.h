@@ -65,7 +65,7 @@ struct DifferenceHandle
 /// @param smoothness  NaN: not given.
 [[nodiscard]] EmbeddingOptions embedding_options(const std::string& method,
                                                  const std::string& quality, double smoothness,
-                                                 std::uint64_t seed);
+                                                 std::uint64_t seed, bool avoid_contact);
 
 [[nodiscard]] SpaceOptions space_options(const std::string& space, const std::string& scale,
                                          const std::string& coordinates, bool area_weighted,

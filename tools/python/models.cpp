@@ -39,7 +39,7 @@ std::shared_ptr<const Embedder> Embedders::get(const EmbeddingOptions& options) 
     const std::string key = join(static_cast<int>(options.method), " ",
                                  options.quality ? static_cast<int>(*options.quality) : -1, " ",
                                  print_number(options.smoothness.value_or(-1.0)), " ",
-                                 print_number(or_minus_one(options.seed)));
+                                 print_number(or_minus_one(options.seed)), options.avoid_contact);
     const std::lock_guard lock(mutex_);
     std::shared_ptr<const Embedder>& made = made_[key];
     if (!made)
@@ -49,7 +49,7 @@ std::shared_ptr<const Embedder> Embedders::get(const EmbeddingOptions& options) 
 }
 
 EmbeddingOptions embedding_options(const std::string& method, const std::string& quality,
-                                   double smoothness, std::uint64_t seed)
+                                   double smoothness, std::uint64_t seed, bool avoid_contact)
 {
     EmbeddingOptions options;
     if (method == "closure")
@@ -69,6 +69,7 @@ EmbeddingOptions embedding_options(const std::string& method, const std::string&
         options.smoothness = smoothness;
     if (options.method == EmbeddingMethod::Multiscale)
         options.seed = seed;
+    options.avoid_contact = avoid_contact;
     check(options);
     return options;
 }
@@ -129,6 +130,7 @@ py::tuple to_python(Embedding embedding)
     figures["inverted_faces"] = report.inverted_faces;
     figures["self_intersections"] = or_none(report.self_intersections);
     figures["new_self_intersections"] = or_none(report.new_self_intersections);
+    figures["avoidable_self_intersections"] = or_none(report.avoidable_self_intersections);
     figures["companion_rms"] = std::isnan(report.companion_rms)
                                    ? py::object(py::none())
                                    : py::object(py::float_(report.companion_rms));

@@ -232,6 +232,15 @@ void GaussNewtonOperator::linearise(const VectorXd& points)
     sums_.clear();
     for (const LengthDihedralEnergy::AngleSum& sum : energy_.held_sums())
         sums_.push_back(slopes_of(sum));
+    for (const LengthDihedralEnergy::Gap& gap : energy_.gaps()) {
+        if (!(LengthDihedralEnergy::lack(gap, points) > 0.0))
+            continue;
+        SumSlopes& slopes = sums_.emplace_back();
+        slopes.vertices = gap.vertices;
+        for (const double factor : gap.factors)
+            slopes.slopes.emplace_back(
+                (std::sqrt(gap.stiffness) * unit_ * factor * gap.direction).cast<float>());
+    }
     Lanes* const normals = internal::lanes(normals_);
     Lanes* const cotangents = internal::lanes(cotangents_);
     Lanes* const stiffness = internal::lanes(stiffness_);

@@ -52,7 +52,8 @@ private:
 
     std::vector<LengthDihedralEnergy::Collapse> collapses_;
 
-    /// How a held sum changes as vertices move: terms of one sum, each of a corner of a hinge.
+    /// How a held sum changes as vertices move, terms of one sum, each of a corner of a hinge; or a gap that
+    /// lacks something.
     struct SumSlopes
     {
         std::vector<int> vertices;

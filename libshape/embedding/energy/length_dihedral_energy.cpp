@@ -266,6 +266,36 @@ void LengthDihedralEnergy::hold_sums(std::vector<AngleSum> sums)
     held_sums_ = std::move(sums);
 }
 
+void LengthDihedralEnergy::keep_apart(std::vector<Gap> gaps)
+{
+    for (const Gap& gap : gaps)
+        if (gap.factors.size() != gap.vertices.size())
+            throw InvalidInput(join("a gap has ", gap.vertices.size(), " vertices and ",
+                                    gap.factors.size(), " factors"));
+    gaps_ = std::move(gaps);
+}
+
+double LengthDihedralEnergy::lack(const Gap& gap, const VectorXd& points)
+{
+    double reached = 0.0;
+    for (std::size_t i = 0; i < gap.vertices.size(); ++i)
+        reached += gap.factors[i] * gap.direction.dot(points.segment<3>(3 * gap.vertices[i]));
+    return std::max(0.0, gap.least - reached);
+}
+
+double LengthDihedralEnergy::add_gaps(const VectorXd& points, VectorXd& gradient) const
+{
+    double energy = 0.0;
+    for (const Gap& gap : gaps_) {
+        const double lacking = lack(gap, points);
+        energy += gap.stiffness * lacking * lacking;
+        for (std::size_t i = 0; i < gap.vertices.size(); ++i)
+            gradient.segment<3>(3 * gap.vertices[i]) -=
+                2.0 * gap.stiffness * lacking * gap.factors[i] * gap.direction;
+    }
+    return energy;
+}
+
 /// What held sums add to E, and to its gradient by the moments of their edges.
 double LengthDihedralEnergy::add_sums()
 {
@@ -392,7 +422,7 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
         to_size(t.edge_count()), 8 * block_size, [&](std::size_t begin, std::size_t end) {
             return std::accumulate(energies_.data() + begin, energies_.data() + end, 0.0);
         });
-    energy += of_sums;
+    energy += of_sums + add_gaps(points, gradient);
     if (hold_weights_.size() > 0) {
         for_blocks(t.vertex_count(), [&](int first, int count) {
             for (int v = first; v < first + count; ++v)

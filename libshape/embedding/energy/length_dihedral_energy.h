@@ -84,6 +84,27 @@ public:
     void hold_sums(std::vector<AngleSum> sums);
     [[nodiscard]] const std::vector<AngleSum>& held_sums() const { return held_sums_; }
 
+    /// A vector between two places of the mesh, and how far it is to reach.
+    struct Gap
+    {
+        std::vector<int> vertices;
+        std::vector<double> factors; ///< The vector is sum_i factors_i x_i [length]; their sum is 0.
+        Eigen::Vector3d direction;   ///< Unit length.
+        double least = 0.0;          ///< [length]
+        double stiffness = 0.0;      ///< [1/length^2], >= 0.
+    };
+
+    /// From now on E has another term for every one of them,
+    ///
+    ///     stiffness min(0, direction . sum_i factors_i x_i - least)^2.
+    ///
+    /// @throws InvalidInput if vertices and factors differ in number.
+    void keep_apart(std::vector<Gap> gaps);
+    [[nodiscard]] const std::vector<Gap>& gaps() const { return gaps_; }
+
+    /// What a gap lacks at points [length]; 0 if nothing.
+    [[nodiscard]] static double lack(const Gap& gap, const Eigen::VectorXd& points);
+
     /// A face that keep_areas() acts on: r = sqrt(beta) log(A* / (2 A)), and dr by its corners.
     struct Collapse
     {
@@ -119,6 +140,7 @@ public:
 private:
     void add_collapses(const Eigen::VectorXd& points);
     [[nodiscard]] double add_sums();
+    [[nodiscard]] double add_gaps(const Eigen::VectorXd& points, Eigen::VectorXd& gradient) const;
 
     Topology topology_;
     ShapePoint target_;
@@ -132,6 +154,7 @@ private:
     Eigen::VectorXd least_squares_; // of normals of faces with half of the wanted area
 
     std::vector<AngleSum> held_sums_;
+    std::vector<Gap> gaps_;
     Eigen::VectorXd held_points_;
     Eigen::VectorXd hold_weights_;
 

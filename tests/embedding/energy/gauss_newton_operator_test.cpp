@@ -98,6 +98,24 @@ TEST(GaussNewtonOperator, IsTheSquareOfTheResidualsDerivatives)
         }
 }
 
+TEST(GaussNewtonOperator, AddsTheSquaresOfGapsThatLackSomething)
+{
+    const test::TestMesh mesh = test::icosphere(1);
+    Random random(5);
+    LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), mu);
+    GaussNewtonOperator matrix(energy);
+    const LaneVectors v = test::random_lane_vectors(mesh.points.rows(), random);
+    LaneVectors product;
+    linearise(matrix, energy, mesh.points);
+    const double without = matrix.apply(v, product);
+    const Eigen::Vector3d direction = Eigen::Vector3d::UnitY();
+    energy.keep_apart({{{3, 8}, {1.0, -1.0}, direction, 10.0, 2.0},     // of a sphere of radius 1
+                       {{4, 9}, {1.0, -1.0}, direction, -10.0, 2.0}}); // lacks nothing
+    linearise(matrix, energy, mesh.points);
+    const double change = matrix.unit() * static_cast<double>(v(1, 3) - v(1, 8));
+    EXPECT_NEAR(matrix.apply(v, product) - without, 2.0 * change * change, 1e-4 * without);
+}
+
 TEST(GaussNewtonOperator, AddsTheSquaresOfAreasThatAreKept)
 {
     for (const test::TestMesh& mesh : test::sample_meshes()) {

@@ -234,6 +234,28 @@ TEST(LengthDihedralEnergy, HoldsSumsOfAngles)
     expect_gradient(energy, x, gradient, 1);
 }
 
+TEST(LengthDihedralEnergy, KeepsPlacesApartThatAreTooNear)
+{
+    const test::TestMesh mesh = test::icosphere(1);
+    LengthDihedralEnergy energy(mesh.topology, test::shape_of(mesh.topology, mesh.points), 0.1);
+    VectorXd x = flat(mesh.points);
+    const Eigen::Vector3d direction = Eigen::Vector3d(1.0, 2.0, -2.0) / 3.0;
+    const double between = direction.dot(Eigen::Vector3d(
+        mesh.points.row(3) - 0.25 * mesh.points.row(7) - 0.75 * mesh.points.row(8)));
+    const auto gap = [&](double least) {
+        return LengthDihedralEnergy::Gap{{3, 7, 8}, {1.0, -0.25, -0.75}, direction, least, 5.0};
+    };
+    VectorXd gradient;
+    energy.keep_apart({gap(between - 0.1)});
+    EXPECT_LT(energy.evaluate(x, gradient), 1e-20);
+    energy.keep_apart({gap(between + 0.2), gap(between + 0.1)});
+    EXPECT_NEAR(energy.evaluate(x, gradient), 5.0 * (0.04 + 0.01), 1e-12);
+    expect_gradient(energy, x, gradient, 1);
+    energy.keep_apart({});
+    EXPECT_LT(energy.evaluate(x, gradient), 1e-20);
+    EXPECT_THROW(energy.keep_apart({{{1, 2}, {1.0}, direction, 0.0, 1.0}}), InvalidInput);
+}
+
 TEST(LengthDihedralEnergy, RefusesSumsThatDoNotFit)
 {
     const test::TestMesh mesh = test::open_patch(3, 1);

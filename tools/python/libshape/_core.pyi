@@ -12,7 +12,9 @@ Projection = Tuple[List[str], LabelValues, Array, Array, Array]
 LabelColumns = Sequence[Tuple[str, List[str]]]
 
 class EmbeddingOptions:
-    def __init__(self, method: str, quality: str, smoothness: float, seed: int) -> None: ...
+    def __init__(
+        self, method: str, quality: str, smoothness: float, seed: int, avoid_contact: bool
+    ) -> None: ...
 
 class SpaceOptions:
     def __init__(

@@ -108,13 +108,18 @@ MeshLike = Any  #: A Mesh, a pair (V, F), or a mesh of trimesh, meshio or pyvist
 
 
 def _options(
-    method: str, quality: str, smoothness: Optional[float], seed: int = 1
+    method: str,
+    quality: str,
+    smoothness: Optional[float],
+    avoid_contact: bool,
+    seed: int = 1,
 ) -> _core.EmbeddingOptions:
     return _core.EmbeddingOptions(
         _arrays.text(method, "method"),
         _arrays.text(quality, "quality"),
         float("nan") if smoothness is None else _arrays.finite_number(smoothness, "smoothness"),
         seed,
+        _arrays.flag(avoid_contact, "avoid_contact"),
     )
 
 
@@ -383,15 +388,20 @@ class Model:
         method: str = "dihedral",
         quality: str = "",
         smoothness: Optional[float] = None,
+        avoid_contact: bool = False,
     ) -> Tuple[Mesh, Report]:
         """The mesh at scores of the first modes in standard deviations, the others being 0.
 
-        size: of the result [length]; default: mean_size. method, quality ("preview" or "fine") and
-        smoothness are as of `shape generate`. The same bits as `shape generate --scores`.
+        size: of the result [length]; default: mean_size. method, quality ("preview" or "fine"),
+        smoothness and avoid_contact are as of `shape generate`. The same bits as `shape generate --scores`.
         """
         row = _arrays.finite(_arrays.vector(scores, "scores"), "scores")
         ((points, figures),) = _core.decode(
-            self._core, [row], self._size(size), _options(method, quality, smoothness), None
+            self._core,
+            [row],
+            self._size(size),
+            _options(method, quality, smoothness, avoid_contact),
+            None,
         )
         return Mesh(points, self.F, "scores"), _report(figures)
 
@@ -407,6 +417,7 @@ class Model:
         method: str = "dihedral",
         quality: str = "",
         smoothness: Optional[float] = None,
+        avoid_contact: bool = False,
         progress: Progress = None,
     ) -> Tuple[List[Mesh], List[Report]]:
         """decode() of every row of (n, k) scores."""
@@ -417,7 +428,7 @@ class Model:
             self._core,
             list(_arrays.finite(rows, "scores")),
             self._size(size),
-            _options(method, quality, smoothness),
+            _options(method, quality, smoothness, avoid_contact),
             _arrays.progress(progress),
         )
         meshes = [Mesh(points, self.F, f"scores_{i:04}") for i, (points, _) in enumerate(made)]
@@ -548,6 +559,7 @@ class Difference:
         method: str = "dihedral",
         quality: str = "",
         smoothness: Optional[float] = None,
+        avoid_contact: bool = False,
     ) -> Tuple[Mesh, Report]:
         """A mesh with so much of the difference added, in its place; default: onto the mean of `from`."""
         share = _arrays.finite_number(amount, "amount")
@@ -560,7 +572,7 @@ class Difference:
             starts = [_arrays.finite(vertices, "onto.V")]
             name = _name_of(onto, name)
         ((points, figures),) = _core.apply(
-            self._core, starts, share, _options(method, quality, smoothness), None
+            self._core, starts, share, _options(method, quality, smoothness, avoid_contact), None
         )
         return Mesh(points, self.F, name), _report(figures)
 
@@ -768,6 +780,7 @@ def interpolate(
     method: str = "dihedral",
     quality: str = "",
     smoothness: Optional[float] = None,
+    avoid_contact: bool = False,
     progress: Progress = None,
 ) -> Frames:
     """Blends of two or more meshes in edge-length space, the same bits as `shape interpolate`.
@@ -803,7 +816,7 @@ def interpolate(
         list(rows),
         weights is None,
         _arrays.flag(squared, "squared"),
-        _options(method, quality, smoothness),
+        _options(method, quality, smoothness, avoid_contact),
         _arrays.progress(progress),
     )
     return Frames(

@@ -32,6 +32,7 @@ class Report:
     inverted_faces: int  #: Faces without area, or folded flat onto a neighbour.
     self_intersections: Optional[int]  #: Pairs of faces that pass through each other.
     new_self_intersections: Optional[int]  #: Those that do so in no input.
+    avoidable_self_intersections: Optional[int]  #: What that was before avoid_contact; else None.
     companion_rms: Optional[float]  #: How far off in the large, % of the diagonal; see docs/embedding.md.
     iterations: int
     converged: bool
