@@ -2,7 +2,7 @@
 
 #include "libshape/embedding/contact_avoidance.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "libshape/embedding/contact/contact_separation.h"
 #include "libshape/embedding/report.h"
@@ -23,14 +23,13 @@ ContactAvoidance::Result ContactAvoidance::apart(const Points& points, const Sha
     });
     ContactSeparationOptions options;
     options.smoothness = smoothness_;
-    ContactSeparation separation =
-        separate_contacts(topology_, crossings_.faces(), crossings_.known(),
-                          laplacian_->single_precision(), points, options);
     const auto inverted = [&](const Points& mesh) {
         return measure_embedding(topology_, mesh, target).inverted_faces;
     };
-    if (inverted(separation.points) > inverted(points))
-        return {points, before};
+    const int inverted_before = inverted(points);
+    ContactSeparation separation = separate_contacts(
+        topology_, crossings_.faces(), crossings_.known(), laplacian_->single_precision(), points,
+        [&](const Points& mesh) { return inverted(mesh) <= inverted_before; }, options);
     return {std::move(separation.points), before};
 }
 

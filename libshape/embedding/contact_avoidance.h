@@ -35,8 +35,8 @@ public:
         int pairs_before; ///< That cross in no reference.
     };
 
-    /// The mesh moved apart (separate_contacts()); as it was where that would leave no fewer pairs, or more
-    /// inverted faces.
+    /// The mesh moved apart (separate_contacts()), without more inverted faces than it had; as it was where
+    /// that would leave no fewer pairs.
     /// @param target  What it was made from.
     /// Safe to call concurrently.
     [[nodiscard]] Result apart(const Points& points, const ShapePoint& target);

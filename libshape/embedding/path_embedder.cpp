@@ -90,8 +90,7 @@ Embedding PathEmbedder::embed(double t) const
         mesh.points = std::move(apart.points);
         avoidable = apart.pairs_before;
     }
-    Embedding embedding =
-        finished_embedding(s.topology, mesh, s.references.front(), target, start);
+    Embedding embedding = finished_embedding(s.topology, mesh, s.references.front(), target, start);
     embedding.report.setup_seconds = s.setup_seconds;
     s.crossings.add_to(embedding);
     embedding.report.avoidable_self_intersections = avoidable;

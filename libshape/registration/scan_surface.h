@@ -29,10 +29,6 @@ struct Surface
     [[nodiscard]] Eigen::Vector3d normal_at(const SurfacePoint& point) const;
 };
 
-/// sum (x - c) . n dA / sum |x - c| dA, c the centroid: about 1 of a surface seen from outside, -1 of
-/// one that is inside out, 0 where neither can be told.
-[[nodiscard]] double outwardness(const Points& points, const Faces& faces);
-
 /// The faces of a scan, each turned over where a clear majority of its patch (faces joined by edges that both run
 /// through in opposite directions) faces away from the nearest faces of `reference`.
 /// @return Faces, and how many were turned over.

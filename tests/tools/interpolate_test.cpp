@@ -248,6 +248,17 @@ TEST_F(Interpolate, KeyframesAreThoseOfTheMethodAndTheRestIsFilledIn)
     }
 }
 
+TEST_F(Interpolate, AvoidingContactLeavesMeshesThatAreFreeAndSaysSo)
+{
+    const Json plain = run({"--weights", "0.5,0.5", "-o", "plain.ply"})["embeddings"][0];
+    EXPECT_FALSE(plain.contains("avoidable_self_intersections"));
+    const Json apart =
+        run({"--weights", "0.5,0.5", "-o", "apart.ply", "--avoid-contact"})["embeddings"][0];
+    EXPECT_EQ(apart["avoidable_self_intersections"], plain["new_self_intersections"]);
+    EXPECT_EQ(apart["new_self_intersections"], 0);
+    EXPECT_EQ(difference("plain.ply", "apart.ply"), 0.0);
+}
+
 TEST_F(Interpolate, TimesOfTheMultiscaleMethodAreSplit)
 {
     const Json embedding =

@@ -186,13 +186,14 @@ void tell_contacts(const Session& session, const Json& embeddings)
         have += left > 0 ? 1 : 0;
         if (left > most) {
             most = left;
-            worst = join(figures.at("name").get<std::string>(), ": ",
-                         counted(to_size(left), "pair"), " of ",
-                         figures.at("avoidable_self_intersections").get<int>());
+            worst =
+                join(figures.at("name").get<std::string>(), ": ", counted(to_size(left), "pair"),
+                     " of ", figures.at("avoidable_self_intersections").get<int>());
         }
     }
     if (have > 0)
-        session.warn(join("contact: in ", have, " of ", counted(embeddings.size(), "mesh", "meshes"),
+        session.warn(join("contact: in ", have, " of ",
+                          counted(embeddings.size(), "mesh", "meshes"),
                           " faces still cross that cross in no input (worst: ", worst,
                           "); no small bend was found that moves them apart"));
     if (had > 0)
@@ -283,9 +284,10 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
          {"identity", RegistrationStart::Identity}})
         ->group("Embedding");
     command
-        .add_flag("--avoid-contact", options.avoid_contact,
-                  "Bend meshes a little where faces cross that cross in no input, until they no longer\n"
-                  "do; says where some still cross. What inputs have of this stays")
+        .add_flag(
+            "--avoid-contact", options.avoid_contact,
+            "Bend meshes a little where faces cross that cross in no input, until they no longer\n"
+            "do; says where some still cross. What inputs have of this stays")
         ->group("Embedding");
 }
 

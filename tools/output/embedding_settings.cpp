@@ -12,14 +12,15 @@ using namespace internal;
 
 Json embedding_settings(const Session& session, const EmbeddingOptions& options)
 {
-    Json settings{{"program", version()},
-            {"--method", name(options.method)},
-            {"--quality", options.quality == EmbeddingQuality::Preview ? "preview" : "fine"},
-            {"--smoothness", print_number(options.smoothness.value_or(default_smoothness))},
-            {"--anchor", print_number(options.anchor.value_or(default_anchor))},
-            {"--init", options.registration_start == RegistrationStart::Identity ? "identity"
-                                                                                 : "incremental"},
-            {"--seed", join(session.seed)}};
+    Json settings{
+        {"program", version()},
+        {"--method", name(options.method)},
+        {"--quality", options.quality == EmbeddingQuality::Preview ? "preview" : "fine"},
+        {"--smoothness", print_number(options.smoothness.value_or(default_smoothness))},
+        {"--anchor", print_number(options.anchor.value_or(default_anchor))},
+        {"--init",
+         options.registration_start == RegistrationStart::Identity ? "identity" : "incremental"},
+        {"--seed", join(session.seed)}};
     if (options.avoid_contact) // else settings are those of runs that knew no such option
         settings["--avoid-contact"] = "yes";
     return settings;

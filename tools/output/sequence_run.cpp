@@ -95,9 +95,9 @@ EmbeddingOptions keyframe_options(const Session& session, const EmbeddingArgumen
     std::vector<EmbeddingMethod> used{embedding.options.method};
     if (arguments.keyframes > 0 && embedding.options.avoid_contact &&
         !filling_method(arguments.between))
-        throw UsageError(join("--avoid-contact does not go with --between ",
-                              between_name(arguments.between),
-                              ", which moves vertices from keyframe to keyframe and embeds nothing"));
+        throw UsageError(
+            join("--avoid-contact does not go with --between ", between_name(arguments.between),
+                 ", which moves vertices from keyframe to keyframe and embeds nothing"));
     if (arguments.keyframes > 0)
         if (const auto filling = filling_method(arguments.between))
             used.push_back(*filling);

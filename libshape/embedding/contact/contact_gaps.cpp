@@ -86,7 +86,8 @@ public:
     Surface(const Topology& topology, const VectorXd& points)
         : topology_(topology),
           points_(Points::Map(points.data(), topology.vertex_count(), 3)),
-          normals_(vertex_normals(points_, topology.faces()))
+          outward_(outwardness(points_, topology.faces()) < 0.0 ? -1 : 1),
+          normals_(static_cast<double>(outward_) * vertex_normals(points_, topology.faces()))
     {
     }
 
@@ -165,7 +166,7 @@ private:
         const auto at = [&](int v) { return points_.data() + 3 * v; };
         if (!crosses(at(p), at(q), {at(t[0]), at(t[1]), at(t[2])}))
             return std::nullopt;
-        if (side_of_plane(at(t[0]), at(t[1]), at(t[2]), at(p)) < 0)
+        if (outward_ * side_of_plane(at(t[0]), at(t[1]), at(t[2]), at(p)) < 0)
             return std::pair(p, q);
         return std::pair(q, p);
     }
@@ -183,9 +184,8 @@ private:
         double least = std::numeric_limits<double>::infinity();
         for (const int f : faces) {
             const Eigen::RowVector3i t = topology_.faces().row(f);
-            if (std::any_of(t.begin(), t.end(), [&](int v) {
-                    return std::binary_search(near.begin(), near.end(), v);
-                }))
+            if (std::any_of(t.begin(), t.end(),
+                            [&](int v) { return std::binary_search(near.begin(), near.end(), v); }))
                 continue;
             const Vector3d w = nearest_in_triangle(here, point(t[0]), point(t[1]), point(t[2]));
             const auto mean = [&](const Points& values) -> Vector3d {
@@ -218,7 +218,8 @@ private:
 
     const Topology& topology_;
     Points points_;
-    Points normals_; // of the vertices
+    int outward_;    // -1 if faces are clockwise seen from outside
+    Points normals_; // of the vertices, outwards
 };
 
 /// Places around faces of pairs, and the faces that these cross, or are kept from.

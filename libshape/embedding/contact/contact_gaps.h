@@ -19,7 +19,7 @@ struct ContactGapOptions
     double margin = 0.1;
     /// A gap asks for at most this part of the edges around more than there is [1]; > 0: what is far behind comes
     /// out step by step.
-    double step = 0.12;
+    double step = 0.06;
     /// Places farther behind a surface than so many of the edges around are left alone [1]; > 0. They lie behind
     /// something else.
     double deepest = 3.0;
@@ -34,7 +34,7 @@ void check(const ContactGapOptions& options);
 /// vertex and every middle of an edge around one face of a pair to the nearest point of the surface
 /// around the other, along the normal there.
 ///
-/// Surfaces meet with their outsides, as solid bodies do. So of an edge that crosses a face the end
+/// Surfaces meet with their outsides (outwardness()), as solid bodies do. So of an edge that crosses a face the end
 /// behind it is through, and with it what hangs together with this end by edges that cross nothing
 /// (Baraff, Witkin, Kass 2003: global intersection analysis). Of other places it is only seen to that
 /// they come no nearer than the margin: that they lie behind the plane of the nearest face says nothing about them.

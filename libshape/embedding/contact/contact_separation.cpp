@@ -31,6 +31,7 @@ void check(const ContactSeparationOptions& options)
 ContactSeparation separate_contacts(const Topology& topology, const FaceTree& faces,
                                     const std::vector<FacePair>& allowed,
                                     const SinglePrecisionSolve& factor, const Points& points,
+                                    const std::function<bool(const Points&)>& is_acceptable,
                                     const ContactSeparationOptions& options)
 {
     check(options);
@@ -74,7 +75,7 @@ ContactSeparation separate_contacts(const Topology& topology, const FaceTree& fa
         const double bent = energy.evaluate(here, gradient);
         const auto count = static_cast<int>(pairs.size());
         const bool is_better = count < best.pairs || (count == best.pairs && bent < least);
-        if (is_better && found.size() <= at_start.size()) {
+        if (is_better && found.size() <= at_start.size() && is_acceptable(mesh(here))) {
             best = {mesh(here), count};
             least = bent;
         }

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "libshape/embedding/contact/contact_gaps.h"
@@ -40,17 +41,17 @@ struct ContactSeparation
 /// length_dihedral_energy.h whose wanted lengths and angles are the mesh's own, so that it is at its
 /// minimum where nothing crosses. In every round the gaps (contact_gaps()) of all pairs that have crossed so far are found
 /// anew, and E descends with them. Of all rounds that mesh is taken that has the fewest pairs, and of these
-/// the least E; one with more crossings in all than at the start is not.
+/// the least E; one with more crossings in all than at the start is not, nor one that is not acceptable.
 /// @param faces  Of the topology.
 /// @param allowed  Pairs that may cross, sorted.
 /// @param factor  Of the Laplacian weighted by 1 / l^2 (edge_laplacian.h).
 /// @return The points as they were if no round has fewer pairs.
 /// @throws InvalidInput if an option breaks its rule; NumericalError if E is not finite.
 /// Same bits for any number of threads.
-[[nodiscard]] ContactSeparation separate_contacts(const Topology& topology, const FaceTree& faces,
-                                                  const std::vector<FacePair>& allowed,
-                                                  const SinglePrecisionSolve& factor,
-                                                  const Points& points,
-                                                  const ContactSeparationOptions& options = {});
+[[nodiscard]] ContactSeparation separate_contacts(
+    const Topology& topology, const FaceTree& faces, const std::vector<FacePair>& allowed,
+    const SinglePrecisionSolve& factor, const Points& points,
+    const std::function<bool(const Points&)>& is_acceptable,
+    const ContactSeparationOptions& options = {});
 
 } // namespace shape::internal

@@ -88,10 +88,11 @@ public:
     struct Gap
     {
         std::vector<int> vertices;
-        std::vector<double> factors; ///< The vector is sum_i factors_i x_i [length]; their sum is 0.
-        Eigen::Vector3d direction;   ///< Unit length.
-        double least = 0.0;          ///< [length]
-        double stiffness = 0.0;      ///< [1/length^2], >= 0.
+        std::vector<double>
+            factors;               ///< The vector is sum_i factors_i x_i [length]; their sum is 0.
+        Eigen::Vector3d direction; ///< Unit length.
+        double least = 0.0;        ///< [length]
+        double stiffness = 0.0;    ///< [1/length^2], >= 0.
     };
 
     /// From now on E has another term for every one of them,
