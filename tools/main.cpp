@@ -50,7 +50,7 @@ constexpr Command commands[] = {
     {"stats", set_up_stats, ".h5", true},
     {"project", set_up_project, ".csv", true},
     {"distance", set_up_distance, ".csv", true},
-    {"quality", set_up_quality, ".csv"},
+    {"quality", set_up_quality, ".csv", true},
     {"generate", set_up_generate, ".ply", true},
     {"groups", set_up_groups, ".csv"},
     {"classify", set_up_classify, ".csv"},

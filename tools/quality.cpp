@@ -23,6 +23,7 @@
 #include "tools/output/pass_store.h"
 #include "tools/output/plot_output.h"
 #include "tools/program/arguments.h"
+#include "tools/program/ranks.h"
 #include "tools/program/session.h"
 
 namespace shape::tools {
@@ -195,8 +196,8 @@ void run(const Session& session, const Arguments& arguments)
     std::vector<int> modes =
         arguments.modes.empty() ? std::vector<int>() : mode_counts(arguments.modes);
     check_outputs(session, arguments);
-    const auto meshes =
-        open_for_passes(session, arguments.input, arguments.space, arguments.memory);
+    const auto meshes = open_for_passes(session, arguments.input, arguments.space, arguments.memory,
+                                        ranks().lots > 1);
     const Collection collection =
         meshes ? Collection{meshes->topology, meshes->names, {}, meshes->labels}
                : read_labelled(session, arguments.input);
@@ -212,10 +213,13 @@ void run(const Session& session, const Arguments& arguments)
     StreamOptions stream;
     stream.memory = arguments.memory.bytes;
     stream.scratch = scratch_folder(arguments.output);
+    stream.ranks = ranks();
     const ModelQuality quality =
         meshes ? measure_quality(*meshes, folds, options, stream, session.progress())
                : measure_quality(collection, folds, options, session.progress());
     throw_if_stop_requested();
+    if (!ranks().speaks())
+        return;
     const std::string drawing = arguments.plot.empty() ? std::string() : draw(quality);
     std::vector<std::string> outputs{arguments.output};
     write_table(arguments.output, quality_table(quality));

@@ -3,12 +3,14 @@
 #include "libshape/model/model_quality.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -49,24 +51,28 @@ struct MeshSource
     std::function<Collection(const Indices& some)> read;
     /// All meshes once, in their order.
     std::function<void(const std::function<void(const Collection& block)>& visit)> for_each_block;
+    Ranks ranks = {};
 };
 
 MeshSource source_of(const Collection& collection)
 {
-    return {collection.topology, collection.size(),
+    return {collection.topology,
+            collection.size(),
             [&](const MeshSource::Indices& some, const ModelOptions& options) {
                 const bool is_all = some.size() == collection.size();
                 return is_all ? fit_model(collection, options)
                               : fit_model(subset(collection, some), options);
             },
             [&](const MeshSource::Indices& some) { return subset(collection, some); },
-            [&](const auto& visit) { visit(collection); }};
+            [&](const auto& visit) { visit(collection); },
+            {}};
 }
 
 MeshSource source_of(const MeshStream& meshes, const StreamOptions& stream)
 {
     constexpr Index block = 32;
-    return {meshes.topology, to_size(meshes.size()),
+    return {meshes.topology,
+            to_size(meshes.size()),
             [&](const MeshSource::Indices& some, const ModelOptions& options) {
                 StreamOptions own;
                 own.memory = stream.memory;
@@ -74,6 +80,7 @@ MeshSource source_of(const MeshStream& meshes, const StreamOptions& stream)
                 own.tolerance = stream.tolerance;
                 own.seed = stream.seed;
                 own.scratch = stream.scratch;
+                own.ranks = stream.ranks;
                 return fit_model(subset(meshes, some), options, own).model;
             },
             [&](const MeshSource::Indices& some) {
@@ -87,7 +94,8 @@ MeshSource source_of(const MeshStream& meshes, const StreamOptions& stream)
             [&](const auto& visit) {
                 for_each_block(meshes, 0, meshes.size(), block,
                                [&](Index, const Collection& part) { visit(part); });
-            }};
+            },
+            stream.ranks};
 }
 
 void check_folds(const MeshSource& meshes, const Grouping& folds)
@@ -171,16 +179,22 @@ ShapeModel fit(const MeshSource& meshes, const MeshSource::Indices& some,
     return model;
 }
 
-/// Decodes points of models into meshes, several at a time.
+/// Decodes points of models into meshes, several at a time, each process every count-th row of scores.
 class Decoder
 {
 public:
-    Decoder(const QualityOptions& options, const Progress& progress, int total)
-        : options_(options), progress_(progress), total_(to_size(total))
+    Decoder(const QualityOptions& options, const Ranks& ranks, const Progress& progress, int total)
+        : options_(options),
+          ranks_(ranks),
+          progress_(progress),
+          total_(to_size(total / ranks.count))
     {
     }
 
-    /// One mesh for every row of scores and every number of modes, rows first.
+    [[nodiscard]] bool is_own(Index row) const { return row % ranks_.count == ranks_.number; }
+
+    /// One mesh for every row of scores and every number of modes, rows first; none of rows that are not
+    /// this process's own.
     std::vector<Points> operator()(const ShapeModel& model, const RowMatrix& scores,
                                    const Eigen::VectorXd& sizes)
     {
@@ -192,8 +206,10 @@ public:
         std::vector<Points> meshes(to_size(scores.rows()) * counts);
         std::atomic<int> nearest = 0;
         for (Index row = 0; row < scores.rows(); ++row) {
+            if (!is_own(row))
+                continue;
             if (progress_)
-                progress_("decoding", to_size(decoded), total_);
+                progress_("decoding", to_size(decoded), std::max(total_, to_size(decoded)));
             parallel_for(counts, 1, [&](std::size_t k, std::size_t) {
                 const Eigen::VectorXd first = scores.row(row).head(options_.modes[k]).transpose();
                 Embedding embedding = embedder_->embed(model_point(model, first, sizes[row]));
@@ -206,11 +222,20 @@ public:
         return meshes;
     }
 
+    /// Meshes decoded, and those of infeasible lengths among them, of all processes.
+    [[nodiscard]] std::pair<int, int> counts() const
+    {
+        std::array<double, 2> sums{static_cast<double>(decoded), static_cast<double>(infeasible)};
+        ranks_.add_up(sums);
+        return {static_cast<int>(sums[0]), static_cast<int>(sums[1])};
+    }
+
     int decoded = 0;
     int infeasible = 0;
 
 private:
     const QualityOptions& options_;
+    const Ranks& ranks_;
     const Progress& progress_;
     std::size_t total_;
     Points reference_;
@@ -222,8 +247,8 @@ void measure_generalisation(const MeshSource& meshes, const Grouping& folds,
                             const std::vector<int>& tests, Decoder& decode, ModelQuality& quality)
 {
     const auto counts = static_cast<Index>(options.modes.size());
-    Eigen::MatrixXd vertex(static_cast<Index>(tests.size()), counts);
-    Eigen::MatrixXd edge(vertex.rows(), counts);
+    Eigen::MatrixXd vertex = Eigen::MatrixXd::Zero(static_cast<Index>(tests.size()), counts);
+    Eigen::MatrixXd edge = vertex;
     Index row = 0;
     for (int fold = 0; fold < folds.group_count(); ++fold) {
         MeshSource::Indices left_out;
@@ -242,6 +267,8 @@ void measure_generalisation(const MeshSource& meshes, const Grouping& folds,
         const Projection projection = project(model, tested);
         const std::vector<Points> decoded = decode(model, projection.scores, projection.sizes);
         for (std::size_t i = 0; i < left_out.size(); ++i, ++row) {
+            if (!decode.is_own(static_cast<Index>(i)))
+                continue;
             const Measured truth = ruler(tested.points[i]);
             for (Index k = 0; k < counts; ++k) {
                 const Measured mesh = ruler(decoded[i * to_size(counts) + to_size(k)]);
@@ -250,6 +277,8 @@ void measure_generalisation(const MeshSource& meshes, const Grouping& folds,
             }
         }
     }
+    for (Eigen::MatrixXd* distances : {&vertex, &edge})
+        meshes.ranks.add_up({distances->data(), to_size(distances->size())});
     quality.generalisation_vertex = summarise(vertex);
     quality.generalisation_edge = summarise(edge);
 }
@@ -281,21 +310,29 @@ void lower_distances(const Collection& block, const Ruler& ruler,
 }
 
 /// Distances of samples to the nearest mesh.
+/// @param decoded  Empty where another process has the sample.
 void measure_specificity(const MeshSource& meshes, const Ruler& ruler,
                          const std::vector<Points>& decoded, Index counts, ModelQuality& quality)
 {
     std::vector<Measured> samples;
-    samples.reserve(decoded.size());
-    for (const Points& points : decoded)
-        samples.push_back(ruler(points));
+    MeshSource::Indices places;
+    for (std::size_t i = 0; i < decoded.size(); ++i) {
+        if (decoded[i].size() == 0)
+            continue;
+        samples.push_back(ruler(decoded[i]));
+        places.push_back(i);
+    }
     const auto total = static_cast<Index>(samples.size());
     Eigen::VectorXd vertex =
         Eigen::VectorXd::Constant(total, std::numeric_limits<double>::infinity());
     Eigen::VectorXd edge = vertex;
     meshes.for_each_block(
         [&](const Collection& block) { lower_distances(block, ruler, samples, vertex, edge); });
-    const auto curve = [&](const Eigen::VectorXd& nearest) {
-        return summarise(nearest.reshaped<Eigen::RowMajor>(total / counts, counts));
+    const auto curve = [&](const Eigen::VectorXd& own) {
+        Eigen::VectorXd nearest = Eigen::VectorXd::Zero(static_cast<Index>(decoded.size()));
+        nearest(places) = own;
+        meshes.ranks.add_up({nearest.data(), decoded.size()});
+        return summarise(nearest.reshaped<Eigen::RowMajor>(nearest.size() / counts, counts));
     };
     quality.specificity_vertex = curve(vertex);
     quality.specificity_edge = curve(edge);
@@ -314,7 +351,8 @@ ModelQuality measure(const MeshSource& meshes, const Grouping& folds, const Qual
     quality.modes = options.modes;
     quality.tests = static_cast<int>(tests.size());
     const Ruler ruler(meshes, options.space.scale);
-    Decoder decode(options, progress, (quality.tests + options.samples) * static_cast<int>(counts));
+    Decoder decode(options, meshes.ranks, progress,
+                   (quality.tests + options.samples) * static_cast<int>(counts));
     measure_generalisation(meshes, folds, options, ruler, tests, decode, quality);
 
     MeshSource::Indices all(meshes.count);
@@ -331,8 +369,7 @@ ModelQuality measure(const MeshSource& meshes, const Grouping& folds, const Qual
     const std::vector<Points> samples =
         decode(model, scores, Eigen::VectorXd::Constant(options.samples, model.mean_size()));
     measure_specificity(meshes, ruler, samples, counts, quality);
-    quality.infeasible = decode.infeasible;
-    quality.decoded = decode.decoded;
+    std::tie(quality.decoded, quality.infeasible) = decode.counts();
     return quality;
 }
 

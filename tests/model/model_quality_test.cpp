@@ -15,6 +15,7 @@
 #include "libshape/model/shape_model.h"
 #include "tests/support/collections.h"
 #include "tests/support/meshes.h"
+#include "tests/support/thread_ranks.h"
 #include "tests/support/thread_scope.h"
 
 namespace shape {
@@ -165,6 +166,37 @@ TEST(ModelQuality, InPassesIsThatInMemory)
                  InvalidInput);
     EXPECT_THROW((void)measure_quality(stream_of(collection), folds, options, {.tolerance = 2.0}),
                  InvalidInput);
+}
+
+TEST(ModelQuality, HasTheSameBitsForOneTwoAndFourProcesses)
+{
+    const Collection collection = test::bumpy_spheres(14, 2);
+    const Grouping folds = random_folds(14, 4, 1);
+    const QualityOptions options{.space = edge, .modes = {1, 3}, .tests = 5, .samples = 3};
+    const auto made = [&](int count) {
+        std::vector<ModelQuality> found(to_size(count));
+        test::run_as_ranks(count, [&](const Ranks& ranks) {
+            StreamOptions stream;
+            stream.ranks = ranks;
+            found[to_size(ranks.number)] =
+                measure_quality(stream_of(collection), folds, options, stream);
+        });
+        return found;
+    };
+    const ModelQuality alone = made(1).front();
+    EXPECT_EQ(alone.decoded, (5 + 3) * 2);
+    for (const int count : {2, 4})
+        for (const ModelQuality& found : made(count)) {
+            EXPECT_EQ(found.compactness, alone.compactness);
+            EXPECT_EQ(found.decoded, alone.decoded);
+            EXPECT_EQ(found.infeasible, alone.infeasible);
+            for (const auto curve :
+                 {&ModelQuality::generalisation_vertex, &ModelQuality::generalisation_edge,
+                  &ModelQuality::specificity_vertex, &ModelQuality::specificity_edge}) {
+                EXPECT_EQ((found.*curve).mean, (alone.*curve).mean);
+                EXPECT_EQ((found.*curve).deviation, (alone.*curve).deviation);
+            }
+        }
 }
 
 TEST(ModelQuality, RefusesWhatBreaksARule)

@@ -40,7 +40,8 @@ def same_bytes_from_1_2_and_4():
             ("model.h5", ["stats", "c.h5", "--modes", "5", "-o"]),
             ("krylov.h5", ["stats", "c.h5", "--modes", "5", "--algorithm", "krylov", "-o"]),
             ("scores.csv", ["project", "model-1.h5", "c.h5", "-o"]),
-            ("distances.csv", ["distance", "c.h5", "-o"])]:
+            ("distances.csv", ["distance", "c.h5", "-o"]),
+            ("quality.csv", ["quality", "c.h5", "--modes", "1,3", "--folds", "3", "--tests", "7", "--samples", "5", "-o"])]:
         results = []
         for processes in (1, 2, 4):
             output = Path(f"-{processes}.".join(name.split(".")))
