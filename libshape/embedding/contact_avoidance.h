@@ -36,7 +36,7 @@ public:
     };
 
     /// The mesh moved apart (separate_contacts()), without more inverted faces than it had; as it was where
-    /// that would leave no fewer pairs.
+    /// more than half of the pairs would stay.
     /// @param target  What it was made from.
     /// Safe to call concurrently.
     [[nodiscard]] Result apart(const Points& points, const ShapePoint& target);

@@ -54,7 +54,8 @@ ContactSeparation separate_contacts(const Topology& topology, const FaceTree& fa
     VectorXd here = points.reshaped<Eigen::RowMajor>();
     const std::vector<FacePair> at_start = crossing_in(here);
     std::vector<FacePair> met = not_allowed(at_start); // in any round
-    ContactSeparation best{points, static_cast<int>(met.size())};
+    const auto pairs_before = static_cast<int>(met.size());
+    ContactSeparation best{points, pairs_before};
     double least = 0.0; // E of the best
     ContactGapOptions gaps = options.gaps;
     int refinements = 0;
@@ -84,6 +85,9 @@ ContactSeparation separate_contacts(const Topology& topology, const FaceTree& fa
         met.swap(all);
         gaps.stiffness *= options.growth;
     }
+    // What costs edges and hardly helps is no better mesh: the arm's crease loses 2 of 29 pairs for edges off by 17 %.
+    if (2 * best.pairs > pairs_before)
+        return {points, pairs_before};
     return best;
 }
 

@@ -45,7 +45,7 @@ struct ContactSeparation
 /// @param faces  Of the topology.
 /// @param allowed  Pairs that may cross, sorted.
 /// @param factor  Of the Laplacian weighted by 1 / l^2 (edge_laplacian.h).
-/// @return The points as they were if no round has fewer pairs.
+/// @return The points as they were if in no round at least half of the pairs are gone.
 /// @throws InvalidInput if an option breaks its rule; NumericalError if E is not finite.
 /// Same bits for any number of threads.
 [[nodiscard]] ContactSeparation separate_contacts(
