@@ -85,7 +85,7 @@ ContactSeparation separate_contacts(const Topology& topology, const FaceTree& fa
         met.swap(all);
         gaps.stiffness *= options.growth;
     }
-    // What costs edges and hardly helps is no better mesh: the arm's crease loses 2 of 29 pairs for edges off by 17 %.
+    // What costs edges and hardly helps is no better mesh.
     if (2 * best.pairs > pairs_before)
         return {points, pairs_before};
     return best;

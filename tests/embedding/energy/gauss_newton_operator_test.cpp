@@ -109,7 +109,7 @@ TEST(GaussNewtonOperator, AddsTheSquaresOfGapsThatLackSomething)
     linearise(matrix, energy, mesh.points);
     const double without = matrix.apply(v, product);
     const Eigen::Vector3d direction = Eigen::Vector3d::UnitY();
-    energy.keep_apart({{{3, 8}, {1.0, -1.0}, direction, 10.0, 2.0},     // of a sphere of radius 1
+    energy.keep_apart({{{3, 8}, {1.0, -1.0}, direction, 10.0, 2.0},    // of a sphere of radius 1
                        {{4, 9}, {1.0, -1.0}, direction, -10.0, 2.0}}); // lacks nothing
     linearise(matrix, energy, mesh.points);
     const double change = matrix.unit() * static_cast<double>(v(1, 3) - v(1, 8));
