@@ -41,6 +41,9 @@ MeshStream subset(const MeshStream& stream, const std::vector<std::size_t>& mesh
         if (mesh >= stream.names.size())
             throw InvalidInput(
                 join("meshes[", i, "] is ", mesh, ", must be in [0, ", stream.names.size(), ")"));
+        if (i > 0 && mesh <= meshes[i - 1])
+            throw InvalidInput(join("meshes[", i, "] is ", mesh, ", must be above ", meshes[i - 1],
+                                    ": meshes of a stream come in their order"));
         result.names.push_back(stream.names[mesh]);
         for (std::size_t c = 0; c < result.labels.size(); ++c)
             result.labels[c].values.push_back(stream.labels[c].values[mesh]);

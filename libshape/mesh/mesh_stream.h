@@ -35,7 +35,7 @@ struct MeshStream
 [[nodiscard]] MeshStream stream_of(const Collection& collection);
 
 /// Some meshes of a stream, with their labels, by ascending indices in [0, N).
-/// @throws InvalidInput naming an index that is not in [0, N).
+/// @throws InvalidInput naming an index that is not in [0, N), or not above the one before.
 [[nodiscard]] MeshStream subset(const MeshStream& stream, const std::vector<std::size_t>& meshes);
 
 /// The meshes of both, one after the other. Where one has a label that the other lacks, its values

@@ -84,12 +84,18 @@ MeshSource source_of(const MeshStream& meshes, const StreamOptions& stream)
                 return fit_model(subset(meshes, some), options, own).model;
             },
             [&](const MeshSource::Indices& some) {
-                const MeshStream chosen = subset(meshes, some);
+                MeshSource::Indices ascending = some; // as meshes of a stream come
+                std::ranges::sort(ascending);
+                const MeshStream chosen = subset(meshes, ascending);
                 Collection read{chosen.topology, chosen.names, {}, chosen.labels};
                 for_each_block(chosen, 0, chosen.size(), block, [&](Index, const Collection& part) {
                     read.points.insert(read.points.end(), part.points.begin(), part.points.end());
                 });
-                return read;
+                MeshSource::Indices places;
+                for (const std::size_t mesh : some)
+                    places.push_back(
+                        to_size(std::ranges::lower_bound(ascending, mesh) - ascending.begin()));
+                return subset(read, places);
             },
             [&](const auto& visit) {
                 for_each_block(meshes, 0, meshes.size(), block,

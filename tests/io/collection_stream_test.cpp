@@ -176,6 +176,9 @@ TEST(CollectionStream, SubsetsAndJoinedStreamsKeepNamesLabelsAndBits)
     EXPECT_EQ(all_of(some, 0, 3), (std::vector{collection.points[1], collection.points[9],
                                                more.points[0], more.points[3]}));
     EXPECT_THROW((void)joined(both, stream_of(more)), InvalidInput);
+    EXPECT_THROW((void)subset(both, {1, 14}), InvalidInput);
+    EXPECT_THROW((void)subset(both, {9, 1}), InvalidInput);
+    EXPECT_THROW((void)subset(both, {1, 1}), InvalidInput);
     const test::TestMesh other = test::bumpy_sphere(2, 0.3, 1);
     const Collection single{other.topology, {"o"}, {other.points}, {}};
     EXPECT_THROW((void)joined(both, stream_of(single)), InvalidInput);

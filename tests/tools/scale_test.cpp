@@ -336,7 +336,7 @@ TEST_F(Scale, RegressionInPassesIsThatOfTheRunInMemory)
 TEST_F(Scale, QualityInPassesIsThatOfTheRunInMemory)
 {
     const Arguments quality{"quality", "c.h5",    "--modes", "1,3",       "--tests",
-                            "3",       "--folds", "5",       "--samples", "3"};
+                            "10",      "--folds", "5",       "--samples", "3"};
     const Json memory = run(quality + Arguments{"-o", "a.csv"});
     const Json passes = run(quality + Arguments{"-o", "b.csv", "--memory", "100M"});
     for (const char* curve : {"compactness", "generalisation_vertex", "specificity_edge"})

@@ -254,6 +254,10 @@ std::shared_ptr<StoredRows::Fetched> StoredRows::fetch(std::vector<Index> rows) 
 {
     const ChunkTable& table = state_->table;
     const Index in_a_slab = state_->across() * state_->deep();
+    const auto falling = std::ranges::is_sorted_until(rows);
+    if (falling != rows.end())
+        throw InvalidInput(join("rows[", falling - rows.begin(), "] of ", table.dataset, " is ",
+                                *falling, ", must not be below the one before"));
     auto fetched = std::make_shared<Fetched>();
     Index slab = -1;
     for (const Index row : rows) {

@@ -50,6 +50,7 @@ public:
 
     /// Reads the chunks that hold these rows; does no more than to wait for the disc.
     /// @param rows  Ascending.
+    /// @throws InvalidInput if they are not.
     /// @throws FileError if the file cannot be read or has changed since it was opened.
     [[nodiscard]] std::shared_ptr<Fetched> fetch(std::vector<Eigen::Index> rows) const;
 
