@@ -92,7 +92,7 @@ public:
 
     ScalarType type() { return type(word("the type of an array")); }
 
-    ScalarType type(std::string_view name) const
+    [[nodiscard]] ScalarType type(std::string_view name) const
     {
         const std::optional<ScalarType> found = legacy_vtk_type(lower_case(name));
         if (!found)

@@ -74,12 +74,13 @@ void check(const GrowthOptions& options)
     require_positive(options.stiffness, "GrowthOptions.stiffness");
 }
 
-GrowthEnergy::GrowthEnergy(const Topology& topology, ShapePoint rest, const GrowthOptions& options)
+GrowthEnergy::GrowthEnergy(const Topology& topology, const ShapePoint& rest,
+                           const GrowthOptions& options)
     : topology_(topology),
       options_((check(options), options)),
       rest_lengths_(rest.edge_lengths),
       unit_(rest_lengths_.mean()),
-      energy_(topology, std::move(rest), options.smoothness),
+      energy_(topology, rest, options.smoothness),
       operator_(energy_),
       directions_(4, topology.edge_count()),
       growth_slopes_(to_size(topology.edge_count()))

@@ -45,7 +45,7 @@ class GrowthEnergy
 {
 public:
     /// @throws InvalidInput if an option breaks its rule, or a length at rest is not > 0.
-    GrowthEnergy(const Topology& topology, ShapePoint rest, const GrowthOptions& options);
+    GrowthEnergy(const Topology& topology, const ShapePoint& rest, const GrowthOptions& options);
 
     [[nodiscard]] double unit() const { return unit_; } ///< Mean edge at rest [length].
 

@@ -40,7 +40,7 @@ public:
     {
         fill_ = family_->prepare(begin_, end_);
         for (const SumColumns& set : family_->columns)
-            sums_.push_back(RowMatrix::Zero((end_ - begin_) * set.width, coordinates));
+            sums_.emplace_back(RowMatrix::Zero((end_ - begin_) * set.width, coordinates));
     }
 
     void add(Index first, const RowMatrix& rows)

@@ -135,6 +135,18 @@ TEST(CollectionStream, SaysThatTheFileChangedWhileItWasRead)
     EXPECT_THROW((void)stream.fetch({100}), FileError);
 }
 
+TEST(CollectionStream, RefusesMeshesThatDoNotAscend)
+{
+    const test::TemporaryDirectory directory;
+    write_collection(directory / "c.h5", several_chunks());
+    const MeshStream meshes = open_collection(directory / "c.h5");
+    EXPECT_NO_THROW((void)meshes.fetch({1, 70, 149}));
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)meshes.fetch({1, 70, 5});
+              }).find("rows[2] of /points is 5"),
+              std::string::npos);
+}
+
 TEST(CollectionStream, GoesOnReadingAFileThatIsReplacedAsAWhole)
 {
     const test::TemporaryDirectory directory;

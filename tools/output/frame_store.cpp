@@ -15,6 +15,7 @@
 #include <fstream>
 #include <utility>
 
+#include "libshape/base/clean_up.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
@@ -199,13 +200,15 @@ FrameStore::FrameStore(const Session& session, const std::string& output, const 
 
 FrameStore::~FrameStore()
 {
-    std::error_code ignored; // The run has failed already; its error is the one to report.
     if (keep_)
         return;
-    if (fs::exists(directory_ / manifest_name, ignored))
-        fs::remove_all(directory_, ignored);
-    else
-        fs::remove(directory_, ignored); // where it is empty
+    clean_up([&] {
+        std::error_code ignored; // The run has failed already; its error is the one to report.
+        if (fs::exists(directory_ / manifest_name, ignored))
+            fs::remove_all(directory_, ignored);
+        else
+            fs::remove(directory_, ignored); // where it is empty
+    });
 }
 
 fs::path FrameStore::file(std::size_t index) const

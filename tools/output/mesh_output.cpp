@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <set>
 
+#include "libshape/base/clean_up.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/letter_case.h"
@@ -206,9 +207,11 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
 
 MeshOutput::~MeshOutput()
 {
-    std::error_code ignored; // The run has failed already; its error is the one to report.
-    if (!staging_.empty())
-        fs::remove_all(staging_, ignored);
+    clean_up([&] {
+        std::error_code ignored; // The run has failed already; its error is the one to report.
+        if (!staging_.empty())
+            fs::remove_all(staging_, ignored);
+    });
 }
 
 void MeshOutput::check_paths(std::size_t first) const

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <limits>
 
+#include "libshape/base/clean_up.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/stop.h"
@@ -151,9 +152,11 @@ StandardStreams::StandardStreams(std::vector<std::string> arguments,
 
 StandardStreams::~StandardStreams()
 {
-    std::error_code ignored; // nothing can be done about it, and the run has its own result
-    if (!directory_.empty())
-        fs::remove_all(directory_, ignored);
+    clean_up([&] {
+        std::error_code ignored; // nothing can be done about it, and the run has its own result
+        if (!directory_.empty())
+            fs::remove_all(directory_, ignored);
+    });
 }
 
 fs::path StandardStreams::file(const std::string& name)

@@ -17,9 +17,9 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <map>
 #include <mutex>
 #include <new>
-#include <set>
 #include <string>
 
 #include "libshape/base/error.h"
@@ -67,7 +67,12 @@ void lower_limit(__rlimit_resource resource, std::uint64_t value)
     setrlimit(resource, &limit);
 }
 
-constexpr int out_of_memory = 2; ///< Exit code of a rehearsal.
+// Exit codes of a rehearsal beside 0.
+constexpr int out_of_memory = 2;
+constexpr int refused = 3;
+
+/// The last rehearsal read its file to the end.
+std::atomic<bool> is_sound{false};
 
 /// Reads what there is; refusals are not of interest here, the second reading names them.
 [[noreturn]] void rehearse(const std::filesystem::path& path, std::uint64_t size)
@@ -92,7 +97,7 @@ constexpr int out_of_memory = 2; ///< Exit code of a rehearsal.
             _exit(0);
         } catch (const std::bad_alloc&) { // before it came to what may crash
         } catch (const std::exception&) {
-            _exit(0);
+            _exit(refused);
         }
     _exit(out_of_memory);
 }
@@ -133,7 +138,9 @@ void rehearse_apart(const std::filesystem::path& path, std::uint64_t size)
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR)
             return; // ECHILD: the program lets the system collect its children; nothing is known
-    if (is_tight && status != 0) // HDF5 does not survive every allocation that fails
+    const bool has_ended =
+        WIFEXITED(status) && (WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == refused);
+    if (is_tight && !has_ended) // HDF5 does not survive every allocation that fails
         throw LimitExceeded(join(
             path.string(), ": too little memory to read it safely: ", address_space_left() >> 20,
             " MiB of address space are left, ", room(size) >> 20, " MiB are needed (ulimit -v)"));
@@ -141,24 +148,33 @@ void rehearse_apart(const std::filesystem::path& path, std::uint64_t size)
         fail(path, ending(WTERMSIG(status)));
     if (WEXITSTATUS(status) == out_of_memory)
         fail(path, "ran out of memory, more than a file of its size needs");
-    if (WEXITSTATUS(status) != 0)
+    is_sound = WEXITSTATUS(status) == 0;
+    if (WEXITSTATUS(status) != 0 && WEXITSTATUS(status) != refused)
         fail(path, join("ended with exit code ", WEXITSTATUS(status)));
 }
 
 } // namespace
 
+bool was_sound_in_rehearsal()
+{
+    return is_sound;
+}
+
 void rehearse_if_wanted(const std::filesystem::path& path)
 {
+    is_sound = false;
     struct stat status = {};
     if (!is_wanted || stat(path.c_str(), &status) != 0)
         return;
     static std::mutex mutex;
-    static std::set<Identity> passed;
+    static std::map<Identity, bool> passed; // and whether they were sound
     const std::lock_guard lock(mutex);
-    if (passed.contains(identity(status)))
+    if (const auto known = passed.find(identity(status)); known != passed.end()) {
+        is_sound = known->second;
         return;
+    }
     rehearse_apart(path, static_cast<std::uint64_t>(status.st_size));
-    passed.insert(identity(status));
+    passed.emplace(identity(status), is_sound);
 }
 
 } // namespace internal

@@ -12,4 +12,8 @@ namespace shape::internal {
 /// @throws LimitExceeded if it cannot be started.
 void rehearse_if_wanted(const std::filesystem::path& path);
 
+/// Whether the file that was opened last was read to its end in its rehearsal: what memory its reading asks
+/// for is not the file's fault then.
+[[nodiscard]] bool was_sound_in_rehearsal();
+
 } // namespace shape::internal
