@@ -163,6 +163,7 @@ TEST(Options, OfContactsNameWhatBreaksARule)
         .at_least(0, "rounds", &ContactSeparationOptions::rounds)
         .at_least(0, "refinements", &ContactSeparationOptions::refinements)
         .at_least(2, "linear_steps", &ContactSeparationOptions::linear_steps)
+        .positive("stretch", &ContactSeparationOptions::stretch)
         .refuse<double>("growth", &ContactSeparationOptions::growth, {0.99, nan, infinity});
     EXPECT_THROW(check(ContactSeparationOptions{.gaps = {.rings = -1}}), InvalidInput);
 }

@@ -26,6 +26,7 @@ void check(const ContactSeparationOptions& options)
     require_at_least(2, options.linear_steps, "ContactSeparationOptions.linear_steps");
     require(options.growth >= 1.0 && std::isfinite(options.growth),
             "ContactSeparationOptions.growth", options.growth, ">= 1 and finite");
+    require_positive(options.stretch, "ContactSeparationOptions.stretch");
 }
 
 ContactSeparation separate_contacts(const Topology& topology, const FaceTree& faces,
@@ -35,15 +36,18 @@ ContactSeparation separate_contacts(const Topology& topology, const FaceTree& fa
                                     const ContactSeparationOptions& options)
 {
     check(options);
-    LengthDihedralEnergy energy(
-        topology,
-        {positive_lengths(edge_lengths(topology, points)), dihedral_angles(topology, points)},
-        options.smoothness);
+    const VectorXd lengths = positive_lengths(edge_lengths(topology, points));
+    LengthDihedralEnergy energy(topology, {lengths, dihedral_angles(topology, points)},
+                                options.smoothness);
     energy.keep_areas();
     Descender descender(energy, factor);
 
     const auto mesh = [&](const VectorXd& at) { return Points::Map(at.data(), points.rows(), 3); };
     const auto crossing_in = [&](const VectorXd& at) { return faces.crossings(mesh(at)); };
+    const auto is_stretched = [&](const VectorXd& at) {
+        const VectorXd now = edge_lengths(topology, mesh(at));
+        return !(((now - lengths).array().abs() <= options.stretch * lengths.array()).all());
+    };
     const auto not_allowed = [&](const std::vector<FacePair>& pairs) {
         std::vector<FacePair> rest;
         std::set_difference(pairs.begin(), pairs.end(), allowed.begin(), allowed.end(),
@@ -76,7 +80,8 @@ ContactSeparation separate_contacts(const Topology& topology, const FaceTree& fa
         const double bent = energy.evaluate(here, gradient);
         const auto count = static_cast<int>(pairs.size());
         const bool is_better = count < best.pairs || (count == best.pairs && bent < least);
-        if (is_better && found.size() <= at_start.size() && is_acceptable(mesh(here))) {
+        if (is_better && found.size() <= at_start.size() && !is_stretched(here) &&
+            is_acceptable(mesh(here))) {
             best = {mesh(here), count};
             least = bent;
         }

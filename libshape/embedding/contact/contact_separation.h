@@ -26,6 +26,9 @@ struct ContactSeparationOptions
     int linear_steps = 24;
     /// Gaps are stiffer by this factor from round to round; >= 1.
     double growth = 1.15;
+    /// No edge may become longer or shorter by more than this part of itself [1]; > 0. Where faces are
+    /// through over a large part, the last ones of them would cost single edges a fifth of their length.
+    double stretch = 0.1;
 };
 
 /// @throws InvalidInput naming the first field that breaks its rule.
@@ -41,7 +44,8 @@ struct ContactSeparation
 /// length_dihedral_energy.h whose wanted lengths and angles are the mesh's own, so that it is at its
 /// minimum where nothing crosses. In every round the gaps (contact_gaps()) of all pairs that have crossed so far are found
 /// anew, and E descends with them. Of all rounds that mesh is taken that has the fewest pairs, and of these
-/// the least E; one with more crossings in all than at the start is not, nor one that is not acceptable.
+/// the least E; one with more crossings in all than at the start is not, nor one with a stretched edge, nor one
+/// that is not acceptable.
 /// @param faces  Of the topology.
 /// @param allowed  Pairs that may cross, sorted.
 /// @param factor  Of the Laplacian weighted by 1 / l^2 (edge_laplacian.h).

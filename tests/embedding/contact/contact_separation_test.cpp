@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/embedding/contact/contact_separation.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "libshape/embedding/start/edge_laplacian.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "tests/support/two_spheres.h"
+
+namespace shape {
+using namespace internal;
+namespace {
+
+struct Separation : testing::Test
+{
+    test::TwoSpheres spheres{1.9};
+    Points points = Points::Map(spheres.points.data(), spheres.topology.vertex_count(), 3);
+    FaceTree faces{spheres.topology, points};
+    Eigen::VectorXd lengths = edge_lengths(spheres.topology, points);
+    EdgeLaplacian laplacian{spheres.topology, lengths};
+
+    [[nodiscard]] ContactSeparation separate(const ContactSeparationOptions& options = {},
+                                             bool all_is_acceptable = true)
+    {
+        return separate_contacts(
+            spheres.topology, faces, of_the_prism(points), laplacian.single_precision(), points,
+            [&](const Points&) { return all_is_acceptable; }, options);
+    }
+    /// The prism passes through both spheres, and stays there.
+    [[nodiscard]] std::vector<FacePair> of_the_prism(const Points& at) const
+    {
+        std::vector<FacePair> pairs = faces.crossings(at);
+        const int prism = spheres.topology.face_count() - 6;
+        std::erase_if(pairs, [&](const FacePair& pair) { return pair[1] < prism; });
+        return pairs;
+    }
+    /// The largest change of an edge, as a part of it.
+    [[nodiscard]] double stretch(const Points& now) const
+    {
+        return ((edge_lengths(spheres.topology, now) - lengths).array() / lengths.array())
+            .abs()
+            .maxCoeff();
+    }
+};
+
+TEST_F(Separation, LeavesNoPairAndCountsWhatItLeaves)
+{
+    ASSERT_GT(spheres.pairs.size(), 10U);
+    const ContactSeparation apart = separate();
+    EXPECT_EQ(apart.pairs, 0);
+    EXPECT_EQ(faces.crossings(apart.points), of_the_prism(apart.points));
+    EXPECT_LE(stretch(apart.points), 0.1);
+}
+
+TEST_F(Separation, StretchesNoEdgeFurtherThanAllowed)
+{
+    const double needed = stretch(separate().points);
+    ASSERT_GT(needed, 1e-3);
+    const ContactSeparation within = separate({.stretch = 0.5 * needed});
+    EXPECT_LE(stretch(within.points), 0.5 * needed);
+    const ContactSeparation untouched = separate({.stretch = 1e-9});
+    EXPECT_TRUE(untouched.points == points);
+    EXPECT_EQ(untouched.pairs, static_cast<int>(spheres.pairs.size()));
+}
+
+TEST_F(Separation, LeavesAllowedPairsAndMeshesThatAreNotAcceptable)
+{
+    EXPECT_TRUE(separate_contacts(
+                    spheres.topology, faces, faces.crossings(points), laplacian.single_precision(),
+                    points, [](const Points&) { return true; })
+                    .points == points);
+    EXPECT_TRUE(separate({}, false).points == points);
+}
+
+TEST_F(Separation, RefinementsTakeBackWhatWasMovedTooFar)
+{
+    const double at_once = stretch(separate({.refinements = 0}).points);
+    const double refined = stretch(separate().points);
+    EXPECT_LE(refined, at_once);
+}
+
+TEST_F(Separation, WithoutRoundsNothingMoves)
+{
+    EXPECT_TRUE(separate({.rounds = 0}).points == points);
+}
+
+} // namespace
+} // namespace shape
