@@ -95,7 +95,8 @@ void MeshPasses::run_lot(const PassRange& range, Index lot, const Visit& visit)
 }
 
 void MeshPasses::run(const std::string& name, const PassRange& range, const Visit& visit,
-                     const std::vector<std::span<double>>& sums)
+                     const std::vector<std::span<double>>& sums,
+                     const std::function<void()>& finish)
 {
     const auto kilobytes = [&](Index count) {
         return to_size(count) * to_size(meshes_.bytes_per_mesh) / 1000;
@@ -118,6 +119,8 @@ void MeshPasses::run(const std::string& name, const PassRange& range, const Visi
         ++bits;
     for (int k = 0; k < own; ++k) {
         run_lot(range, ranks_.number + ranks_.count * mirrored(k, bits), visit_and_tell);
+        if (finish)
+            finish();
         tree.end_lot(k + 1 == own);
     }
     for (const std::span<double> sum : sums)

@@ -52,8 +52,10 @@ public:
     /// memory costs more than what is done in it.
     /// @param sums  Arrays that visit() adds to: in the end the sums over all meshes. Each must be
     ///     0 at the beginning and in one piece.
+    /// @param finish  Called before the sums are taken: adds to them what visit() has put off.
     void run(const std::string& name, const PassRange& range, const Visit& visit,
-             const std::vector<std::span<double>>& sums = {});
+             const std::vector<std::span<double>>& sums = {},
+             const std::function<void()>& finish = {});
 
     /// The same meshes for every process; no pass of its own.
     void show(const PassRange& range, const Visit& visit);

@@ -15,13 +15,14 @@ namespace shape::internal {
 /// Dihedral angles of the meshes of a block, a row each [rad].
 void measure_angles(const Collection& block, RowMatrix& angles);
 
-/// Finds, from angles that come by once, the branch that each edge's lie on (unify_branches()).
+/// Finds, from meshes that come by once, the branch that each edge's angles lie on (unify_branches()).
 class BranchSums
 {
 public:
     explicit BranchSums(Eigen::Index edges);
 
-    void add(const RowMatrix& angles);
+    /// Takes the next meshes. Cost: cosine and sine are measured without the angle.
+    void add(const Collection& block);
 
     // The same where the angles come once more, column by column, which is cheaper: few edges are sharp.
     void look_for_sharp(const RowMatrix& angles);
@@ -35,7 +36,7 @@ public:
     /// @param count  Of all meshes.
     [[nodiscard]] Eigen::VectorXd means(Eigen::Index count) const;
 
-    /// What add() sums, and of what it keeps the largest; 0 before it.
+    /// What add() sums, and what it finds of which all is the largest; 0 before it.
     [[nodiscard]] std::vector<std::span<double>> sums();
     [[nodiscard]] std::span<double> largest();
 
@@ -43,7 +44,7 @@ public:
     void restore(PassStateReader& state);
 
 private:
-    Eigen::VectorXd sharpest_;
+    Eigen::VectorXd sharp_; ///< 1 where an angle came near the fold, else 0.
     Eigen::VectorXd cosines_;
     Eigen::VectorXd sines_;
 };

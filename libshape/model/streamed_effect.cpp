@@ -46,10 +46,8 @@ public:
                         passes_.encode(block, rows);
                         centre_rows(rows, centre);
                         add(all.middleRows(first, rows.rows()), rows, points);
-                        if (edges_ == 0)
-                            return;
-                        measure_angles(block, rows);
-                        branches.add(rows);
+                        if (edges_ > 0)
+                            branches.add(block);
                     });
         effect.regression.slopes = points.topRows(weights.cols());
         effect.regression.mean = centre + points.bottomRows(1).transpose();

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <span>
@@ -153,18 +154,17 @@ private:
     }
 
     /// What the first pass learns besides: sizes and branches.
-    void learn(Index first, const Collection& block, const Eigen::VectorXd& sizes, RowMatrix& rows)
+    void learn(Index first, const Collection& block, const Eigen::VectorXd& sizes)
     {
         sizes_.segment(first, sizes.size()) = sizes;
-        if (!has_companions(passes_.space()))
-            return;
-        measure_angles(block, rows); // what stood there is used up
-        branches_.add(rows);
+        if (has_companions(passes_.space()))
+            branches_.add(block);
     }
 
     /// A pass that adds to a solver, the first of which learns.
     template <class Solver>
-    void pass(const std::string& name, const PassRange& range, bool is_first, Solver& solver)
+    void pass(const std::string& name, const PassRange& range, bool is_first, Solver& solver,
+              const std::function<void()>& finish = {})
     {
         std::vector<std::span<double>> sums = solver.sums();
         if (is_first)
@@ -176,9 +176,9 @@ private:
                 passes_.encode(block, rows, sizes);
                 solver.add(first, rows);
                 if (is_first)
-                    learn(first, block, sizes, rows);
+                    learn(first, block, sizes);
             },
-            sums);
+            sums, finish);
         if (!is_first)
             return;
         passes_.gather(numbers_of(sizes_));
@@ -382,7 +382,7 @@ private:
             krylov.start_at(look_at_first(block));
         while (!krylov.is_complete()) {
             const bool is_first = krylov.passes() == 0;
-            pass("block Krylov", passes_.all(block), is_first, krylov);
+            pass("block Krylov", passes_.all(block), is_first, krylov, [&] { krylov.flush(); });
             krylov.end_pass();
             if (is_first) {
                 components_.mean = krylov.mean();

@@ -94,10 +94,8 @@ private:
                 }
                 centre_rows(rows, origin); // sums of what is small round little
                 add_by_group(groups_, first, rows, shapes.means);
-                if (angle_sums_ > 0) {
-                    measure_angles(block, rows);
-                    branches_.add(rows);
-                }
+                if (angle_sums_ > 0)
+                    branches_.add(block);
             });
         mean_ = origin + shapes.means.colwise().sum().transpose() /
                              static_cast<double>(passes_.meshes().size());

@@ -16,7 +16,6 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/block_products.h"
-#include "libshape/statistics/tiled_gram.h"
 
 namespace shape::internal {
 namespace {
@@ -112,7 +111,7 @@ Index BlockKrylov::block_size(Index components)
 
 Index BlockKrylov::tile_rows(Index columns)
 {
-    constexpr Index bytes = Index{64} << 20;
+    constexpr Index bytes = Index{32} << 20;
     const Index fit = bytes / (static_cast<Index>(sizeof(double)) * std::max<Index>(columns, 1));
     return std::clamp<Index>(static_cast<Index>(std::bit_floor(to_size(fit))), 4, 256);
 }
@@ -125,11 +124,20 @@ BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& op
                       std::max<Index>(rows - 1, 1)})),
       sums_(Eigen::VectorXd::Zero(columns))
 {
-    const auto block = static_cast<double>(sizeof(double)) * static_cast<double>(columns_ * size_);
+    const auto row = static_cast<double>(sizeof(double)) * static_cast<double>(columns_);
+    const double block = row * static_cast<double>(size_);
+    const auto memory = static_cast<double>(options.memory);
+    constexpr double least_blocks = 5.0;
+    // For every lot of rows BLAS packs the basis and goes through the product: of 32 rows at a time that cost
+    // three times as much as multiplying, of 128 a half.
+    constexpr double most_held = 128.0, least_held = 4.0;
+    const double held = std::clamp(std::min(memory / 3.0, memory - least_blocks * block) / row,
+                                   least_held, most_held);
+    held_.resize(static_cast<Index>(held), columns_);
+    const double left = held > least_held ? memory - held * row : memory;
     // Beside the basis stand the product and, while vectors are combined, another block.
     constexpr double most = 18.0; // more would cost more than they save
-    most_blocks_ =
-        static_cast<Index>(std::min(static_cast<double>(options.memory) / block, most)) - 2;
+    most_blocks_ = static_cast<Index>(std::min(left / block, most)) - 2;
     if (most_blocks_ < 3)
         throw LimitExceeded(join(size_, " vectors of ", columns_, " numbers, ", most_blocks_ + 2,
                                  " times, are what the memory holds; at least 5 times are needed: ",
@@ -154,12 +162,38 @@ std::vector<std::span<double>> BlockKrylov::sums()
     return arrays;
 }
 
-void BlockKrylov::add(Index, RowMatrix& rows)
+void BlockKrylov::add(Index, const RowMatrix& rows)
 {
     if (mean_.size() == 0)
         mean_ = rows.colwise().mean().transpose();
-    centre_rows(rows, mean_, passes_ == 0 ? &sums_ : nullptr);
+    for (Index first = 0; first < rows.rows();) {
+        const Index count = std::min(rows.rows() - first, held_.rows() - held_count_);
+        hold(rows, first, count);
+        first += count;
+        if (held_count_ == held_.rows())
+            flush();
+    }
+}
+
+/// Centres rows, and puts them behind those that wait.
+void BlockKrylov::hold(const RowMatrix& rows, Index first, Index count)
+{
+    for_strips(columns_, [&](std::size_t, Index column, Index width) {
+        const auto mean = mean_.segment(column, width).transpose();
+        for (Index i = 0; i < count; ++i) {
+            auto centred = held_.row(held_count_ + i).segment(column, width);
+            centred = rows.row(first + i).segment(column, width) - mean;
+            if (passes_ == 0)
+                sums_.segment(column, width) += centred.transpose();
+        }
+    });
+    held_count_ += count;
+}
+
+void BlockKrylov::flush()
+{
     const RowMatrix& q = basis_.back();
+    const auto rows = held_.topRows(held_count_);
     const RowMatrix y = sum_of_strips(
         columns_, rows.rows(), q.cols(), [&](Index first, Index count, RowMatrix& sum) {
             add_product(rows.middleCols(first, count), q.middleRows(first, count), sum);
@@ -172,6 +206,7 @@ void BlockKrylov::add(Index, RowMatrix& rows)
     });
     for (const double square : squares)
         squares_ += square;
+    held_count_ = 0;
 }
 
 /// Takes from a block what lies in the basis, twice, for rounding.
@@ -191,6 +226,7 @@ void BlockKrylov::orthogonalise(RowMatrix& block, RowMatrix& projected) const
 
 void BlockKrylov::end_pass()
 {
+    flush();
     const auto count = static_cast<double>(rows_);
     if (passes_++ == 0) { // the rows were taken about another point than their mean
         const Eigen::VectorXd offset = sums_ / count;
@@ -225,8 +261,10 @@ void BlockKrylov::end_pass()
     }
     judge(values, (r * vectors.bottomRows(last)).colwise().norm().transpose());
     ritz_vectors_ = vectors.leftCols(is_complete_ ? wanted_ : std::min(vectors.cols(), size_));
-    if (is_complete_)
+    if (is_complete_) {
+        held_ = RowMatrix();
         return;
+    }
     if (static_cast<Index>(basis_.size()) >= most_blocks_)
         restart(ritz_vectors_, values);
     basis_.push_back(std::move(product_));

@@ -20,7 +20,7 @@ struct BlockKrylovOptions
     /// The relative error of each of their variances is at most this, as estimated.
     double tolerance = 1e-6;
     std::uint64_t seed = 1;
-    /// What the bases may take [byte].
+    /// What the bases, and rows that are multiplied together, may take [byte].
     std::uint64_t memory = 0;
 };
 
@@ -42,15 +42,17 @@ public:
 
     /// Vectors of a block for this many components.
     [[nodiscard]] static Eigen::Index block_size(Eigen::Index components);
-    /// Rows that a pass takes at a time: a power of two in [4, 256], of about 64 MiB if it can be.
+    /// Rows that a pass takes at a time: a power of two in [4, 256], of about 32 MiB if it can be.
     [[nodiscard]] static Eigen::Index tile_rows(Eigen::Index columns);
 
     /// The point about which the rows of the first pass are taken; else the mean of its first rows.
     void start_at(const Eigen::VectorXd& origin);
-    /// Takes the next rows of a pass, which it centres in place.
-    void add(Eigen::Index first, RowMatrix& rows);
-    /// What add() sums in this pass, 0 before it: where several processes have rows, the arrays of all of
-    /// them must be added before it ends.
+    /// Takes the next rows of a pass.
+    void add(Eigen::Index first, const RowMatrix& rows);
+    /// Adds to the sums what add() has put off: rows are multiplied many at a time.
+    void flush();
+    /// What add() and flush() sum in this pass, 0 before it: where several processes have rows, the arrays of
+    /// all of them must be added, after flush(), before it ends.
     [[nodiscard]] std::vector<std::span<double>> sums();
     /// @throws LimitExceeded if the memory cannot hold what the share of variance needs.
     void end_pass();
@@ -73,6 +75,7 @@ public:
     void restore(PassStateReader& state);
 
 private:
+    void hold(const RowMatrix& rows, Eigen::Index first, Eigen::Index count);
     void orthogonalise(RowMatrix& block, RowMatrix& projected) const;
     void judge(const Eigen::VectorXd& values, const Eigen::VectorXd& residuals);
     void restart(const Eigen::MatrixXd& vectors, const Eigen::VectorXd& values);
@@ -88,6 +91,8 @@ private:
     std::vector<RowMatrix>
         basis_; ///< E by s each; the product of the last one is taken in this pass.
     RowMatrix product_;
+    RowMatrix held_;             ///< Centred rows that wait to be multiplied, the first held_count_ of them.
+    Eigen::Index held_count_ = 0;
     RowMatrix projected_; ///< C in the basis.
     Eigen::MatrixXd ritz_vectors_;
     Eigen::Index wanted_ = 0; ///< K.
