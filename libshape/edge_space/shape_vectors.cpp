@@ -45,7 +45,10 @@ double circular_mean(double cosines, double sines, double count)
 
 double on_branch(double angle, double mean)
 {
-    return is_near_fold(mean) && is_near_fold(angle) ? mean + wrapped_angle(angle - mean) : angle;
+    if (!is_near_fold(mean) || !is_near_fold(angle))
+        return angle;
+    const double apart = angle - mean; // the choice alone depends on it: the mean's rounding changes no bit
+    return apart > pi ? angle - 2.0 * pi : apart <= -pi ? angle + 2.0 * pi : angle;
 }
 
 ShapeVectors shape_vectors(const Collection& collection, Scale scale)

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "libshape/embedding/start/edge_laplacian.h"
@@ -22,20 +23,30 @@ struct Separation : testing::Test
     Eigen::VectorXd lengths = edge_lengths(spheres.topology, points);
     EdgeLaplacian laplacian{spheres.topology, lengths};
 
+    /// The prism passes through both spheres, and may.
+    [[nodiscard]] std::vector<FacePair> of_the_prism() const
+    {
+        std::vector<FacePair> pairs;
+        const int count = spheres.topology.face_count();
+        for (int f = 0; f < count; ++f)
+            for (int g = std::max(f + 1, count - 6); g < count; ++g)
+                pairs.push_back({f, g});
+        return pairs;
+    }
     [[nodiscard]] ContactSeparation separate(const ContactSeparationOptions& options = {},
                                              bool all_is_acceptable = true)
     {
         return separate_contacts(
-            spheres.topology, faces, of_the_prism(points), laplacian.single_precision(), points,
+            spheres.topology, faces, of_the_prism(), laplacian.single_precision(), points,
             [&](const Points&) { return all_is_acceptable; }, options);
     }
-    /// The prism passes through both spheres, and stays there.
-    [[nodiscard]] std::vector<FacePair> of_the_prism(const Points& at) const
+    [[nodiscard]] std::size_t pairs_of_spheres(const Points& now) const
     {
-        std::vector<FacePair> pairs = faces.crossings(at);
-        const int prism = spheres.topology.face_count() - 6;
-        std::erase_if(pairs, [&](const FacePair& pair) { return pair[1] < prism; });
-        return pairs;
+        std::vector<FacePair> pairs = faces.crossings(now);
+        std::erase_if(pairs, [&](const FacePair& pair) {
+            return pair[1] >= spheres.topology.face_count() - 6;
+        });
+        return pairs.size();
     }
     /// The largest change of an edge, as a part of it.
     [[nodiscard]] double stretch(const Points& now) const
@@ -51,7 +62,7 @@ TEST_F(Separation, LeavesNoPairAndCountsWhatItLeaves)
     ASSERT_GT(spheres.pairs.size(), 10U);
     const ContactSeparation apart = separate();
     EXPECT_EQ(apart.pairs, 0);
-    EXPECT_EQ(faces.crossings(apart.points), of_the_prism(apart.points));
+    EXPECT_EQ(pairs_of_spheres(apart.points), 0U);
     EXPECT_LE(stretch(apart.points), 0.1);
 }
 
