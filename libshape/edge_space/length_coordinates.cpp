@@ -4,17 +4,29 @@
 
 namespace shape {
 
-Eigen::VectorXd to_coordinates(LengthCoordinates coordinates, const Eigen::VectorXd& lengths)
+void internal::to_coordinates(LengthCoordinates coordinates, const Eigen::VectorXd& lengths,
+                              Eigen::Ref<Eigen::VectorXd> result)
 {
     switch (coordinates) {
         case LengthCoordinates::Squared:
-            return lengths.cwiseAbs2();
+            result = lengths.cwiseAbs2();
+            return;
         case LengthCoordinates::Log:
-            return lengths.array().log();
+            // Not at once: Eigen's logarithm of several numbers and that of one differ in the last bit, and which a
+            // number gets depends on where the result lies in memory.
+            result = lengths.array().log().matrix().eval();
+            return;
         case LengthCoordinates::Plain:
-            break;
+            result = lengths;
+            return;
     }
-    return lengths;
+}
+
+Eigen::VectorXd to_coordinates(LengthCoordinates coordinates, const Eigen::VectorXd& lengths)
+{
+    Eigen::VectorXd result(lengths.size());
+    internal::to_coordinates(coordinates, lengths, result);
+    return result;
 }
 
 Eigen::VectorXd to_lengths(LengthCoordinates coordinates, const Eigen::VectorXd& values)

@@ -156,18 +156,16 @@ Index dimension(const ProcrustesSpace& space, const Topology&)
 }
 
 /// @param size  Gets the sum of the lengths.
-Eigen::VectorXd encode_mesh(const EdgeSpace& space, const Topology& topology, const Points& points,
-                            double& size)
+/// @param coordinates  Gets them: of large meshes it costs more to copy numbers than to find them.
+void encode_mesh(const EdgeSpace& space, const Topology& topology, const Points& points,
+                 double& size, Eigen::Ref<Eigen::VectorXd> coordinates)
 {
     const Index edges = topology.edge_count();
     Eigen::VectorXd lengths = edge_lengths(topology, points);
     size = lengths.sum();
     if (space.scale == Scale::Unit)
         lengths /= size;
-    if (is_plain(space))
-        return lengths;
-    Eigen::VectorXd coordinates(dimension(space, topology));
-    coordinates.head(edges) = to_coordinates(space.coordinates, lengths);
+    internal::to_coordinates(space.coordinates, lengths, coordinates.head(edges));
     if (space.length_factors.size() > 0)
         coordinates.head(edges).array() *= space.length_factors.array();
     if (space.dihedral_factors.size() > 0)
@@ -180,14 +178,13 @@ Eigen::VectorXd encode_mesh(const EdgeSpace& space, const Topology& topology, co
         coordinates.tail(aligned.size()) =
             Points(space.position_factors.asDiagonal() * aligned).reshaped<Eigen::RowMajor>();
     }
-    return coordinates;
 }
 
-Eigen::VectorXd encode_mesh(const ProcrustesSpace& space, const Topology&, const Points& points,
-                            double& size)
+void encode_mesh(const ProcrustesSpace& space, const Topology&, const Points& points, double& size,
+                 Eigen::Ref<Eigen::VectorXd> coordinates)
 {
     size = centroid_size(points);
-    return aligned_with(space.mean, points, space.scale).reshaped<Eigen::RowMajor>();
+    coordinates = aligned_with(space.mean, points, space.scale).reshaped<Eigen::RowMajor>();
 }
 
 double size_of(const EdgeSpace&, const Topology& topology, const Points& points)
@@ -345,8 +342,8 @@ void encode(const ShapeSpace& space, const Collection& block, RowMatrix& coordin
             sizes.resize(count);
             parallel_for(block.size(), 1, [&](std::size_t mesh, std::size_t) {
                 const auto row = static_cast<Index>(mesh);
-                coordinates.row(row) =
-                    encode_mesh(s, block.topology, block.points[mesh], sizes[row]).transpose();
+                encode_mesh(s, block.topology, block.points[mesh], sizes[row],
+                            coordinates.row(row).transpose());
             });
         },
         space);
@@ -387,8 +384,8 @@ RowMatrix encode(const ShapeSpace& space, const Collection& collection)
                                   dimension(s, collection.topology));
             parallel_for(collection.size(), 1, [&](std::size_t mesh, std::size_t) {
                 double size = 0.0;
-                coordinates.row(static_cast<Index>(mesh)) =
-                    encode_mesh(s, collection.topology, collection.points[mesh], size).transpose();
+                encode_mesh(s, collection.topology, collection.points[mesh], size,
+                            coordinates.row(static_cast<Index>(mesh)).transpose());
             });
             return coordinates;
         },

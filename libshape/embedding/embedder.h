@@ -104,7 +104,7 @@ public:
 
     /// The mesh of the target by the chosen method. Published methods cannot start where a target
     /// breaks a triangle inequality; there Dihedral makes the nearest mesh.
-    /// @throws InvalidInput if target has other sizes or a value that is not finite.
+    /// @throws InvalidInput if target has other sizes, a value that is not finite or an angle beyond 1e9 rad.
     /// @throws NumericalError if a factorisation breaks down.
     /// Safe to call concurrently.
     [[nodiscard]] Embedding embed(const ShapePoint& target) const;

@@ -42,7 +42,7 @@ public:
             fail("must start with 'glTF'; is this a GLB file?");
         if (number(4) != 2)
             fail(join("version is ", number(4), ", must be 2"));
-        if (number(8) > content.size())
+        if (number(8) < 20 || number(8) > content.size())
             fail(join("states ", number(8), " bytes, has ", content.size()));
         content = content.substr(0, number(8));
         const std::uint64_t size = number(12);

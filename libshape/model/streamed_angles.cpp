@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "libshape/base/blocks.h"
 #include "libshape/base/threads.h"
@@ -148,9 +149,13 @@ void BranchSums::restore(PassStateReader& state)
 
 void unify_branches(RowMatrix& angles, const Eigen::VectorXd& means)
 {
+    std::vector<Index> near_fold; // few
+    for (Index e = 0; e < means.size(); ++e)
+        if (means[e] != 0.0)
+            near_fold.push_back(e);
     parallel_for(to_size(angles.rows()), 1, [&](std::size_t i, std::size_t) {
         auto row = angles.row(static_cast<Index>(i));
-        for (Index e = 0; e < row.size(); ++e)
+        for (const Index e : near_fold)
             row[e] = on_branch(row[e], means[e]);
     });
 }

@@ -228,8 +228,8 @@ std::optional<FinishedMesh> FrameStore::read(std::size_t index) const
     const std::size_t bytes = content->size() - head - 1;
     FinishedMesh mesh{Points(static_cast<Eigen::Index>(bytes / (3 * sizeof(double))), 3),
                       record->value("figures", Json()), text_of(*record, "reason")};
-    std::memcpy(mesh.points.data(), content->data() + head + 1,
-                to_size(mesh.points.size()) * sizeof(double));
+    std::copy_n(content->data() + head + 1, to_size(mesh.points.size()) * sizeof(double),
+                reinterpret_cast<char*>(mesh.points.data()));
     if (text_of(*record, "hash") != hash_of(mesh))
         return std::nullopt;
     return mesh;

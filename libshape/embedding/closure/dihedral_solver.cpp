@@ -7,6 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/edge_space/angle_limit.h"
 #include "libshape/embedding/closure/closure.h"
 
 namespace shape::internal {
@@ -16,9 +17,9 @@ DihedralSolution solve_dihedrals(const Topology& topology, const Points& corner_
                                  const Progress& progress)
 {
     for (Eigen::Index e = 0; e < initial.size(); ++e)
-        if (!std::isfinite(initial[e]))
-            throw InvalidInput(
-                join("initial dihedral angle of edge ", e, " is ", initial[e], ", must be finite"));
+        if (!is_within_angle_limit(initial[e]))
+            throw InvalidInput(join("initial dihedral angle of edge ", e, " is ", initial[e],
+                                    ", must be within ", angle_limit, " rad"));
     ClosureEnergy energy(topology, corner_angles);
     const auto evaluate = [&](const Eigen::VectorXd& angles, Eigen::VectorXd& gradient) {
         return energy.evaluate(angles, gradient);

@@ -30,7 +30,7 @@ inline constexpr LbfgsOptions dihedral_solver_defaults{
 /// from an initial guess (Rojas 2014, section 2.1). E has many local minima; the one that is
 /// found, zero or not, depends on the guess.
 /// @param corner_angles  #F by 3 [rad].
-/// @param initial  #E [rad], finite. Boundary edges keep their values.
+/// @param initial  #E [rad], within 1e9. Boundary edges keep their values.
 /// @param progress  Called after every step with (iterations, max_iterations).
 /// @throws InvalidInput if a size, a value or an option breaks a rule.
 /// Cost: O(#E) an iteration.

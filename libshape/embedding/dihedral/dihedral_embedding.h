@@ -103,7 +103,7 @@ public:
 
     /// Lengths that break a triangle inequality are taken as they are, those <= 0 as in
     /// positive_lengths(): the nearest mesh results.
-    /// @throws InvalidInput if point has other sizes or a value that is not finite, or options
+    /// @throws InvalidInput if point has other sizes a value that is not finite or an angle beyond 1e9 rad, or options
     ///     break a rule.
     [[nodiscard]] DihedralEmbedding embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options = {}) const;

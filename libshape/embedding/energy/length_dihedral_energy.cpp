@@ -14,6 +14,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/edge_space/angle_limit.h"
 #include "libshape/embedding/energy/stretch_term.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/hinge.h"
@@ -178,11 +179,12 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
                                 edges, " edges"));
     for (int e = 0; e < edges; ++e)
         if (!(target.edge_lengths[e] > 0.0 && std::isfinite(target.edge_lengths[e]) &&
-              std::isfinite(target.dihedral_angles[e])))
+              is_within_angle_limit(target.dihedral_angles[e])))
             throw InvalidInput(join("target: edge ", e, " (", topology.edges()(e, 0), "-",
                                     topology.edges()(e, 1), ") has length ", target.edge_lengths[e],
                                     " and dihedral angle ", target.dihedral_angles[e],
-                                    "; lengths must be > 0, both finite"));
+                                    "; lengths must be > 0 and finite, angles within ",
+                                    angle_limit, " rad"));
     if (!(smoothness > 0.0 && std::isfinite(smoothness)))
         throw InvalidInput(join("smoothness is ", smoothness, ", must be > 0 and finite"));
     bend_weights_ = trusted_bends(topology, target.edge_lengths, smoothness);

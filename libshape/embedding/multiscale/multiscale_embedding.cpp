@@ -16,6 +16,7 @@
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/edge_space/angle_limit.h"
 #include "libshape/embedding/multiscale/multiscale_hierarchy.h"
 #include "libshape/embedding/multiscale/patch_registration.h"
 #include "libshape/linalg/packed_cholesky.h"
@@ -344,9 +345,9 @@ void check_target(const Topology& topology, const ShapePoint& target)
         if (!std::isfinite(lengths[e]))
             throw InvalidInput(
                 join("target: length of edge ", e, " is ", lengths[e], ", must be finite"));
-        if (!std::isfinite(angles[e]))
-            throw InvalidInput(
-                join("target: dihedral angle of edge ", e, " is ", angles[e], ", must be finite"));
+        if (!is_within_angle_limit(angles[e]))
+            throw InvalidInput(join("target: dihedral angle of edge ", e, " is ", angles[e],
+                                    ", must be within ", angle_limit, " rad"));
     }
     for (int f = 0; f < topology.face_count(); ++f) {
         const double a = lengths[topology.face_edges()(f, 0)];

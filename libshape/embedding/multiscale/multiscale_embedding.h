@@ -65,7 +65,7 @@ public:
     MultiscaleEmbedder& operator=(MultiscaleEmbedder&&) noexcept;
 
     /// A mesh's own lengths and angles give that mesh up to a rigid motion and rounding.
-    /// @throws InvalidInput if target has other sizes or a value that is not finite.
+    /// @throws InvalidInput if target has other sizes, a value that is not finite or an angle beyond 1e9 rad.
     /// @throws NumericalError if target breaks a triangle inequality; the message names the face.
     /// Cost: about #V log #V, of which one back-substitution for the whole mesh is serial.
     /// Same bits for any thread count. Safe to call concurrently.
