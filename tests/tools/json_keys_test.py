@@ -39,7 +39,7 @@ RUNS = [
     ["quality", "faces.h5", "-o", "q.csv", "--modes", "1,2", "--tests", "2", "--samples", "2"],
     ["generate", "model.h5", "--mode", "1", "--sigma", "-9:9:2", "-o", "mode1"],
     ["generate", "model.h5", "--sample", "2", "-o", "samples", "--feasible", "--residuals"],
-    ["generate", "model.h5", "--mode", "1", "--sigma", "-1:1:3", "-o", "mode1.glb"],
+    ["generate", "model.h5", "--mode", "1", "--sigma", "-1:1:3", "--avoid-contact", "-o", "mode1.glb"],
     ["generate", "aligned.h5", "--mean", "-o", "mean.ply"],
     ["groups", "faces.h5", "--by", "expression", "--within", "subject", "-o", "g.csv", "--means", "means",
      "--bootstrap", "20", "--permutations", "19"],
