@@ -157,7 +157,8 @@ Eigen::VectorXd positive_lengths(const Eigen::VectorXd& lengths)
     if (!(mean > 0.0))
         throw InvalidInput(join("the mean of the lengths is ", mean, ", must be > 0"));
     // Short, for such an edge should be; but not so short that E, of relative lengths, sees nothing else.
-    return (lengths.array() > 0.0).select(lengths, 1e-2 * mean);
+    // Those that are left of it are kept from ratios whose inverse squares no float holds.
+    return (lengths.array() > 0.0).select(lengths.cwiseMax(1e-9 * mean), 1e-2 * mean);
 }
 
 std::string describe(const Admissibility& admissibility, const Topology& topology,

@@ -44,8 +44,8 @@ struct Admissibility
 [[nodiscard]] Admissibility check_admissibility(const Topology& topology,
                                                 const Eigen::VectorXd& lengths);
 
-/// The lengths with those <= 0 raised to a hundredth of the mean: what to aim at where a point of a
-/// model has left the lengths behind. Such a point breaks triangle inequalities; this is not a repair.
+/// The lengths with those <= 0 raised to a hundredth of the mean, others to 1e-9 of it: what to aim at
+/// where a point of a model has left the lengths behind. Such a point breaks triangle inequalities; this is not a repair.
 /// @throws InvalidInput if an entry is not finite, or the mean not > 0.
 [[nodiscard]] Eigen::VectorXd positive_lengths(const Eigen::VectorXd& lengths);
 

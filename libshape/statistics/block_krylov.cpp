@@ -128,8 +128,8 @@ BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& op
     const double block = row * static_cast<double>(size_);
     const auto memory = static_cast<double>(options.memory);
     constexpr double least_blocks = 5.0;
-    // For every lot of rows BLAS packs the basis and goes through the product: of 32 rows at a time that cost
-    // three times as much as multiplying, of 128 a half.
+    // For every lot of rows BLAS packs the basis and goes through the product. For lots of 32 that costs more than
+    // multiplying, for lots of 128 a quarter of it; larger ones win little and take memory from the bases.
     constexpr double most_held = 128.0, least_held = 4.0;
     const double held = std::clamp(std::min(memory / 3.0, memory - least_blocks * block) / row,
                                    least_held, most_held);

@@ -179,13 +179,15 @@ TEST(FeasibleStep, IsZeroFromABrokenTriangle)
     EXPECT_EQ(feasible_step(topology, lengths, Eigen::VectorXd::Ones(6), 1.0), 0.0);
 }
 
-TEST(PositiveLengths, RaisesOnlyThoseThatAreNot)
+TEST(PositiveLengths, RaisesOnlyThoseThatAreNotOrAreNothing)
 {
-    const Eigen::VectorXd lengths{{1.0, 0.0, 3.0, -2.0, 1e-9, 4.0}};
+    const Eigen::VectorXd lengths{{1.0, 0.0, 3.0, -2.0, 1e-8, 4.0}};
     const double raised = 1e-2 * lengths.mean();
-    const Eigen::VectorXd expected{{1.0, raised, 3.0, raised, 1e-9, 4.0}};
+    const Eigen::VectorXd expected{{1.0, raised, 3.0, raised, 1e-8, 4.0}};
     EXPECT_EQ(positive_lengths(lengths), expected);
     EXPECT_EQ(positive_lengths(expected), expected);
+    EXPECT_EQ(positive_lengths(Eigen::Vector3d(1.0, 1e-300, 2.0)),
+              Eigen::Vector3d(1.0, 1e-9 * (3.0 + 1e-300) / 3.0, 2.0));
 }
 
 TEST(PositiveLengths, RefusesAMeanOfZeroAndValuesThatAreNotFinite)

@@ -125,6 +125,17 @@ class SameBitsAsTheProgram(WithFaces):
         frames.write(self.folder / "frames.glb", tolerance=1e-9)
         self.assertEqual(len(ls.read(self.folder / "frames.glb")), 4)
 
+    def test_meshes_without_contact(self) -> None:
+        for scores in ([-2, 1, 0], [9, -9, 9]):
+            plain = self.model.decode(scores)[1]
+            self.assertIsNone(plain.avoidable_self_intersections)
+            mesh, report = self.model.decode(scores, avoid_contact=True)
+            wanted = self.mesh_of_program(
+                "generate", "model.h5", "--scores=" + ",".join(map(str, scores)), "--avoid-contact"
+            )
+            np.testing.assert_array_equal(mesh.V, wanted.V)
+            self.assertEqual(report.avoidable_self_intersections, plain.new_self_intersections)
+
     def test_differences(self) -> None:
         pairs = ["--pair-by", "subject", "--from", "expression=neutral", "--to", "expression=happy"]
         shape(self.folder, "difference", "faces.h5", *pairs, "-o", "d.h5", "--mesh", "applied.ply",
