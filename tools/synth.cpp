@@ -49,7 +49,7 @@ std::string print(const SyntheticRange& range)
     return join(range.standard, " [", range.low, ", ", range.high, "]");
 }
 
-/// The library knows no scans.
+/// `scans` is not a dataset of the library.
 void check_name(const std::string& name)
 {
     std::string names;

@@ -27,4 +27,7 @@ struct Ranks
     [[nodiscard]] bool speaks() const { return number == 0; }
 };
 
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const Ranks& ranks);
+
 } // namespace shape

@@ -4,29 +4,17 @@
 
 namespace shape {
 
-void internal::to_coordinates(LengthCoordinates coordinates, const Eigen::VectorXd& lengths,
-                              Eigen::Ref<Eigen::VectorXd> result)
+Eigen::VectorXd to_coordinates(LengthCoordinates coordinates, const Eigen::VectorXd& lengths)
 {
     switch (coordinates) {
         case LengthCoordinates::Squared:
-            result = lengths.cwiseAbs2();
-            return;
+            return lengths.cwiseAbs2();
         case LengthCoordinates::Log:
-            // Not at once: Eigen's logarithm of several numbers and that of one differ in the last bit, and which a
-            // number gets depends on where the result lies in memory.
-            result = lengths.array().log().matrix().eval();
-            return;
+            return lengths.array().log();
         case LengthCoordinates::Plain:
-            result = lengths;
-            return;
+            break;
     }
-}
-
-Eigen::VectorXd to_coordinates(LengthCoordinates coordinates, const Eigen::VectorXd& lengths)
-{
-    Eigen::VectorXd result(lengths.size());
-    internal::to_coordinates(coordinates, lengths, result);
-    return result;
+    return lengths;
 }
 
 Eigen::VectorXd to_lengths(LengthCoordinates coordinates, const Eigen::VectorXd& values)

@@ -19,14 +19,6 @@ enum class LengthCoordinates
 [[nodiscard]] Eigen::VectorXd to_coordinates(LengthCoordinates coordinates,
                                              const Eigen::VectorXd& lengths);
 
-namespace internal {
-
-/// The same into numbers that are there.
-void to_coordinates(LengthCoordinates coordinates, const Eigen::VectorXd& lengths,
-                    Eigen::Ref<Eigen::VectorXd> result);
-
-} // namespace internal
-
 /// The inverse of to_coordinates(). Where a squared length is negative, the length is 0.
 [[nodiscard]] Eigen::VectorXd to_lengths(LengthCoordinates coordinates,
                                          const Eigen::VectorXd& values);

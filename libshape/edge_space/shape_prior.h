@@ -39,8 +39,9 @@ struct ShapePosterior
                                        const std::vector<char>& seen);
 
 /// The prior that N shapes are of a further one: their mean, and deviations from it over sqrt(N - 1).
-/// @param vectors  Rows of unit sum; N >= 2.
-/// @param without  A row that is left out; -1: none.
+/// @param vectors  Rows of unit sum; N >= 2 without the one left out.
+/// @param without  A row that is left out, in [-1, N); -1: none.
+/// @throws InvalidInput if there are fewer rows, no such row, or the noise is not > 0.
 [[nodiscard]] ShapePrior prior_of(const ShapeVectors& vectors, int without, double noise);
 
 } // namespace shape

@@ -165,7 +165,7 @@ void encode_mesh(const EdgeSpace& space, const Topology& topology, const Points&
     size = lengths.sum();
     if (space.scale == Scale::Unit)
         lengths /= size;
-    internal::to_coordinates(space.coordinates, lengths, coordinates.head(edges));
+    coordinates.head(edges) = to_coordinates(space.coordinates, lengths);
     if (space.length_factors.size() > 0)
         coordinates.head(edges).array() *= space.length_factors.array();
     if (space.dihedral_factors.size() > 0)

@@ -74,6 +74,7 @@ MeshPasses::MeshPasses(const MeshStream& meshes, const SpaceOptions& space, std:
       progress_(std::move(progress)),
       ranks_(std::move(ranks))
 {
+    check(ranks_);
 }
 
 /// Tiles lot, lot + lots, lot + 2 lots, ...

@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/block_products.h"
@@ -107,6 +108,8 @@ ShapeSpace for_each_distance_row(
 ClassicalScaling classical_scaling(const MeshStream& meshes, int dimensions,
                                    const StreamedDistancesOptions& options)
 {
+    require(dimensions >= 1 && dimensions <= meshes.size(), "dimensions", dimensions,
+            join("in [1, ", meshes.size(), "]"));
     const auto modes = std::min<Index>(dimensions, meshes.size() - 1);
     const StreamedFit fit =
         fit_model(meshes, {.modes = static_cast<int>(modes), .space = options.space},

@@ -17,8 +17,9 @@ namespace shape {
 
 struct StreamedDistancesOptions
 {
+    /// In which space meshes are compared.
     SpaceOptions space = {};
-    /// What may be held at a time [byte]; 0: a quarter of the machine's.
+    /// At most this much memory is used [byte]; 0: a quarter of the machine's.
     std::uint64_t memory = 0;
     Progress progress = {}; ///< Called with kilobytes read, of the pass that its stage names.
     Ranks ranks = {};       ///< Other processes that share the passes.
@@ -38,8 +39,8 @@ ShapeSpace for_each_distance_row(
 
 /// classical_scaling() of those distances: the scores of principal components, which block Krylov or inner
 /// products find (streamed_fit.h), so that no distance is needed.
-/// @param dimensions  In [1, N - 1].
-/// @throws as fit_model() of streams.
+/// @param dimensions  In [1, N].
+/// @throws as fit_model() of streams; InvalidInput of other dimensions.
 [[nodiscard]] ClassicalScaling classical_scaling(const MeshStream& meshes, int dimensions,
                                                  const StreamedDistancesOptions& options);
 

@@ -88,6 +88,8 @@ private:
 StreamedEffect covariate_effect(const MeshStream& meshes, const Grouping& blocks,
                                 const StreamedEffectOptions& options)
 {
+    if (!options.covariates)
+        throw InvalidInput("StreamedEffectOptions.covariates is not set");
     StreamedProducts measured = measure_products(meshes, options);
     StreamedEffect result;
     result.covariates = options.covariates(measured.sizes);

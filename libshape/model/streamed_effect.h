@@ -31,7 +31,7 @@ struct StreamedEffect
 
 /// covariate_effect() of the meshes of a collection that need not fit into memory, to rounding: weights of
 /// meshes make slopes, and the inner products of meshes all the figures of these.
-/// @throws as covariate_effect() and measure_products().
+/// @throws as covariate_effect() and measure_products(); InvalidInput if there are no covariates.
 /// Cost: that of measure_products(), and with shapes 4 N E C multiplications in two passes.
 [[nodiscard]] StreamedEffect covariate_effect(const MeshStream& meshes, const Grouping& blocks,
                                               const StreamedEffectOptions& options);

@@ -25,7 +25,7 @@ enum class FitAlgorithm
 
 struct StreamOptions
 {
-    /// What may be held at a time, the model and its making together [byte]; 0: a quarter of the
+    /// At most this much memory is used, for the model and its making together [byte]; 0: a quarter of the
     /// machine's. Less is taken where more would not help.
     std::uint64_t memory = 0;
     FitAlgorithm algorithm = FitAlgorithm::Automatic;

@@ -17,15 +17,18 @@ namespace shape {
 /// What is asked of groups of meshes that come by in passes.
 struct StreamedGroupsOptions
 {
+    /// In which space meshes are compared.
     SpaceOptions space = {};
+    /// How many permutations the tests draw, and how.
     PermutationOptions permutations = {};
+    /// How many replicates the intervals of the spread draw, and how.
     BootstrapOptions bootstrap = {};
     /// N by any number of covariates of the meshes of these sizes (see sizes() of shape_space.h).
     std::function<Eigen::MatrixXd(const Eigen::VectorXd& sizes)> covariates = {};
     /// Whether the sums come from all inner products, or from passes; not given: what costs less.
     std::optional<bool> by_inner_products = {};
     bool with_companions = false; ///< Whether the dihedral angles of the means are wanted.
-    /// What may be held at a time [byte]; 0: a quarter of the machine's.
+    /// At most this much memory is used [byte]; 0: a quarter of the machine's.
     std::uint64_t memory = 0;
     Progress progress = {}; ///< Called with kilobytes read, of the pass that its stage names.
 };

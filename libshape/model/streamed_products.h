@@ -14,8 +14,9 @@ namespace shape {
 
 struct StreamedProductsOptions
 {
+    /// In which space meshes are compared.
     SpaceOptions space = {};
-    /// What may be held at a time [byte]; 0: a quarter of the machine's.
+    /// At most this much memory is used [byte]; 0: a quarter of the machine's.
     std::uint64_t memory = 0;
     Progress progress = {}; ///< Called with kilobytes read, of the pass that its stage names.
     std::filesystem::path scratch = {}; ///< As of StreamOptions; changes no bit.

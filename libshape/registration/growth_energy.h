@@ -18,11 +18,11 @@ namespace shape::internal {
 
 struct GrowthOptions
 {
-    /// mu of LengthDihedralEnergy; > 0.
+    /// How firmly dihedral angles are kept against lengths: mu of LengthDihedralEnergy; > 0.
     double smoothness = 1.0;
     /// gamma below; > 0. What is grown alike costs nothing; large: regions don't grow on their own.
     double growth_smoothness = 50.0;
-    /// c of LengthDihedralEnergy::stiffen(): with 0.1 strains of tens of per cent count by their squares.
+    /// How much harder large strains are: c of LengthDihedralEnergy::stiffen(); >= 0. With 0.1 strains of tens of per cent count by their squares.
     double stiffness = 0.1;
     /// Whether the preconditioner knows that pulls act across a surface, not along it: a step then slides
     /// vertices as far along it as E asks. Else a step is short along the surface: it is held there as

@@ -55,7 +55,7 @@ enum class FitStatus
 {
     Good,
     Check,  ///< Look at it; `reasons` says why.
-    Failed, ///< It is no fit.
+    Failed, ///< It is not a fit.
 };
 
 struct ScanFit

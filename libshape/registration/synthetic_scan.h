@@ -14,12 +14,12 @@ namespace shape {
 /// What is wrong with a made-up scan.
 struct SyntheticScanOptions
 {
-    /// About so many vertices, before holes; >= 50. 0: as many as the mesh has.
+    /// The scan has about this many vertices, before holes; >= 50. 0: as many as the mesh has.
     int vertices = 0;
     /// Every vertex moves along its normal by a normal deviate of this standard deviation [mean edges of
     /// the scan]; >= 0.
     double noise = 0.0;
-    /// So many holes, each a ball around a random vertex; >= 0.
+    /// It has this many holes, each a ball around a random vertex; >= 0.
     int holes = 0;
     /// Radius of the holes [share of the diagonal]; > 0.
     double hole_radius = 0.03;

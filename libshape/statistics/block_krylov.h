@@ -16,9 +16,11 @@ struct BlockKrylovOptions
 {
     /// This many leading components are wanted; 0: as few as have the share `variance`.
     Eigen::Index components = 0;
+    /// This share of the variance is to be explained where `components` is 0; in (0, 1).
     double variance = 1.0;
     /// The relative error of each of their variances is at most this, as estimated.
     double tolerance = 1e-6;
+    /// The random start block is drawn with this seed.
     std::uint64_t seed = 1;
     /// What the bases, and rows that are multiplied together, may take [byte].
     std::uint64_t memory = 0;

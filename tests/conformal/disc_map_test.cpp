@@ -111,7 +111,7 @@ TEST(DiscMap, SaysWhenAFaceBreaksAtTheBoundary)
     EXPECT_EQ(map.certificate, ConformalCertificate::Unsolved);
 }
 
-TEST(DiscMap, RefusesWhatIsNoDisc)
+TEST(DiscMap, RefusesWhatIsNotADisc)
 {
     for (const test::TestMesh& mesh :
          {test::icosphere(1), test::open_cylinder(6, 4), test::torus(9, 16)})

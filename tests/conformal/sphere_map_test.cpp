@@ -249,7 +249,7 @@ TEST(SphereMap, HasTheSameBitsForAnyNumberOfThreads)
     EXPECT_EQ(one.sphere.remainders, three.sphere.remainders);
 }
 
-TEST(SphereMap, RefusesWhatIsNoSphereAndSaysWhatToDo)
+TEST(SphereMap, RefusesWhatIsNotASphereAndSaysWhatToDo)
 {
     const auto message = [](const test::TestMesh& mesh) -> std::string {
         try {

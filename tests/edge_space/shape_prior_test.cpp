@@ -93,7 +93,7 @@ TEST(ShapePrior, OfOtherShapesLeavesOneOut)
                 1e-9 * centred.squaredNorm());
 }
 
-TEST(ShapePrior, RefusesWhatIsNoQuestion)
+TEST(ShapePrior, RefusesWhatIsNotAQuestion)
 {
     ShapePrior prior = some_prior(1.0);
     const VectorXd lengths = VectorXd::Ones(edges);
@@ -102,6 +102,11 @@ TEST(ShapePrior, RefusesWhatIsNoQuestion)
     EXPECT_THROW((void)posterior(prior, VectorXd::Ones(3), std::vector<char>(3, 1)), InvalidInput);
     prior.noise = 0.0;
     EXPECT_THROW((void)posterior(prior, lengths, std::vector<char>(edges, 1)), InvalidInput);
+    const ShapeVectors two{random_rows(2, 0.1, 3).array() + 1.0, random_rows(2, 0.1, 4), {}};
+    EXPECT_NO_THROW((void)prior_of(two, -1, 1.0));
+    EXPECT_THROW((void)prior_of(two, 0, 1.0), InvalidInput); // one is left
+    EXPECT_THROW((void)prior_of(two, 2, 1.0), InvalidInput);
+    EXPECT_THROW((void)prior_of(two, -1, 0.0), InvalidInput);
 }
 
 } // namespace

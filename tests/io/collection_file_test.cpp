@@ -127,7 +127,7 @@ TEST(CollectionFile, SaysWhyItCannotBeWritten)
     EXPECT_NE(message.find("No such file"), std::string::npos) << message;
 }
 
-TEST(CollectionFile, RefusesWhatIsNoHdf5)
+TEST(CollectionFile, RefusesWhatIsNotHdf5)
 {
     const test::TemporaryDirectory directory;
     for (const char* content : {"", "x", "ply\nformat ascii 1.0\n", "\x89HDF\r\n\x1a"}) {

@@ -212,7 +212,7 @@ TEST(GltfFile, OfSeveralMeshesIsACollection)
               std::string::npos);
 }
 
-TEST(GltfFile, RefusesWhatIsNoAnimation)
+TEST(GltfFile, RefusesWhatIsNotAnAnimation)
 {
     const TemporaryDirectory directory;
     const TestMesh mesh = test::tetrahedron();

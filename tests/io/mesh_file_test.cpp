@@ -629,7 +629,7 @@ TEST(MeshFile, LimitsPolygonsItIsAskedToSplit)
     EXPECT_NE(message.find("1024"), std::string::npos) << message;
 }
 
-TEST(MeshFile, RefusesWhatIsNoRegularFileWithoutReadingIt)
+TEST(MeshFile, RefusesWhatIsNotARegularFileWithoutReadingIt)
 {
     const test::TemporaryDirectory directory;
     std::filesystem::create_directory(directory / "folder.obj");

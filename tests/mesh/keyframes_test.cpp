@@ -119,7 +119,7 @@ TEST(Keyframes, OfASingleFrameAreThatFrame)
     EXPECT_EQ(choose_keyframes(random_walk(1, 1), 0.0).frames, (Indices{0}));
 }
 
-TEST(Keyframes, RefuseWhatIsNoSequence)
+TEST(Keyframes, RefuseWhatIsNotASequence)
 {
     const auto message = [](const std::vector<Points>& frames, double tolerance) {
         return test::message_of<InvalidInput>([&] { (void)choose_keyframes(frames, tolerance); });

@@ -83,7 +83,7 @@ TEST(Topology, OutgoingTurnsCounterClockwiseSeenFromOutside)
     }
 }
 
-TEST(Topology, RefusesWhatIsNoConnectedOrientedManifold)
+TEST(Topology, RefusesWhatIsNotAConnectedOrientedManifold)
 {
     const auto first_kind = [](std::vector<std::array<int, 3>> list, int vertices) {
         Faces faces(static_cast<Eigen::Index>(list.size()), 3);

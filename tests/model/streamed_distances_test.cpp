@@ -85,6 +85,11 @@ TEST(StreamedDistances, RefuseWhatBreaksARule)
     EXPECT_THROW((void)matrix_of(collection, {.space = {.kind = SpaceKind::Procrustes}}),
                  InvalidInput);
     EXPECT_THROW((void)matrix_of(collection, {.memory = 1000}), LimitExceeded);
+    EXPECT_THROW((void)classical_scaling(stream_of(collection), 0, {}), InvalidInput);
+    EXPECT_THROW((void)classical_scaling(stream_of(collection), 5, {}), InvalidInput);
+    Ranks ranks;
+    ranks.count = 2; // of one lot
+    EXPECT_THROW((void)matrix_of(collection, {.ranks = ranks}), InvalidInput);
 }
 
 TEST(StreamedDistances, AreScaledToThePlaneAsTheirMatrixIs)

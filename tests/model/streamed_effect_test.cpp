@@ -95,6 +95,8 @@ TEST(StreamedEffect, RefusesWhatTheOneInMemoryDoes)
 {
     const Collection collection = test::bumpy_spheres(24, 1);
     StreamedEffectOptions options;
+    EXPECT_THROW((void)covariate_effect(stream_of(collection), one_group(24), options),
+                 InvalidInput); // no covariates
     options.covariates = [](const Eigen::VectorXd& sizes) { return covariates_of(sizes, -1); };
     EXPECT_THROW((void)covariate_effect(stream_of(collection), triples(24), options), InvalidInput);
     EXPECT_THROW((void)covariate_effect(stream_of(collection), one_group(23), options),

@@ -79,7 +79,7 @@ TEST(ClosestPoints, KeepToFacesWhoseNormalsAgreeAndToTheDistance)
     EXPECT_EQ(tree.nearest({-2.0, 0.0, 0.0}, rule).face, -1);
 }
 
-TEST(ClosestPoints, RefuseWhatIsNoTriangle)
+TEST(ClosestPoints, RefuseWhatIsNotATriangle)
 {
     EXPECT_THROW(ClosestPoints(Points::Zero(3, 3), Faces(0, 3)), InvalidInput);
     Faces outside(1, 3);

@@ -22,7 +22,7 @@ TEST(CleanScan, KeepsASoundMeshAsItIs)
     EXPECT_TRUE(scan.ignored.empty());
 }
 
-TEST(CleanScan, LeavesOutWhatIsNoSurfaceAndSaysSo)
+TEST(CleanScan, LeavesOutWhatIsNotASurfaceAndSaysSo)
 {
     Points points(7, 3);
     points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 5, 5, 5, 0, 0, 0;

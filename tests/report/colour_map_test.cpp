@@ -59,7 +59,7 @@ TEST(ColourMap, DivergingIsEquallyLightOnBothSidesAndBlueAgainstRed)
     EXPECT_EQ(middle.green, middle.blue);
 }
 
-TEST(ColourMap, ClampsAndShowsWhatIsNoNumberAsGrey)
+TEST(ColourMap, ClampsAndShowsWhatIsNotANumberAsGrey)
 {
     for (const ColourMap map : {ColourMap::Sequential, ColourMap::Diverging}) {
         EXPECT_EQ(map_colour(map, -3.0), map_colour(map, 0.0));

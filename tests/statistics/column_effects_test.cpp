@@ -162,7 +162,7 @@ TEST(BenjaminiHochberg, IsItsDefinitionInAnyOrder)
     }
 }
 
-TEST(BenjaminiHochberg, TakesNoneAndRefusesWhatIsNoProbability)
+TEST(BenjaminiHochberg, TakesNoneAndRefusesWhatIsNotAProbability)
 {
     EXPECT_EQ(benjamini_hochberg(Eigen::VectorXd()).size(), 0);
     for (const double p : {-0.1, 1.1, std::nan("")})

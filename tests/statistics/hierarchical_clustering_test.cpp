@@ -157,7 +157,7 @@ TEST(AverageLinkage, OfOneThingIsThatThing)
     EXPECT_EQ(joining_heights(clustering), std::vector<double>{0.0});
 }
 
-TEST(AverageLinkage, RefusesWhatIsNoMatrixOfDistances)
+TEST(AverageLinkage, RefusesWhatIsNotAMatrixOfDistances)
 {
     EXPECT_THROW((void)cluster_by_average_linkage(-Eigen::MatrixXd::Ones(2, 2)), InvalidInput);
     EXPECT_THROW((void)cluster_by_average_linkage(Eigen::MatrixXd::Zero(2, 3)), InvalidInput);

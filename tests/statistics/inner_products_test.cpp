@@ -59,7 +59,7 @@ TEST(InnerProducts, HaveTheSameBitsForAnyThreadCount)
     EXPECT_EQ(computed(1), computed(3));
 }
 
-TEST(InnerProducts, RefuseWhatAreNoDistances)
+TEST(InnerProducts, RefuseWhatAreNotDistances)
 {
     const Eigen::MatrixXd good = distances_of_rows(test::random_matrix(4, 3, 6));
     Eigen::MatrixXd skew = good;

@@ -128,7 +128,7 @@ TEST_F(Commands, CheckPassesGoodMeshes)
     EXPECT_EQ(figures["meshes"][2]["ok"], true);
 }
 
-TEST_F(Commands, OneMeshIsNoMeshes)
+TEST_F(Commands, OneMeshIsNotMeshes)
 {
     folder_.write("bad.obj", "v 0 0 zero\n");
     const Outcome checked = run_shape(folder_.path(), {"check", "bad.obj"});

@@ -122,7 +122,7 @@ TEST_F(HostileRun, RefusesPipesBeforeAnyWork)
     expect_refusal(outcome, 5, "labels: is not a regular file");
 }
 
-TEST_F(HostileRun, NamesFilesThatAreNoTextInText)
+TEST_F(HostileRun, NamesFilesThatAreNotTextInText)
 {
     fs::copy(folder_ / "a.ply", folder_ / "caf\xe9.ply");
     ASSERT_EQ(run_shape(folder_.path(), {"distance", "b.ply", "c.ply", "caf\xe9.ply", "-o", "d.csv",

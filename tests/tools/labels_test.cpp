@@ -39,7 +39,7 @@ protected:
     }
 };
 
-TEST_F(LabelledMeshes, MissingValuesAreNoGroupAndCanBeLeftOut)
+TEST_F(LabelledMeshes, MissingValuesAreNotAGroupAndCanBeLeftOut)
 {
     write_labels("sex", {"f", " f ", "m", "m ", "NA", "nan", "NULL", "#N/A", ".", ""});
     const Arguments groups{"groups", "set", "--labels", "l.csv", "--by", "sex", "-o", "g.csv"};

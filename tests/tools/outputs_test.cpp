@@ -103,7 +103,7 @@ TEST_F(Outputs, AnInterruptLeavesNothingBehind)
     EXPECT_TRUE(folder_.content() == before);
 }
 
-TEST_F(Outputs, AReaderThatWentAwayIsNoError)
+TEST_F(Outputs, AReaderThatWentAwayIsNotAnError)
 {
     const Outcome outcome = run({"synth", "--list"}, {.close_stdout = true});
     EXPECT_EQ(outcome.exit_code, 0);

@@ -268,7 +268,8 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
         command, "--anchor", options.anchor,
         join("How firmly a mesh is held near its companion, the mesh that the blended turns of\n"
              "patches lead to, so that it does not bend a little everywhere; less where lengths\n"
-             "and angles resist; >= 0, 0: not at all (default: ",
+             "and angles resist; >= 0, 0: not at all; along paths whose frames agree with each\n"
+             "other at most 0.01 (default: ",
              default_anchor,
              ").\nOf models with positions: how firmly near these, whatever resists (default: ",
              default_position_anchor, ").\nOf the method dihedral"))

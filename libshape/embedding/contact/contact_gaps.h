@@ -20,10 +20,10 @@ struct ContactGapOptions
     /// A gap asks for at most this part of the edges around more than there is [1]; > 0: what is far behind comes
     /// out step by step.
     double step = 0.06;
-    /// Places farther behind a surface than so many of the edges around are left alone [1]; > 0. They lie behind
+    /// Places farther behind a surface than this many of the edges around are left alone [1]; > 0. They lie behind
     /// something else.
     double deepest = 3.0;
-    /// Gap::stiffness times the square of the edges around [1]; >= 0.
+    /// How firmly gaps are held: Gap::stiffness is this over the square of the edges around [1]; >= 0.
     double stiffness = 3.0;
 };
 

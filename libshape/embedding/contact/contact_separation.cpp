@@ -90,7 +90,7 @@ ContactSeparation separate_contacts(const Topology& topology, const FaceTree& fa
         met.swap(all);
         gaps.stiffness *= options.growth;
     }
-    // What costs edges and hardly helps is no better mesh.
+    // A mesh that costs edges and hardly helps is not better.
     if (2 * best.pairs > pairs_before)
         return {points, pairs_before};
     return best;

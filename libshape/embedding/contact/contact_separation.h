@@ -17,12 +17,13 @@ struct ContactSeparationOptions
 {
     /// Angles weigh this much against lengths: mu of length_dihedral_energy.h; > 0.
     double smoothness = 5e-3;
+    /// Which gaps are asked for in the first round.
     ContactGapOptions gaps = {};
     /// It gives up after this many rounds; >= 0.
     int rounds = 20;
     /// Once no pair is left, this many rounds more take back what was moved too far; >= 0.
     int refinements = 3;
-    /// Each of this many linear steps (descent.h); >= 2.
+    /// Each round takes this many linear steps (descent.h); >= 2.
     int linear_steps = 24;
     /// Gaps are stiffer by this factor from round to round; >= 1.
     double growth = 1.15;

@@ -26,7 +26,7 @@ struct CoherentPathOptions
     int crossing_steps = 14;
     /// Meshes of a crossing are relaxed this many times; >= 0.
     int sweeps = 14;
-    /// Each time by this many linear steps; >= 2.
+    /// Each relaxation takes this many linear steps; >= 2.
     int sweep_steps = 24;
 };
 

@@ -94,7 +94,7 @@ TEST(OutputFile, KeepsTheTargetWhenTheSystemRefusesToWrite)
     EXPECT_EQ(directory.names(), std::vector<std::string>{"out.txt"});
 }
 
-TEST(OutputFile, RefusesTargetsThatAreNoRegularFiles)
+TEST(OutputFile, RefusesTargetsThatAreNotRegularFiles)
 {
     const test::TemporaryDirectory directory;
     const auto message = [&](const std::filesystem::path& path) {

@@ -149,7 +149,7 @@ def _is_matrix(value: Any) -> bool:
 
 
 def mesh_parts(value: Any) -> Optional[Tuple[Any, Any]]:
-    """V and F of a pair, or of the mesh of this or another library; None: it is no mesh."""
+    """V and F of a pair, or of the mesh of this or another library; None: it is not a mesh."""
     if hasattr(value, "V") and hasattr(value, "F"):
         return value.V, value.F
     if isinstance(value, (tuple, list)):
