@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -11,7 +12,9 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/model_file.h"
+#include "libshape/mesh/oddities.h"
 #include "libshape/model/shape_model.h"
+#include "libshape/model/unlike_meshes.h"
 #include "libshape/report/score_plot.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
@@ -89,9 +92,16 @@ void check_outputs(const Session& session, const Arguments& arguments)
     check_different("--plot", arguments.plot, "-o", arguments.output);
 }
 
+/// Scores, and what else is unlike the model's meshes (unlike_meshes()).
+struct Projected
+{
+    Projection scores;
+    RowMatrix marks;
+};
+
 /// A large collection comes by block by block; the scores of a mesh do not depend on the others.
-Projection project_in_blocks(const Session& session, const ShapeModel& model,
-                             const MeshStream& meshes)
+Projected project_in_blocks(const Session& session, const ShapeModel& model,
+                            const MeshStream& meshes)
 {
     const Eigen::Index count = meshes.size();
     Projection all{.names = meshes.names,
@@ -99,6 +109,7 @@ Projection project_in_blocks(const Session& session, const ShapeModel& model,
                    .scores = RowMatrix::Zero(count, model.mode_count()),
                    .sizes = Eigen::VectorXd::Zero(count),
                    .residuals = Eigen::VectorXd::Zero(count)};
+    RowMatrix marks = RowMatrix::Zero(count, 3);
     const Progress progress = session.progress();
     constexpr Eigen::Index block = 32; // as project() goes about it: the same bits
     const Eigen::Index blocks = (count + block - 1) / block;
@@ -115,30 +126,55 @@ Projection project_in_blocks(const Session& session, const ShapeModel& model,
         all.scores.middleRows(first, some.scores.rows()) = some.scores;
         all.sizes.segment(first, some.sizes.size()) = some.sizes;
         all.residuals.segment(first, some.sizes.size()) = some.residuals;
+        marks.middleRows(first, some.sizes.size()) = unlike_meshes(model, named, some.sizes);
         progress("projecting", to_size(first - begin) + part.size(), to_size(end - begin));
     });
     ranks().add_up({all.scores.data(), to_size(all.scores.size())});
     ranks().add_up({all.sizes.data(), to_size(all.sizes.size())});
     ranks().add_up({all.residuals.data(), to_size(all.residuals.size())});
-    return all;
+    ranks().add_up({marks.data(), to_size(marks.size())});
+    return {std::move(all), std::move(marks)};
 }
 
-Projection project_all(const Session& session, const Arguments& arguments, const ShapeModel& model)
+Projected project_all(const Session& session, const Arguments& arguments, const ShapeModel& model)
 {
     if (const auto meshes = open_labelled(session, arguments.input, ranks().lots > 1))
         return project_in_blocks(session, model, *meshes);
     if (ranks().lots > 1)
         throw UsageError("mpirun is for one collection file (.h5); `shape collect` makes one");
-    return project(model, read_labelled(session, arguments.input));
+    const Collection meshes = read_labelled(session, arguments.input);
+    Projection scores = project(model, meshes);
+    RowMatrix marks = unlike_meshes(model, meshes, scores.sizes);
+    return {std::move(scores), std::move(marks)};
+}
+
+void warn_of_unlike(const Session& session, const Projected& found)
+{
+    constexpr std::array<const char*, 3> what = {
+        "mirrored against the meshes of the model, which edge lengths do not see; take x times -1",
+        "more than 5 times as large as any mesh of the model; another unit?",
+        "less than a fifth as large as any mesh of the model; another unit?"};
+    for (std::size_t kind = 0; kind < what.size(); ++kind) {
+        std::vector<std::size_t> meshes;
+        for (Eigen::Index i = 0; i < found.marks.rows(); ++i)
+            if (found.marks(i, static_cast<Eigen::Index>(kind)) > 0.0)
+                meshes.push_back(to_size(i));
+        if (!meshes.empty())
+            session.warn(join(list_names(found.scores.names, meshes),
+                              meshes.size() == 1 ? " is unlike the model: " : " are unlike the model: ",
+                              what[kind]));
+    }
 }
 
 void run(const Session& session, const Arguments& arguments)
 {
     check_outputs(session, arguments);
     const ShapeModel model = read_model(arguments.model);
-    const Projection projection = project_all(session, arguments, model);
+    const Projected projected = project_all(session, arguments, model);
     if (!ranks().speaks())
         return;
+    warn_of_unlike(session, projected);
+    const Projection& projection = projected.scores;
     const Table table = score_table(projection);
     std::vector<std::string> outputs{arguments.output};
     const std::string plot =
@@ -174,6 +210,7 @@ Run set_up_project(CLI::App& command)
         "Example:\n"
         "  shape project model.h5 faces.h5 -o scores.csv --plot scores.svg --color-by mood");
     const auto arguments = std::make_shared<Arguments>();
+    arguments->input.meshes.have_model = true;
     command.add_option("MODEL", arguments->model, "Model made by `shape stats` (.h5)")
         ->required()
         ->option_text("REQUIRED");

@@ -85,6 +85,10 @@ void check_model(const ShapeModel& model, const std::string& place)
               "/variances", "must be >= 0 and descend");
     check(model.total_variance >= (1.0 - 1e-9) * model.variances.sum(), "/total_variance",
           "must be at least the sum of /variances");
+    // All modes of N meshes have all the variance.
+    check(model.variances.size() < static_cast<Eigen::Index>(model.names.size()) - 1 ||
+              model.total_variance <= (1.0 + 1e-5) * model.variances.sum(),
+          "/total_variance", "must be the sum of /variances, which are all there are");
     check(model.sizes.size() > 0 && model.sizes.minCoeff() > 0.0, "/sizes", "must be > 0");
 }
 
@@ -94,6 +98,8 @@ void check_difference(const DifferenceVector& difference, const std::string& pla
     check_mean(check, difference.mean_edge_lengths, difference.scale);
     check(difference.from_size > 0.0, "/from_size", "must be > 0");
     check(difference.to_size > 0.0, "/to_size", "must be > 0");
+    check(difference.scale == Scale::None || std::abs(difference.edge_lengths.sum()) <= 1e-9,
+          "/difference/edge_lengths", "must sum to 0, as both means sum to 1");
 }
 
 /// A number as a matrix of one, which add_numbers() takes.

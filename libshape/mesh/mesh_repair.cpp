@@ -239,8 +239,21 @@ void orient_faces(Batch& batch, Changes& changes)
         join(batch.who(), ": ", counted(turned_count, "face"), " turned to agree with the others"));
 }
 
-/// The faces of each piece; pieces hang together through edges.
-std::vector<std::vector<bool>> pieces_of(const Faces& faces)
+double area_of(const std::vector<bool>& piece, const Faces& faces, const Points& points)
+{
+    double area = 0.0;
+    for (int f = 0; f < faces.rows(); ++f)
+        if (piece[to_size(f)]) {
+            const Eigen::RowVector3d a = points.row(faces(f, 0));
+            const Eigen::RowVector3d p = points.row(faces(f, 1)) - a, q = points.row(faces(f, 2)) - a;
+            area += 0.5 * p.cross(q).norm();
+        }
+    return area;
+}
+
+/// The faces of each piece, those of most faces first and of equally many those of the larger area; pieces
+/// hang together through edges.
+std::vector<std::vector<bool>> pieces_of(const Faces& faces, const Points& points)
 {
     Partition partition(to_size(faces.rows()));
     for (const auto& [edge, at] : faces_at_edges(faces))
@@ -252,12 +265,24 @@ std::vector<std::vector<bool>> pieces_of(const Faces& faces)
         piece.resize(to_size(faces.rows()), false);
         piece[to_size(f)] = true;
     }
-    std::vector<std::vector<bool>> result;
-    for (auto& [root, piece] : pieces)
-        result.push_back(std::move(piece));
-    std::stable_sort(result.begin(), result.end(), [](const auto& a, const auto& b) {
-        return std::count(a.begin(), a.end(), true) > std::count(b.begin(), b.end(), true);
+    struct Ranked
+    {
+        std::vector<bool> piece;
+        std::ptrdiff_t faces;
+        double area;
+    };
+    std::vector<Ranked> ranked;
+    for (auto& [root, piece] : pieces) {
+        const std::ptrdiff_t count = std::count(piece.begin(), piece.end(), true);
+        const double area = area_of(piece, faces, points);
+        ranked.push_back({std::move(piece), count, area});
+    }
+    std::stable_sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) {
+        return std::pair(a.faces, a.area) > std::pair(b.faces, b.area);
     });
+    std::vector<std::vector<bool>> result;
+    for (Ranked& each : ranked)
+        result.push_back(std::move(each.piece));
     return result;
 }
 
@@ -266,7 +291,7 @@ std::vector<Batch> choose_pieces(const Batch& batch, Components components, Chan
 {
     // Each takes time for the whole mesh and becomes a file of its own: more are crumbs of a scan, not parts.
     constexpr std::size_t most_pieces = 1000;
-    std::vector<std::vector<bool>> pieces = pieces_of(batch.faces);
+    std::vector<std::vector<bool>> pieces = pieces_of(batch.faces, batch.points.front());
     const bool splits = components == Components::Split && pieces.size() > 1;
     if (splits && pieces.size() > most_pieces)
         throw LimitExceeded(join(batch.who(), ": the surface has ", pieces.size(),

@@ -151,6 +151,22 @@ GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
 LinearModelTest test_spread_of_distances(VectorXd distances, const Grouping& groups,
                                          const Grouping& blocks, const PermutationOptions& options)
 {
+    // The mean of two lies in the middle: their distances are the same one, whatever the points are.
+    constexpr std::size_t least_members = 3;
+    std::vector<int> tested;
+    int groups_tested = 0;
+    for (const std::vector<int>& group : members(groups))
+        if (group.size() >= least_members) {
+            tested.insert(tested.end(), group.begin(), group.end());
+            ++groups_tested;
+        }
+    if (groups_tested < 2)
+        return {};
+    if (groups_tested < groups.group_count()) {
+        std::sort(tested.begin(), tested.end());
+        return test_spread_of_distances(distances(tested), subset(groups, tested),
+                                        subset(blocks, tested), options);
+    }
     for (const std::vector<int>& group : members(groups)) {
         const auto count = static_cast<double>(group.size());
         if (group.size() > 1)

@@ -34,9 +34,12 @@ struct GroupSpread
 
 /// Whether groups spread alike, by permutation (Anderson 2006; in one dimension Levene 1960):
 /// compare_groups() of the distances of the points from the mean of their group, each times
-/// sqrt(n / (n - 1)), n the size of the group, since a mean of few lies nearer to them.
+/// sqrt(n / (n - 1)), n the size of the group, since a mean of few lies nearer to them. Groups of one or two are
+/// left out, whose members are equally far from their mean in any case. Distances from one mean hang together a
+/// little: of groups of n points in many dimensions F is (n - 1) / (n - 2) times too large.
 /// @param products  N by N inner products of the points.
-/// @throws InvalidInput as compare_groups(). With fewer than two degrees of freedom the test stays empty.
+/// @throws InvalidInput as compare_groups(). The test stays empty with fewer than two degrees of
+/// freedom, or fewer than two groups that are left.
 [[nodiscard]] LinearModelTest test_spread(const Eigen::MatrixXd& products, const Grouping& groups,
                                           const Grouping& blocks,
                                           const PermutationOptions& options = {});

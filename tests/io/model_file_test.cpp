@@ -153,6 +153,7 @@ TEST(ModelFile, RefusesToWriteWhatItWouldNotRead)
         {"/variances", message([](M& m) { m.variances.reverseInPlace(); })},
         {"/variances", message([](M& m) { m.variances.tail(1)[0] = -1e-9; })},
         {"/total_variance", message([](M& m) { m.total_variance *= 0.99; })},
+        {"/total_variance", message([](M& m) { m.total_variance *= 1.01; })}, // it has all modes
         {"/modes/edge_lengths", message([](M& m) { m.modes(0, 0) += 1e-3; })},
         {"/modes/edge_lengths", message([](M& m) { m.modes.row(1) *= 2.0; })},
         {"/modes/edge_lengths", message([](M& m) { m.modes.row(1) = m.modes.row(0); })},
@@ -181,6 +182,8 @@ TEST(DifferenceFile, RefusesToWriteWhatItWouldNotRead)
     EXPECT_NE(message([](D& d) { d.from_size = 0.0; }).find("/from_size"), std::string::npos);
     EXPECT_NE(message([](D& d) { d.to_size = std::nan(""); }).find("/to_size"), std::string::npos);
     EXPECT_NE(message([](D& d) { d.edge_lengths[0] = INFINITY; }).find("/difference/edge_lengths"),
+              std::string::npos);
+    EXPECT_NE(message([](D& d) { d.edge_lengths[0] += 1e-6; }).find("must sum to 0"),
               std::string::npos);
     EXPECT_TRUE(directory.names().empty());
 }

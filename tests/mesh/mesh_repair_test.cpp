@@ -135,6 +135,21 @@ TEST(MeshRepair, SplitsAThousandPiecesAtMost)
     EXPECT_EQ(repair_meshes(pieces(1001)).meshes.front().faces.rows(), 1);
 }
 
+TEST(MeshRepair, KeepsTheLargerOfPiecesWithEquallyManyFaces)
+{
+    Points points(6, 3);
+    points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 5, 3, 0, 5, 0, 3, 5;
+    Faces faces(2, 3);
+    for (const bool large_first : {false, true}) {
+        faces << 0, 1, 2, 3, 4, 5;
+        if (large_first)
+            faces.row(0).swap(faces.row(1));
+        const NamedMesh kept = repair_meshes({named("two", points, faces)}).meshes.front();
+        ASSERT_EQ(kept.points.rows(), 3);
+        EXPECT_EQ(kept.points.col(2), Eigen::Vector3d::Constant(5.0));
+    }
+}
+
 TEST(MeshRepair, TakesAwayWhatBelongsToNoSurface)
 {
     std::vector<NamedMesh> loose = spheres(3);

@@ -133,6 +133,31 @@ TEST(SpreadTest, IsTheAnalysisOfVarianceOfDistancesFromTheMean)
     EXPECT_EQ(test.p_value, 1.0 / 200.0);
 }
 
+TEST(SpreadTest, LeavesOutGroupsWhoseMembersAreEquallyFarFromTheirMean)
+{
+    // Of pairs alone nothing is left; beside halves of 28 points, a pair and single ones change nothing.
+    const RowMatrix data = two_groups(6, 1.0);
+    std::vector<std::string> pairs, some;
+    for (int i = 0; i < 60; ++i) {
+        pairs.push_back(std::to_string(i / 2));
+        some.push_back(i < 28 ? "a" : i < 56 ? "b" : i < 58 ? "pair" : std::to_string(i));
+    }
+    const PermutationOptions options{.permutations = 99};
+    const LinearModelTest nothing =
+        test_spread(inner_products(data), group_by(pairs), groups_of_one(60), options);
+    EXPECT_EQ(nothing.permutations, 0);
+    EXPECT_EQ(nothing.p_value, 1.0);
+    EXPECT_EQ(nothing.degrees_of_freedom, 0);
+    const LinearModelTest found =
+        test_spread(inner_products(data), group_by(some), groups_of_one(60), options);
+    some.resize(56);
+    const LinearModelTest alone = test_spread(inner_products(data.topRows(56)), group_by(some),
+                                              groups_of_one(56), options);
+    EXPECT_NEAR(found.f, alone.f, 1e-9 * alone.f);
+    EXPECT_EQ(found.p_value, alone.p_value);
+    EXPECT_EQ(found.residual_degrees_of_freedom, 54);
+}
+
 TEST(SpreadTest, FindsNothingWhereOnlyTheMeansDiffer)
 {
     int found = 0;

@@ -238,6 +238,23 @@ TEST_F(Commands, ProjectReproducesTheScoresOfTheModel)
     }
 }
 
+TEST_F(Commands, ProjectNamesMeshesThatAreMirroredOrOfAnotherUnit)
+{
+    fit();
+    NamedMesh mesh = read_mesh(folder_ / "a.ply");
+    write_mesh(folder_ / "large.ply", Points(100.0 * mesh.points), mesh.faces);
+    mesh.points.col(2) *= -1.0;
+    write_mesh(folder_ / "turned.ply", mesh.points, mesh.faces);
+    const Outcome outcome =
+        run_shape(folder_.path(), {"project", "model.h5", "a.ply", "large.ply", "turned.ply", "-o", "s.csv"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.err.find("turned is unlike the model: mirrored"), std::string::npos)
+        << outcome.err;
+    EXPECT_NE(outcome.err.find("large is unlike the model: more than 5 times"), std::string::npos);
+    EXPECT_EQ(outcome.err.find("a is unlike"), std::string::npos);
+    EXPECT_EQ(outcome.err.find("inside out"), std::string::npos);
+}
+
 TEST_F(Commands, ProjectDrawsTheScoresWithAColourForEveryLabelValue)
 {
     fit();

@@ -241,9 +241,12 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
     Collection collection = collect(std::move(meshes));
     collection.labels =
         input.labels.empty() ? labels : labels_of(notices, input.labels, collection.names);
-    for (const Oddity& oddity : find_oddities(collection))
-        if (oddity.kind != OddityKind::Copies || !input.may_repeat)
+    for (const Oddity& oddity : find_oddities(collection)) {
+        const bool is_of_each = oddity.kind == OddityKind::Seam;
+        const bool is_copy = oddity.kind == OddityKind::Copies;
+        if (is_of_each || (is_copy ? !input.may_repeat : !input.have_model))
             notices.warn(oddity.message);
+    }
     return collection;
 }
 

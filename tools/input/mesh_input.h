@@ -24,6 +24,7 @@ struct MeshInput
     std::vector<std::string> paths; ///< Files, directories and collection files, in any mix.
     bool triangulate = false;       ///< Split polygons as fans.
     bool may_repeat = false;        ///< Meshes of one name are told apart by a number.
+    bool have_model = false;        ///< They are compared with a model's meshes, not with each other.
     std::string labels;             ///< CSV file with labels; empty: those of the collections.
 };
 
