@@ -2,6 +2,7 @@
 
 #include "libshape/mesh/mesh_repair.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
