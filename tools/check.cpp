@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -385,6 +386,14 @@ void read_polygons(Result& result)
     result.readable = std::move(readable);
 }
 
+/// Which part of a mesh that was split this is, as repair_meshes() names them: parts correspond to the same
+/// part of other meshes, not to each other.
+std::string part_of(const std::string& name, Components components)
+{
+    const std::size_t at = name.rfind("_part");
+    return components == Components::Split && at != std::string::npos ? name.substr(at) : "";
+}
+
 /// Writes what can be repaired; returns the figures.
 Json fix(const Session& session, const Arguments& arguments, Result& result)
 {
@@ -407,6 +416,7 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
     }
     std::vector<std::string> names;
     std::vector<NamedMesh> sound;
+    std::map<std::string, std::size_t> first_of_part; // among the sound ones
     Json left = Json::array();
     std::string text;
     for (const auto& [name, why] : result.unreadable) {
@@ -414,8 +424,11 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
         text += join("  left to repair: ", name, " (not written): ", why, "\n");
     }
     for (NamedMesh& mesh : repaired.meshes) {
+        const std::string part = part_of(mesh.name, arguments.components);
+        const auto first = first_of_part.find(part);
         const std::vector<Finding> findings =
-            find_all(mesh, sound.empty() ? mesh : sound.front(), static_cast<int>(arguments.limit));
+            find_all(mesh, first == first_of_part.end() ? mesh : sound[first->second],
+                     static_cast<int>(arguments.limit));
         const bool is_repeated = std::ranges::find(names, mesh.name) != names.end();
         const bool is_sound = !is_repeated && std::ranges::all_of(findings, [](const Finding& f) {
             return f.kind == "correspondence";
@@ -429,6 +442,7 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
                          is_sound ? " (written): " : " (not written): ", why, "\n");
         }
         if (is_sound) {
+            first_of_part.emplace(part, sound.size());
             names.push_back(mesh.name);
             sound.push_back(std::move(mesh));
         }

@@ -606,6 +606,10 @@ std::vector<BadInput> bad_paths()
          3,
          {"path.json: path", "curve", "bilinear"},
          with_path(R"({"path": "curve", "frames": 3})")},
+        {"PathFileWithANumberOfAMillionDigits",
+         3,
+         {"path.json", "bytes more"},
+         with_path("{\"frames\": " + std::string(1000000, '9') + "}")},
         {"PathFileWithOneFrame", 3, {"path.json: frames", "[2, "}, with_path(R"({"frames": 1})")},
         {"PathFileWithHalfAFrame", 3, {"frames", "integer"}, with_path(R"({"frames": 2.5})")},
         {"PathFileWithATextAsNumber",
@@ -744,6 +748,7 @@ TEST_P(BadInputTest, IsRefusedInOneLineAndLeavesEverythingAsItWas)
 
     EXPECT_EQ(outcome.exit_code, bad.exit_code) << outcome.err;
     EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+    EXPECT_LT(outcome.err.size(), 5000U);
     EXPECT_TRUE(outcome.err.starts_with("shape: error: ")) << outcome.err;
     for (const std::string& word : bad.said)
         EXPECT_NE(outcome.err.find(word), std::string::npos) << word << " in " << outcome.err;

@@ -214,6 +214,20 @@ TEST_F(Check, FixWritesWhatIsSoundAndSaysWhatIsLeft)
     EXPECT_FALSE(folder_.has("set/n0.ply"));
 }
 
+TEST_F(Check, FixSplitsIntoPartsThatCorrespondToTheSamePartAlone)
+{
+    const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\n"
+                             "f 1 2 3\nf 3 2 4\nf 5 6 7\n";
+    folder_.write("pieces/a.obj", text);
+    folder_.write("pieces/b.obj", text);
+    const Outcome outcome =
+        shape({"check", "pieces", "--fix", "parts", "--components", "split", "--json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(Json::parse(outcome.out)["fix"]["left"].empty()) << outcome.out;
+    EXPECT_EQ(files_in(folder_ / "parts"),
+              (std::vector<std::string>{"a_part1.ply", "a_part2.ply", "b_part1.ply", "b_part2.ply"}));
+}
+
 TEST_F(Check, FixNeverWritesBesideTheInput)
 {
     const auto before = folder_.content();

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -37,8 +38,19 @@ void clear_bar()
     bar_is_drawn = false;
 }
 
+/// The text in one line that can be read: without control characters, and without the rest of what goes on for
+/// pages, as numbers of a million digits in a damaged file do.
 std::string one_line(std::string text)
 {
+    constexpr std::size_t most = 4000;
+    if (text.size() > most) {
+        std::size_t end = most;
+        while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) // within a character of UTF-8
+            --end;
+        const std::size_t rest = text.size() - end;
+        text.resize(end);
+        text += " ... (" + std::to_string(rest) + " bytes more)";
+    }
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
             c = ' ';
