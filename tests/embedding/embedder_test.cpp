@@ -475,6 +475,21 @@ TEST(Embedder, RefusesBadInput)
     EXPECT_THROW((void)embedder.embed(target), InvalidInput);
 }
 
+TEST(Embedder, RefusesAnglesWhoseSinesAreRounding)
+{
+    const test::TestMesh mesh = test::icosphere(0);
+    for (const EmbeddingMethod method :
+         {EmbeddingMethod::Dihedral, EmbeddingMethod::Closure, EmbeddingMethod::Multiscale}) {
+        const Embedder embedder(mesh.topology, {mesh.points}, {.method = method});
+        ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+        EXPECT_NO_THROW((void)embedder.embed(target));
+        for (const double angle : {2e9, -1e197, std::numeric_limits<double>::quiet_NaN()}) {
+            target.dihedral_angles[3] = angle;
+            EXPECT_THROW((void)embedder.embed(target), InvalidInput) << angle;
+        }
+    }
+}
+
 TEST(EmbeddingReport, MeasuresWhatItSays)
 {
     const test::TestMesh mesh = test::icosphere(1);
