@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -40,12 +41,16 @@
 #include "libshape/model/difference.h"
 #include "libshape/model/model_quality.h"
 #include "libshape/model/shape_model.h"
+#include "libshape/model/streamed_distances.h"
+#include "libshape/model/streamed_effect.h"
 #include "libshape/model/streamed_fit.h"
+#include "libshape/model/streamed_groups.h"
 #include "libshape/registration/growth_energy.h"
 #include "libshape/registration/scan_fit.h"
 #include "libshape/registration/synthetic_scan.h"
 #include "libshape/report/picture.h"
 #include "libshape/report/render.h"
+#include "libshape/statistics/block_krylov.h"
 #include "libshape/statistics/bootstrap.h"
 #include "libshape/statistics/linear_model.h"
 #include "libshape/statistics/principal_components.h"
@@ -298,6 +303,21 @@ TEST(Options, OfStatisticsAndModelsNameWhatBreaksARule)
     Fields<ModelOptions>("ModelOptions")
         .at_least(0, "modes", &ModelOptions::modes)
         .refuse<double>("variance", &ModelOptions::variance, {0.0, 1.01, -0.5, nan});
+    Fields<BlockKrylovOptions>("BlockKrylovOptions")
+        .refuse<Eigen::Index>("components", &BlockKrylovOptions::components, {-1})
+        .refuse<double>("variance", &BlockKrylovOptions::variance, {0.0, 1.01, -0.5, nan})
+        .refuse<double>("tolerance", &BlockKrylovOptions::tolerance, {0.0, 1.0, -0.5, nan});
+    EXPECT_THROW(check(StreamedDistancesOptions{.space = {.dihedral_weight = nan}}), InvalidInput);
+    EXPECT_THROW(check(StreamedDistancesOptions{.ranks = {.count = 3}}), InvalidInput);
+    EXPECT_THROW(check(StreamedProductsOptions{.space = {.dihedral_weight = nan}}), InvalidInput);
+    EXPECT_THROW(check(StreamedGroupsOptions{.space = {.dihedral_weight = nan}}), InvalidInput);
+    EXPECT_THROW(check(StreamedGroupsOptions{.permutations = {.permutations = -1}}), InvalidInput);
+    EXPECT_THROW(check(StreamedGroupsOptions{.bootstrap = {.replicates = 0}}), InvalidInput);
+    Fields<StreamedEffectOptions>(
+        "StreamedEffectOptions",
+        {{}, [](const Eigen::VectorXd& sizes) { return Eigen::MatrixXd(sizes); }})
+        .refuse<std::function<Eigen::MatrixXd(const Eigen::VectorXd&)>>(
+            "covariates", &StreamedEffectOptions::covariates, {nullptr});
     Fields<StreamOptions>("StreamOptions")
         .refuse<double>("tolerance", &StreamOptions::tolerance, {0.0, 1.0, -0.5, nan});
     Fields<ModelOptions>("ModelOptions", {.modes = 2})

@@ -3,6 +3,7 @@
 #include "libshape/edge_space/streamed_space.h"
 
 #include "libshape/base/error.h"
+#include "libshape/base/to_size.h"
 
 namespace shape::internal {
 
@@ -17,7 +18,7 @@ ShapeSpace make_space(const MeshStream& meshes, const SpaceOptions& options, Ind
         throw InvalidInput("a space of shapes needs at least one mesh");
     if (options.kind == SpaceKind::Procrustes)
         throw InvalidInput("Procrustes space needs all meshes in memory");
-    return make_edge_space(meshes.topology, static_cast<std::size_t>(meshes.size()), options,
+    return make_edge_space(meshes.topology, to_size(meshes.size()), options,
                            [&](const auto& visit) {
                                for_each_block(meshes, 0, meshes.size(), block,
                                               [&](Index, const Collection& part) { visit(part); });

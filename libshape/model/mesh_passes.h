@@ -11,6 +11,7 @@
 
 #include "libshape/base/progress.h"
 #include "libshape/base/ranks.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/shape_space.h"
 #include "libshape/linalg/dense.h"
 #include "libshape/mesh/mesh_stream.h"
@@ -87,7 +88,7 @@ private:
 template <class Array>
 [[nodiscard]] std::span<double> numbers_of(Array& array)
 {
-    return {array.data(), static_cast<std::size_t>(array.size())};
+    return {array.data(), to_size(array.size())};
 }
 
 } // namespace shape::internal

@@ -405,6 +405,9 @@ ModelQuality measure_quality(const MeshStream& meshes, const Grouping& folds,
                              const Progress& progress)
 {
     check(stream);
+    require(!stream.save, "StreamOptions.save", "set", "empty: many models are made");
+    require(!stream.state, "StreamOptions.state", "set", "empty: many models are made");
+    require(!stream.progress, "StreamOptions.progress", "set", "empty: decoded meshes are counted");
     return measure(source_of(meshes, stream), folds, options, progress);
 }
 

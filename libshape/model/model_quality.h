@@ -78,9 +78,9 @@ struct ModelQuality
 
 /// The same of meshes that need not fit into memory: each model is fitted in passes (streamed_fit.h), to
 /// rounding the one in memory where it is found by Gram; beside the decoded meshes few are held.
-/// @param stream  How; its progress, save and state are not looked at. Processes share the passes and the meshes
-///     that are decoded.
-/// @throws as both.
+/// @param stream  How; without progress, save and state, as it is for many models. Processes share the passes and
+///     the meshes that are decoded.
+/// @throws as both; InvalidInput if one of these three is set.
 /// Cost: one fit in passes for each fold with a test, and one of all.
 [[nodiscard]] ModelQuality measure_quality(const MeshStream& meshes, const Grouping& folds,
                                            const QualityOptions& options,

@@ -54,10 +54,17 @@ RowMatrix distances_of_tiles(const ConstBlock& a, Index first_a, const ConstBloc
 
 } // namespace
 
+void check(const StreamedDistancesOptions& options)
+{
+    check(options.space);
+    check(options.ranks);
+}
+
 ShapeSpace for_each_distance_row(
     const MeshStream& meshes, const StreamedDistancesOptions& options,
     const std::function<void(Index first, const RowMatrix& distances)>& visit)
 {
+    check(options);
     const Index count = meshes.size();
     if (count < 2)
         throw InvalidInput(join("distances need at least 2 meshes, there are ", count));
@@ -108,6 +115,7 @@ ShapeSpace for_each_distance_row(
 ClassicalScaling classical_scaling(const MeshStream& meshes, int dimensions,
                                    const StreamedDistancesOptions& options)
 {
+    check(options);
     require(dimensions >= 1 && dimensions <= meshes.size(), "dimensions", dimensions,
             join("in [1, ", meshes.size(), "]"));
     const auto modes = std::min<Index>(dimensions, meshes.size() - 1);

@@ -25,6 +25,9 @@ struct StreamedDistancesOptions
     Ranks ranks = {};       ///< Other processes that share the passes.
 };
 
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const StreamedDistancesOptions& options);
+
 /// Rows of the matrix of shape_distances(), of meshes that come by in passes: shows distances(i, j) of
 /// mesh first + i from mesh j, blocks of rows in their order. A distance is that in memory to 1e-10 of itself,
 /// and 0 of equal meshes.

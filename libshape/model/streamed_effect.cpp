@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "libshape/base/error.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/streamed_space.h"
@@ -85,11 +86,17 @@ private:
 
 } // namespace
 
+void check(const StreamedEffectOptions& options)
+{
+    check(static_cast<const StreamedProductsOptions&>(options));
+    require(static_cast<bool>(options.covariates), "StreamedEffectOptions.covariates", "empty",
+            "set");
+}
+
 StreamedEffect covariate_effect(const MeshStream& meshes, const Grouping& blocks,
                                 const StreamedEffectOptions& options)
 {
-    if (!options.covariates)
-        throw InvalidInput("StreamedEffectOptions.covariates is not set");
+    check(options);
     StreamedProducts measured = measure_products(meshes, options);
     StreamedEffect result;
     result.covariates = options.covariates(measured.sizes);

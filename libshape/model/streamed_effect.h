@@ -19,6 +19,9 @@ struct StreamedEffectOptions : StreamedProductsOptions
     bool with_shapes = true;
 };
 
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const StreamedEffectOptions& options);
+
 struct StreamedEffect
 {
     CovariateEffect effect;

@@ -35,7 +35,7 @@ namespace {
 using Eigen::Index;
 
 constexpr std::uint64_t number = sizeof(double);
-constexpr auto strip = static_cast<std::size_t>(ColumnStrips::width); ///< Columns worked on together.
+constexpr auto strip = to_size(ColumnStrips::width); ///< Columns worked on together.
 
 /// Runs body(first, count) for fixed strips of [0, total).
 void for_strips(Index total, const std::function<void(Index, Index)>& body)
@@ -132,6 +132,8 @@ private:
             fail_for_memory("all modes", 2 * bytes(count, dimension_));
         if (stream_.algorithm != FitAlgorithm::Automatic)
             return stream_.algorithm;
+        // Gram takes N^2 E / 2 multiplications, Krylov 2 N E s in each of some six passes, as many at N = 24 s. Up
+        // to 1000 meshes Gram is taken all the same: it is exact, and reads them once.
         const Index few = 24 * BlockKrylov::block_size(modes > 0 ? modes : 32);
         const bool fits = matrices <= memory_ / 2;
         if (wants_all && !fits)
@@ -151,6 +153,26 @@ private:
                          origin = rows.colwise().mean().transpose();
                      });
         return origin;
+    }
+
+    /// At most so many meshes, a few here and there of all, the first among them.
+    RowMatrix sample(Index most)
+    {
+        constexpr Index most_places = 16; // a block of the file at least is read for each
+        const Index width = std::clamp<Index>(most / most_places, 1, meshes_.size());
+        const Index places = std::min(most_places, meshes_.size() / width);
+        RowMatrix rows(places * width, dimension_);
+        for (Index place = 0; place < places; ++place) {
+            const Index begin = place == 0 ? 0 : place * (meshes_.size() - width) / (places - 1);
+            passes_.show({begin, begin + width, width},
+                         [&](Index, const Collection& block, RowMatrix& some) {
+                             if (place == 0)
+                                 reference_ = block.points.front();
+                             passes_.encode(block, some);
+                             rows.middleRows(place * width, width) = some;
+                         });
+        }
+        return rows;
     }
 
     /// What the first pass learns besides: sizes and branches.
@@ -269,8 +291,7 @@ private:
         strips_ = MeasuredStrips{std::move(*coordinates), std::nullopt};
         if (!has_companions(passes_.space()))
             return true;
-        strips_->angles =
-            ColumnStrips::make(stream_.scratch, count, meshes_.topology.edge_count());
+        strips_->angles = ColumnStrips::make(stream_.scratch, count, meshes_.topology.edge_count());
         if (!strips_->angles)
             strips_.reset();
         return strips_.has_value();
@@ -336,9 +357,8 @@ private:
         if (strips_)
             return strips_->coordinates.for_each([&](Index begin, RowMatrix& columns) {
                 columns.rowwise() -= components_.mean.segment(begin, columns.cols()).transpose();
-                for_tiles(columns, tile, [&](Index mesh, const ConstBlock& rows) {
-                    add(mesh, begin, rows);
-                });
+                for_tiles(columns, tile,
+                          [&](Index mesh, const ConstBlock& rows) { add(mesh, begin, rows); });
             });
         passes_.run("modes", passes_.all(tile),
                     [&](Index first, const Collection& block, RowMatrix& rows) {
@@ -379,7 +399,7 @@ private:
         if (stream_.state)
             restore(krylov, *stream_.state);
         else
-            krylov.start_at(look_at_first(block));
+            krylov.start_from(sample(krylov.sample_rows()));
         while (!krylov.is_complete()) {
             const bool is_first = krylov.passes() == 0;
             pass("block Krylov", passes_.all(block), is_first, krylov, [&] { krylov.flush(); });
@@ -468,14 +488,15 @@ private:
         strips_->coordinates.for_each_in_order([&](Index begin, RowMatrix& columns) {
             const Index count = columns.cols();
             centre_rows(columns, components_.mean.segment(begin, count));
-            parallel_for(to_size(scores.rows()), to_size(tile), [&](std::size_t row, std::size_t end) {
-                const auto mesh = static_cast<Index>(row);
-                const auto rows = static_cast<Index>(end - row);
-                RowMatrix part = RowMatrix::Zero(rows, modes.rows());
-                add_product_with_rows(columns.middleRows(mesh, rows),
-                                      modes.middleCols(begin, count), part);
-                scores.middleRows(mesh, rows) += part;
-            });
+            parallel_for(to_size(scores.rows()), to_size(tile),
+                         [&](std::size_t row, std::size_t end) {
+                             const auto mesh = static_cast<Index>(row);
+                             const auto rows = static_cast<Index>(end - row);
+                             RowMatrix part = RowMatrix::Zero(rows, modes.rows());
+                             add_product_with_rows(columns.middleRows(mesh, rows),
+                                                   modes.middleCols(begin, count), part);
+                             scores.middleRows(mesh, rows) += part;
+                         });
             tell("scores", begin + count);
         });
         if (!strips_->angles)

@@ -20,7 +20,7 @@ enum class FitAlgorithm
 {
     Automatic, ///< Gram where all modes are wanted or the matrix is small, else Krylov.
     Gram,   ///< Eigenvectors of the N by N inner products, summed tile by tile: exact to rounding.
-    Krylov, ///< Block Krylov method from a random start, to a tolerance.
+    Krylov, ///< Block Krylov method, to a tolerance.
 };
 
 struct StreamOptions
@@ -31,7 +31,7 @@ struct StreamOptions
     FitAlgorithm algorithm = FitAlgorithm::Automatic;
     /// The relative error of each variance that Krylov may leave, as it estimates it; in (0, 1).
     double tolerance = 1e-6;
-    /// The random start of Krylov depends on this.
+    /// What is random in the start of Krylov depends on this.
     std::uint64_t seed = 1;
     /// Called with kilobytes read, of the pass that its stage names.
     Progress progress = {};

@@ -192,11 +192,17 @@ private:
 
 } // namespace
 
+void check(const StreamedGroupsOptions& options)
+{
+    check(options.space);
+    check(options.permutations);
+    check(options.bootstrap);
+}
+
 StreamedGroups compare_groups(const MeshStream& meshes, const Grouping& groups,
                               const Grouping& blocks, const StreamedGroupsOptions& options)
 {
-    check(options.permutations);
-    check(options.bootstrap);
+    check(options);
     for (const Grouping* grouping : {&groups, &blocks})
         if (grouping->size() != meshes.size())
             throw InvalidInput(join("groups: the grouping is of ", grouping->size(),

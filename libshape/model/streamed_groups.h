@@ -33,6 +33,9 @@ struct StreamedGroupsOptions
     Progress progress = {}; ///< Called with kilobytes read, of the pass that its stage names.
 };
 
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const StreamedGroupsOptions& options);
+
 struct StreamedGroups
 {
     GroupedShapes shapes; ///< `products` stay empty.

@@ -16,8 +16,14 @@ using namespace internal;
 
 using Eigen::Index;
 
+void check(const StreamedProductsOptions& options)
+{
+    check(options.space);
+}
+
 StreamedProducts measure_products(const MeshStream& meshes, const StreamedProductsOptions& options)
 {
+    check(options);
     const Index count = meshes.size();
     if (count < 1)
         throw InvalidInput("inner products need at least one mesh");

@@ -22,6 +22,9 @@ struct StreamedProductsOptions
     std::filesystem::path scratch = {}; ///< As of StreamOptions; changes no bit.
 };
 
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const StreamedProductsOptions& options);
+
 /// Of meshes as points of a space all that tests, discriminants and regressions ask for.
 struct StreamedProducts
 {

@@ -13,6 +13,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/block_products.h"
@@ -104,6 +105,15 @@ RowMatrix random_block(Index rows, Index columns, std::uint64_t seed)
 
 } // namespace
 
+void check(const BlockKrylovOptions& options)
+{
+    require(options.components >= 0, "BlockKrylovOptions.components", options.components, ">= 0");
+    require(options.variance > 0.0 && options.variance <= 1.0, "BlockKrylovOptions.variance",
+            options.variance, "in (0, 1]");
+    require(options.tolerance > 0.0 && options.tolerance < 1.0, "BlockKrylovOptions.tolerance",
+            options.tolerance, "in (0, 1)");
+}
+
 Index BlockKrylov::block_size(Index components)
 {
     return components + std::max<Index>(10, components / 5);
@@ -124,6 +134,7 @@ BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& op
                       std::max<Index>(rows - 1, 1)})),
       sums_(Eigen::VectorXd::Zero(columns))
 {
+    check(options);
     const auto row = static_cast<double>(sizeof(double)) * static_cast<double>(columns_);
     const double block = row * static_cast<double>(size_);
     const auto memory = static_cast<double>(options.memory);
@@ -147,9 +158,40 @@ BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& op
     product_ = RowMatrix::Zero(columns_, basis_.front().cols());
 }
 
-void BlockKrylov::start_at(const Eigen::VectorXd& origin)
+void BlockKrylov::start_from(RowMatrix sample)
 {
-    mean_ = origin;
+    mean_ = sample.colwise().mean().transpose();
+    const Index count = sample.rows();
+    for_strips(columns_, [&](std::size_t, Index first, Index width) {
+        sample.middleCols(first, width).rowwise() -= mean_.segment(first, width).transpose();
+    });
+    const RowMatrix gram =
+        sum_of_strips(columns_, count, count, [&](Index first, Index width, RowMatrix& sum) {
+            add_product_with_rows(sample.middleCols(first, width), sample.middleCols(first, width),
+                                  sum);
+        });
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver{Eigen::MatrixXd(gram)};
+    const Eigen::VectorXd squares = solver.eigenvalues().reverse();
+    // A tenth of the vectors stays random: what is in no row of the sample is in them.
+    const Index most = std::min(size_ - std::max<Index>(1, size_ / 10), count);
+    constexpr double rounding = 1e-12;
+    Index known = 0;
+    while (known < most && squares[known] > rounding * squares[0])
+        ++known;
+    const RowMatrix weights = solver.eigenvectors().rowwise().reverse().leftCols(known) *
+                              squares.head(known).cwiseSqrt().cwiseInverse().asDiagonal();
+    RowMatrix& block = basis_.front();
+    const double scale = 1.0 / std::sqrt(static_cast<double>(columns_));
+    Random random(options_.seed);
+    for (double& value : block.reshaped<Eigen::RowMajor>())
+        value = scale * random.normal();
+    for_strips(columns_, [&](std::size_t, Index first, Index width) {
+        RowMatrix part = RowMatrix::Zero(width, known);
+        add_product_of_columns(sample.middleCols(first, width), weights, part);
+        block.middleRows(first, width).leftCols(known) = part;
+    });
+    orthonormalise_columns(block, 0.0);
+    product_ = RowMatrix::Zero(columns_, block.cols());
 }
 
 std::vector<std::span<double>> BlockKrylov::sums()

@@ -14,21 +14,24 @@ namespace shape::internal {
 
 struct BlockKrylovOptions
 {
-    /// This many leading components are wanted; 0: as few as have the share `variance`.
+    /// This many leading components are wanted; 0: as few as have the share `variance`. >= 0.
     Eigen::Index components = 0;
-    /// This share of the variance is to be explained where `components` is 0; in (0, 1).
+    /// This share of the variance is to be explained where `components` is 0; in (0, 1].
     double variance = 1.0;
-    /// The relative error of each of their variances is at most this, as estimated.
+    /// The relative error of each of their variances is at most this, as estimated; in (0, 1).
     double tolerance = 1e-6;
-    /// The random start block is drawn with this seed.
+    /// The random vectors of the start block are drawn with this seed.
     std::uint64_t seed = 1;
     /// What the bases, and rows that are multiplied together, may take [byte].
     std::uint64_t memory = 0;
 };
 
+/// @throws InvalidInput naming the first field that breaks its rule.
+void check(const BlockKrylovOptions& options);
+
 /// The leading principal components of N rows of E numbers that come by once a pass, in the same blocks
 /// each time: block Lanczos method on the covariance C = X^T X of the centred rows, from a random
-/// block of s vectors (Golub and Underwood 1977; Musco and Musco 2015), with full orthogonalisation and
+/// block of s vectors, or one that some rows give (Golub and Underwood 1977; Musco and Musco 2015), with full orthogonalisation and
 /// restarts with the best s Ritz vectors where the bases fill the memory (Stathopoulos, Saad and Wu 1998).
 /// One pass is one product with C.
 ///
@@ -40,6 +43,7 @@ struct BlockKrylovOptions
 class BlockKrylov
 {
 public:
+    /// @throws LimitExceeded if the memory does not hold five blocks.
     BlockKrylov(Eigen::Index rows, Eigen::Index columns, const BlockKrylovOptions& options);
 
     /// Vectors of a block for this many components.
@@ -47,8 +51,13 @@ public:
     /// Rows that a pass takes at a time: a power of two in [4, 256], of about 32 MiB if it can be.
     [[nodiscard]] static Eigen::Index tile_rows(Eigen::Index columns);
 
-    /// The point about which the rows of the first pass are taken; else the mean of its first rows.
-    void start_at(const Eigen::VectorXd& origin);
+    /// Begins with the principal directions of some rows, and a few random ones for what these rows lack, instead
+    /// of random ones alone: half a pass ahead, as C^(1/2) is. Their mean is the point about which the first
+    /// pass takes its rows; without this, that is the mean of the first ones.
+    /// @param sample  Spread over all rows; at most sample_rows() of them are worth while.
+    void start_from(RowMatrix sample);
+    /// As many as wait to be multiplied at most: their memory is there.
+    [[nodiscard]] Eigen::Index sample_rows() const { return held_.rows(); }
     /// Takes the next rows of a pass.
     void add(Eigen::Index first, const RowMatrix& rows);
     /// Adds to the sums what add() has put off: rows are multiplied many at a time.
@@ -93,7 +102,7 @@ private:
     std::vector<RowMatrix>
         basis_; ///< E by s each; the product of the last one is taken in this pass.
     RowMatrix product_;
-    RowMatrix held_;             ///< Centred rows that wait to be multiplied, the first held_count_ of them.
+    RowMatrix held_; ///< Centred rows that wait to be multiplied, the first held_count_ of them.
     Eigen::Index held_count_ = 0;
     RowMatrix projected_; ///< C in the basis.
     Eigen::MatrixXd ritz_vectors_;

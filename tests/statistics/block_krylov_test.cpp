@@ -102,6 +102,50 @@ TEST(BlockKrylov, FindsPlantedVariancesWithinTheToleranceItReports)
         }
 }
 
+/// As run(), from a start that these rows give.
+BlockKrylov run_from(const RowMatrix& sample, const RowMatrix& data,
+                     const BlockKrylovOptions& options)
+{
+    BlockKrylov krylov(data.rows(), data.cols(), options);
+    krylov.start_from(sample);
+    while (!krylov.is_complete() && krylov.passes() < 200)
+        pass(krylov, data);
+    return krylov;
+}
+
+TEST(BlockKrylov, FromSomeOfTheRowsItIsThereSooner)
+{
+    int passes = 0, passes_at_random = 0;
+    for (const Eigen::VectorXd& spectrum : spectra()) {
+        const RowMatrix data = planted(400, spectrum, 500, 7);
+        const BlockKrylovOptions options{.components = 10, .memory = plenty};
+        const BlockKrylov krylov = run_from(data(Eigen::seq(0, 399, 8), Eigen::all), data, options);
+        const Eigen::VectorXd found = variances_along(data, krylov.components());
+        for (Index k = 0; k < 10; ++k)
+            EXPECT_NEAR(found[k], spectrum[k], 1e-6 * spectrum[k] + 1e-13 * spectrum[0]) << k;
+        EXPECT_NEAR(krylov.squared_norm(), 399.0 * spectrum.sum(), 1e-10 * 399.0 * spectrum.sum());
+        passes += krylov.passes();
+        passes_at_random += run(data, options).passes();
+    }
+    EXPECT_LT(passes, passes_at_random);
+}
+
+TEST(BlockKrylov, FindsWhatTheRowsOfTheStartLack)
+{
+    const Eigen::VectorXd spectrum = spectra()[2];
+    const RowMatrix data = planted(400, spectrum, 500, 13);
+    const Eigen::MatrixXd leading = principal_components(data, {.modes = 3}).modes.transpose();
+    RowMatrix sample = data(Eigen::seq(0, 399, 8), Eigen::all);
+    sample -= (sample * leading * leading.transpose()).eval();
+    for (const RowMatrix& rows :
+         {sample, RowMatrix(sample.topRows(2)), RowMatrix(sample.topRows(1))}) {
+        const BlockKrylov krylov = run_from(rows, data, {.components = 10, .memory = plenty});
+        const Eigen::VectorXd found = variances_along(data, krylov.components());
+        for (Index k = 0; k < 10; ++k)
+            EXPECT_NEAR(found[k], spectrum[k], 1e-6 * spectrum[k]) << k;
+    }
+}
+
 TEST(BlockKrylov, RestartsWhereTheMemoryIsShortAndStillMeetsTheTolerance)
 {
     const Eigen::VectorXd spectrum = spectra()[2]; // the slowest
