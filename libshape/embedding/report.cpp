@@ -32,6 +32,7 @@ EmbeddingReport measure_embedding(const Topology& topology, const Points& points
         target.edge_lengths.mean();
     std::vector<double> relative(residuals.edge_error.begin(), residuals.edge_error.end());
     std::vector<double> drift;
+    drift.reserve(to_size(topology.edge_count()));
     std::vector<char> inverted(to_size(topology.face_count()), 0);
     double drift_squares = 0.0;
     for (int e = 0; e < topology.edge_count(); ++e) {
@@ -49,8 +50,9 @@ EmbeddingReport measure_embedding(const Topology& topology, const Points& points
             inverted[to_size(defect.face)] = 1;
     report.inverted_faces = static_cast<int>(std::count(inverted.begin(), inverted.end(), 1));
     report.edge_max = *std::max_element(relative.begin(), relative.end());
-    report.edge_p999 = quantile_of(relative, 0.999);
-    report.edge_p99 = quantile_of(std::move(relative), 0.99);
+    const std::vector<double> quantiles = quantiles_of(std::move(relative), {0.99, 0.999});
+    report.edge_p99 = quantiles[0];
+    report.edge_p999 = quantiles[1];
     if (!drift.empty()) {
         report.dihedral_rms_deg = std::sqrt(drift_squares / static_cast<double>(drift.size()));
         report.dihedral_max_deg = *std::max_element(drift.begin(), drift.end());

@@ -24,9 +24,6 @@ namespace {
 // do not lie in rows, but eight positions of a face do, so that no lane is ever idle. Lanes may not
 // branch: what divides is kept from 0 instead.
 
-constexpr float nothing =
-    1e-18F; // keeps 0 / 0 out: a length or area squared, in units of mean lengths
-
 /// Unit normals (0 without area); and of moving faces the slopes of the angle at each edge (hinge.h).
 SHAPE_VECTORISED void face_terms(int count, int moving, const int* corners,
                                  const EightLanePoint* points, EightLanePoint* __restrict normals,
@@ -39,13 +36,13 @@ SHAPE_VECTORISED void face_terms(int count, int moving, const int* corners,
         const EightLanePoint ab = b - a, bc = c - b, ca = a - c;
         const EightLanePoint normal = cross(ca, ab);
         const EightLanes square = dot(normal, normal);
-        const EightLanes inverse = sqrt(square) / (square + nothing);
+        const EightLanes inverse = sqrt(square) / (square + least_square);
         normals[f] = inverse * normal;
         if (f >= moving)
             continue;
-        hinges[3 * f] = hinge_slopes(ab, ca, dot(ab, ab) + nothing, inverse);
-        hinges[3 * f + 1] = hinge_slopes(bc, ab, dot(bc, bc) + nothing, inverse);
-        hinges[3 * f + 2] = hinge_slopes(ca, bc, dot(ca, ca) + nothing, inverse);
+        hinges[3 * f] = hinge_slopes(ab, ca, dot(ab, ab) + least_square, inverse);
+        hinges[3 * f + 1] = hinge_slopes(bc, ab, dot(bc, bc) + least_square, inverse);
+        hinges[3 * f + 2] = hinge_slopes(ca, bc, dot(ca, ca) + least_square, inverse);
     }
 }
 
@@ -68,7 +65,7 @@ SHAPE_VECTORISED void edge_terms(int count, const int* ends, const int* sides,
         energies[e] = stretch.value;
         const EightLanes root = sqrt(stretch.weight);
         strains[e] = root * strain;
-        directions[e] = (inverse_lengths[e] * root * length / (length2 + nothing)) * along;
+        directions[e] = (inverse_lengths[e] * root * length / (length2 + least_square)) * along;
         const AngleVector<EightLanes> bend = turned_back(
             hinge_angle(along, length, normals[sides[2 * e] / 3], normals[sides[2 * e + 1] / 3]),
             sines[e], cosines[e]);

@@ -8,6 +8,9 @@
 
 namespace shape::internal {
 
+/// Added to a squared length or area, in units of mean lengths, so that no eight lanes divide 0 by 0.
+inline constexpr float least_square = 1e-18F;
+
 /// A part of a mesh in numbers of its own: some vertices that move, and what their faces and hinges
 /// are made of. Local vertices are those that move, then the rim (the other vertices of their
 /// faces), then the rest of the rim's faces.

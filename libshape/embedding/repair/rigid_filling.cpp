@@ -17,9 +17,6 @@ namespace {
 // iterates until each has converged: eight lanes would wait for the last. A few steps about the axis of the
 // torque have no branch, and start from the rotation of the sweep before, which is near.
 
-constexpr float nothing =
-    1e-18F; // keeps 0 / 0 out: a length or area squared, in units of mean lengths
-
 /// By columns: matrix * u = u.x * x + u.y * y + u.z * z.
 struct EightLaneMatrix
 {
@@ -46,7 +43,7 @@ inline EightLaneMatrix turned_towards(const EightLaneMatrix& start, const EightL
     EightLaneMatrix r = start;
     for (int step = 0; step < steps; ++step) {
         const EightLanes trace = dot(r.x, m.x) + dot(r.y, m.y) + dot(r.z, m.z);
-        const EightLanes bound = sqrt(trace * trace) + EightLanes::all(nothing);
+        const EightLanes bound = sqrt(trace * trace) + EightLanes::all(least_square);
         const EightLanePoint half =
             (EightLanes::all(0.5F) / bound) * (cross(r.x, m.x) + cross(r.y, m.y) + cross(r.z, m.z));
         const EightLanes scale = EightLanes::all(2.0F) / (EightLanes::all(1.0F) + dot(half, half));
@@ -61,7 +58,7 @@ inline EightLaneMatrix turned_towards(const EightLaneMatrix& start, const EightL
 
 inline EightLanePoint unit(const EightLanePoint& a)
 {
-    return (EightLanes::all(1.0F) / sqrt(dot(a, a) + EightLanes::all(nothing))) * a;
+    return (EightLanes::all(1.0F) / sqrt(dot(a, a) + EightLanes::all(least_square))) * a;
 }
 
 /// Rotations of rim vertices from the identity to where the faces outside lie.
@@ -107,9 +104,9 @@ SHAPE_VECTORISED void turn_moving(const RegionMesh& region, const EightLanePoint
             const int h = halfedges[i];
             const int a = corners[h % 3 == 2 ? h - 2 : h + 1];
             const EightLanePoint u = references[a] - references[v];
-            covariance = plus_outer(covariance,
-                                    EightLanes::all(1.0F) / (dot(u, u) + EightLanes::all(nothing)),
-                                    points[a] - points[v], u);
+            covariance = plus_outer(
+                covariance, EightLanes::all(1.0F) / (dot(u, u) + EightLanes::all(least_square)),
+                points[a] - points[v], u);
         }
         constexpr int steps = 2; // from the sweep before; the sweeps go on anyway
         rotations[v] = turned_towards(rotations[v], covariance, steps);

@@ -8,6 +8,7 @@
 #include "libshape/base/blocks.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/embedding/start/quaternion_rows.h"
 #include "libshape/mesh/rotation_fit.h"
 
 namespace shape::internal {
@@ -16,32 +17,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector2d;
-
-struct Vectors
-{
-    Row x, y, z;
-
-    void set(int i, const double* from)
-    {
-        x[i] = from[0];
-        y[i] = from[1];
-        z[i] = from[2];
-    }
-};
-
-struct Quaternions
-{
-    Row w, x, y, z;
-
-    void set(int i, const Quaterniond& from, double sign_of_vector = 1.0)
-    {
-        w[i] = from.w();
-        x[i] = sign_of_vector * from.x();
-        y[i] = sign_of_vector * from.y();
-        z[i] = sign_of_vector * from.z();
-    }
-    [[nodiscard]] Quaterniond get(int i) const { return {w[i], x[i], y[i], z[i]}; }
-};
 
 /// Sums of w (x_b - x_a) u^T over edges a-b that lie along u: row by row.
 struct Covariances
@@ -60,12 +35,12 @@ struct Covariances
 /// A side of a face and what lies across it.
 struct Side
 {
-    Row u, v;          ///< The side in the plane of the face,
-    Row weight;        ///< in all.
-    Vectors apex;      ///< Where the third corner of the neighbour is.
-    Row out_u, out_v;  ///< The neighbour's edge from the first corner to its apex in its own plane,
-    Quaternions turn;  ///< its frame,
-    Row near_w, far_w; ///< and the weights of its edges there from the first and second corner.
+    Row u, v;         ///< The side in the plane of the face,
+    Row weight;       ///< in all.
+    VectorRows apex;  ///< Where the third corner of the neighbour is.
+    Row out_u, out_v; ///< The neighbour's edge from the first corner to its apex in its own plane,
+    QuaternionRows turn; ///< its frame,
+    Row near_w, far_w;   ///< and the weights of its edges there from the first and second corner.
 };
 
 /// Adds a side from p to q and half of the neighbour behind it:
@@ -85,8 +60,8 @@ struct Side
 /// The plain loop over faces multiplies vectors of three, and builds a matrix for each quaternion: most
 /// of a register is empty. Here a lane is a face, and a boundary side is a neighbour without weight
 /// rather than a branch.
-SHAPE_VECTORISED void add_side(int count, const Side& side, const Vectors& p, const Vectors& q,
-                               Covariances& __restrict sums)
+SHAPE_VECTORISED void add_side(int count, const Side& side, const VectorRows& p,
+                               const VectorRows& q, Covariances& __restrict sums)
 {
     auto& m = sums.entries;
     for (int i = 0; i < count; ++i) {
@@ -124,7 +99,7 @@ SHAPE_VECTORISED void add_side(int count, const Side& side, const Vectors& p, co
 /// would stop as soon as a face has converged or is found far; here all lanes take the same four steps,
 /// and what is not near is left to rotation_fit.h by the caller.
 SHAPE_VECTORISED void turn_frames(int count, const Covariances& sums,
-                                  Quaternions& __restrict frames, double* __restrict found)
+                                  QuaternionRows& __restrict frames, double* __restrict found)
 {
     constexpr int steps = 4;         // of Newton's method: digits double, and frames turn little
     constexpr double max_turn = 0.5; // |tan(angle / 2)|^2: beyond 70 degrees another branch is near
@@ -196,7 +171,7 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
 {
     const int* const faces = topology.faces().data();
     const int* const face_edges = topology.face_edges().data();
-    const auto position = [&](int vertex) { return points.data() + 3 * vertex; };
+    const auto position = [&](int vertex) { return vector3(points.data() + 3 * vertex); };
     const auto gather_side = [&](int i, int face, int c, Side& side) {
         constexpr std::array<int, 3> next{1, 2, 0}, previous{2, 0, 1};
         const int h = 3 * face + c;
@@ -221,7 +196,7 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
         side.far_w[i] = alone ? 0.0 : 0.5 * weights[face_edges[far]];
     };
     for_blocks(topology.face_count(), [&](int first, int count) {
-        std::array<Vectors, 3> corners;
+        std::array<VectorRows, 3> corners;
         Covariances sums{};
         for (int i = 0; i < count; ++i)
             for (int c = 0; c < 3; ++c)
@@ -232,7 +207,7 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
                 gather_side(i, first + i, static_cast<int>(c), side);
             add_side(count, side, corners[c], corners[(c + 1) % 3], sums);
         }
-        Quaternions turned;
+        QuaternionRows turned;
         Row found;
         for (int i = 0; i < count; ++i)
             turned.set(i, frames[to_size(first + i)]);

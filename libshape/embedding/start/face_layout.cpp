@@ -11,6 +11,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/embedding/start/quaternion_rows.h"
 #include "libshape/mesh/triangle_area.h"
 
 namespace shape::internal {
@@ -68,11 +69,6 @@ struct Sides
     Row left_x, left_y, right_x, right_y;
 };
 
-struct Quaternions
-{
-    Row w, x, y, z;
-};
-
 /// Rz(h) Rx(t) Rz(pi - g): turn to the edge, bend about it, turn back from the opposite half-edge. As a
 /// quaternion,
 ///
@@ -86,7 +82,7 @@ struct Quaternions
 /// @param sines, cosines  Of t / 2.
 SHAPE_VECTORISED void transitions_of(int count, const Sides& sides, const double* lengths,
                                      const Row& sines, const Row& cosines,
-                                     Quaternions& __restrict turns)
+                                     QuaternionRows& __restrict turns)
 {
     for (int i = 0; i < count; ++i) {
         const double inverse = 1.0 / lengths[i];
@@ -126,7 +122,7 @@ FaceLayout lay_out_faces(const Topology& topology, const VectorXd& lengths,
     for_blocks(topology.edge_count(), [&](int first, int count) {
         Row halves{}, sines, cosines;
         Sides sides;
-        Quaternions turns;
+        QuaternionRows turns;
         for (int i = 0; i < count; ++i) {
             const int* const halfedges = topology.edge_halfedges().data() + 2 * (first + i);
             const Eigen::Vector2d left = layout.halfedge(halfedges[0]);
@@ -141,9 +137,7 @@ FaceLayout lay_out_faces(const Topology& topology, const VectorXd& lengths,
         transitions_of(count, sides, lengths.data() + first, sines, cosines, turns);
         for (int i = 0; i < count; ++i)
             layout.transitions[to_size(first + i)] =
-                topology.is_boundary_edge(first + i)
-                    ? Quaterniond::Identity()
-                    : Quaterniond(turns.w[i], turns.x[i], turns.y[i], turns.z[i]);
+                topology.is_boundary_edge(first + i) ? Quaterniond::Identity() : turns.get(i);
     });
     return layout;
 }

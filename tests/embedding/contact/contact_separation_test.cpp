@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libshape/embedding/start/edge_laplacian.h"
+#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/two_spheres.h"
 
@@ -86,9 +87,9 @@ TEST_F(Separation, StretchesNoEdgeFurtherThanAllowed)
 
 TEST_F(Separation, LeavesAllowedPairsAndMeshesThatAreNotAcceptable)
 {
-    EXPECT_TRUE(separate_contacts(
-                    spheres.topology, faces, faces.crossings(points), laplacian.single_precision(),
-                    points, [](const Points&) { return true; })
+    EXPECT_TRUE(separate_contacts(spheres.topology, faces, faces.crossings(points),
+                                  laplacian.single_precision(), points,
+                                  [](const Points&) { return true; })
                     .points == points);
     EXPECT_TRUE(separate({}, false).points == points);
 }
@@ -100,6 +101,44 @@ TEST_F(Separation, RefinementsTakeBackWhatWasMovedTooFar)
     const ContactSeparation refined = deeper.separate();
     EXPECT_EQ(refined.pairs, 0);
     EXPECT_LT(deeper.stretch(refined.points), 0.95 * at_once);
+}
+
+TEST_F(Separation, WeakGapsPartSurfacesAsTheyGrowStiffer)
+{
+    const ContactGapOptions weak{.stiffness = 1e-4};
+    EXPECT_GT(separate({.gaps = weak, .growth = 1.0}).pairs, 0);
+    EXPECT_EQ(separate({.gaps = weak, .growth = 2.0}).pairs, 0);
+}
+
+TEST_F(Separation, SmootherMeshesKeepTheirAngles)
+{
+    const auto bent = [&](double smoothness) {
+        const ContactSeparation apart = separate({.smoothness = smoothness});
+        EXPECT_EQ(apart.pairs, 0);
+        return (dihedral_angles(spheres.topology, apart.points) -
+                dihedral_angles(spheres.topology, points))
+            .norm();
+    };
+    EXPECT_LT(bent(0.05), 0.8 * bent(5e-4));
+}
+
+TEST_F(Separation, TakesAsManyLinearStepsARoundAsItIsToldTo)
+{
+    const auto moved_at_once = [&](int steps) { // in the first round that is better
+        double moved = 0.0;
+        (void)separate_contacts(spheres.topology, faces, of_the_prism(),
+                                laplacian.single_precision(), points,
+                                [&](const Points& now) {
+                                    if (moved == 0.0)
+                                        moved = (now - points).norm();
+                                    return false;
+                                },
+                                {.linear_steps = steps});
+        return moved;
+    };
+    const double by_few = moved_at_once(2);
+    EXPECT_GT(by_few, 0.0);
+    EXPECT_NE(by_few, moved_at_once(24));
 }
 
 TEST_F(Separation, WithoutRoundsNothingMoves)
