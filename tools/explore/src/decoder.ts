@@ -51,8 +51,9 @@ class Channel {
     }
 }
 
-/// A mesh as fast as they come, the preview as soon as nothing moves, and the fine one a while later. Two workers:
-/// a mesh that nobody waits for any more must not hold up the next.
+/// A mesh as fast as they come, the preview when nothing has moved for a moment, and the fine one a while later. Two
+/// workers: a mesh that nobody waits for any more must not hold up the next. Between two moves of a hand lie
+/// milliseconds: previews begun there would be for nothing, and take a processor from the drafts.
 export class Decoder {
     private quick: Channel;
     private slow: Channel | null = null;
@@ -68,6 +69,7 @@ export class Decoder {
         private block: Uint8Array<ArrayBuffer>,
         private onShape: (shape: Shape) => void,
         private onFailure: (message: string) => void,
+        private calmMilliseconds = 80,
         private restMilliseconds = 250,
     ) {
         this.quick = new Channel(wasm, block);
@@ -88,8 +90,8 @@ export class Decoder {
         this.quick.ask({ ...place, quality }, (answer) => {
             this.deliver(answer);
             if (move !== this.moves) return;
-            if (quality === "draft") this.improve(move, { ...place, quality: "preview" });
-            else this.restBefore(move, { ...place, quality: "fine" });
+            if (quality === "draft") this.waitBefore(move, { ...place, quality: "preview" }, this.calmMilliseconds);
+            else this.waitBefore(move, { ...place, quality: "fine" }, this.restMilliseconds);
         });
     }
 
@@ -101,8 +103,8 @@ export class Decoder {
         }
     }
 
-    private restBefore(move: number, request: Request) {
-        this.rest = setTimeout(() => this.improve(move, request), this.restMilliseconds);
+    private waitBefore(move: number, request: Request, milliseconds: number) {
+        this.rest = setTimeout(() => this.improve(move, request), milliseconds);
     }
 
     private improve(move: number, request: Request) {
@@ -110,7 +112,7 @@ export class Decoder {
             if (move !== this.moves) return; // somebody moved on
             this.settled = request.quality === "fine";
             this.deliver(answer);
-            if (!this.settled) this.restBefore(move, { ...request, quality: "fine" });
+            if (!this.settled) this.waitBefore(move, { ...request, quality: "fine" }, this.restMilliseconds);
         });
     }
 
