@@ -337,9 +337,10 @@ Json earlier_report(const Places& places, const Json& settings)
 
 void write_report(const Places& places, const Json& settings, const Json& scans, const Json& rounds)
 {
-    write_file_atomically(
-        places.report(),
-        Json{{"settings", settings}, {"scans", scans}, {"rounds", rounds}}.dump(1) + "\n");
+    write_file_atomically(places.report(),
+                          Json{{"settings", settings}, {"scans", scans}, {"rounds", rounds}}.dump(
+                              1, ' ', false, Json::error_handler_t::replace) +
+                              "\n");
     write_table(places.table(), table_of(scans));
 }
 
@@ -425,61 +426,29 @@ void draw_sheet(const Session& session, const Places& places, const Topology& to
                           picture_svg(draw_collection(collection, options, session.progress())));
 }
 
-/// Fits the group again until its rounds are over or the fits move no more; writes what came out.
-void run_rounds(const Session& session, const Places& places, const Topology& topology,
-                const ScanFitter& fitter, const ScanSource& load, const Arguments& arguments,
-                const std::vector<std::string>& names, std::vector<std::optional<ScanFit>>& fits,
-                Json& rows, Json& rounds)
+/// The scans of all parts of the run, and what of the arguments says how.
+struct Task
 {
-    std::vector<ScanFit> group;
-    std::vector<std::size_t> members;
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-        if (!fits[i] && fs::exists(places.mesh(names[i])) && rows[i].contains("scale"))
-            fits[i] = read_fit(places, rows[i]);
-        if (!fits[i] || fits[i]->status == FitStatus::Failed)
-            continue;
-        members.push_back(i);
-        group.push_back(std::move(*fits[i]));
-    }
-    const auto member = [&](std::size_t k) { return load(members[k]); };
-    rounds = Json::array();
-    constexpr double settled = 0.002; // of the mean edge
-    for (std::int64_t round = 1; round <= arguments.rounds; ++round) {
-        const GroupRound done =
-            fit_group_again(fitter, topology, member, group, session.progress());
-        rounds.push_back(
-            {{"fits", done.fits}, {"change", done.change}, {"unexpected", done.unexpected}});
-        session.message(join("round ", round, ": edges of ", counted(to_size(done.fits), "fit"),
-                             " changed by ", 100.0 * done.change, " %, were ",
-                             100.0 * done.unexpected, " % from what the others expect (RMS)"));
-        if (done.change < settled)
-            break;
-    }
-    while (std::ssize(rounds) < arguments.rounds) // settled: --resume has nothing left to do
-        rounds.push_back(rounds.back());
-    for (std::size_t k = 0; k < members.size(); ++k) {
-        const std::size_t i = members[k];
-        rows[i] = figures_of(names[i], group[k], rows[i]["ignored"]);
-        if (group[k].status != FitStatus::Failed || arguments.keep_failed)
-            write_fit(places, names[i], topology, group[k]);
-        else
-            fs::remove(places.mesh(names[i]));
-    }
-}
+    Arguments arguments;
+    std::vector<fs::path> all_scans;
+    std::vector<fs::path> scans; ///< Those of this part.
+    std::vector<std::string> names;
+};
 
-void run(const Session& session, const Arguments& given)
+/// What the arguments mean, their rules checked.
+Task task_of(const Session& session, const Arguments& given)
 {
-    Arguments arguments = given;
+    Task task{given, {}, {}, {}};
+    Arguments& arguments = task.arguments;
     if (!arguments.boundaries.empty())
         arguments.fit.boundaries = split(arguments.boundaries, ',');
     arguments.fit.search_start = !arguments.no_search;
     if (!arguments.fit.boundaries.empty() && arguments.landmarks.empty())
         throw UsageError("--boundary names landmarks; give --landmarks");
     note_passed_over(notices_of(session), arguments.scans);
-    const std::vector<fs::path> all_scans = mesh_files(arguments.scans);
-    std::vector<fs::path> scans;
-    for (const std::size_t i : arguments.shard.own(all_scans.size()))
-        scans.push_back(all_scans[i]);
+    task.all_scans = mesh_files(arguments.scans);
+    for (const std::size_t i : arguments.shard.own(task.all_scans.size()))
+        task.scans.push_back(task.all_scans[i]);
     if (arguments.shard.is_given()) {
         if (arguments.rounds > 0)
             throw UsageError(
@@ -493,157 +462,267 @@ void run(const Session& session, const Arguments& given)
             check_merged_output(arguments.shard, given.output);
         arguments.output = arguments.shard.directory(arguments.output).string() + "/";
     }
-    std::vector<std::string> names;
-    for (const fs::path& scan : scans) {
+    for (const fs::path& scan : task.scans) {
         if (is_collection_file(scan))
             throw InvalidInput(join(scan.string(),
                                     ": a collection has its correspondence; SCANS "
                                     "are mesh files"));
-        names.push_back(scan.stem().string());
-        if (std::count(names.begin(), names.end(), names.back()) > 1)
-            throw InvalidInput(join(scan.string(), ": two scans are named '", names.back(), "'"));
+        task.names.push_back(scan.stem().string());
+        if (std::count(task.names.begin(), task.names.end(), task.names.back()) > 1)
+            throw InvalidInput(
+                join(scan.string(), ": two scans are named '", task.names.back(), "'"));
     }
-    std::vector<fs::path> inputs = scans;
-    inputs.emplace_back(arguments.pattern);
-    const std::vector<Landmark> landmarks = arguments.landmarks.empty()
-                                                ? std::vector<Landmark>{}
-                                                : read_all_landmarks(arguments, scans);
+    return task;
+}
 
-    const Pattern pattern = read_pattern(arguments);
-    const Topology& topology = pattern.topology;
-    if (pattern.model && arguments.rounds > 0)
-        throw UsageError(
-            "--rounds makes a model of the fits of a template; a model is there "
-            "already");
-    std::optional<ShapePrior> prior;
-    if (pattern.model)
-        prior = prior_of(*pattern.model);
-    const ScanFitter fitter(topology, pattern.points, arguments.fit);
-    const Places places = places_of(session, arguments, inputs, names);
-    const Json settings{{"template", arguments.pattern},
-                        {"vertices", topology.vertex_count()},
-                        {"landmarks", arguments.landmarks},
-                        {"landmark_tolerance", arguments.fit.landmark_tolerance},
-                        {"smoothness", arguments.fit.smoothness},
-                        {"growth_smoothness", arguments.fit.growth_smoothness},
-                        {"boundaries", arguments.fit.boundaries},
-                        {"search", arguments.fit.search_start},
-                        {"rounds", arguments.rounds},
-                        {"keep_failed", arguments.keep_failed}};
-    const Json earlier = arguments.resume
-                             ? earlier_report(places, settings)
-                             : Json{{"scans", Json::array()}, {"rounds", Json::array()}};
-    Json rounds = earlier["rounds"];
+/// Those that a later run must share to go on with this one.
+Json settings_of(const Arguments& arguments, const Topology& topology)
+{
+    return {{"template", arguments.pattern},
+            {"vertices", topology.vertex_count()},
+            {"landmarks", arguments.landmarks},
+            {"landmark_tolerance", arguments.fit.landmark_tolerance},
+            {"smoothness", arguments.fit.smoothness},
+            {"growth_smoothness", arguments.fit.growth_smoothness},
+            {"boundaries", arguments.fit.boundaries},
+            {"search", arguments.fit.search_start},
+            {"rounds", arguments.rounds},
+            {"keep_failed", arguments.keep_failed}};
+}
 
-    const auto load = [&](std::size_t i) {
-        const NamedMesh raw = read_mesh(scans[i], {.triangulate = true});
-        return std::pair(clean_scan(raw.points, raw.faces),
-                         pairs_of(landmarks, names[i], pattern.name, pattern.points));
-    };
-    Json rows = Json::array();
-    const Progress progress = session.progress();
-    std::vector<std::optional<ScanFit>> fits(scans.size());
-    std::size_t fitted = 0;
-    for (std::size_t i = 0; i < scans.size(); ++i) {
-        if (progress)
-            progress("fit", i, scans.size());
-        const auto done =
-            std::find_if(earlier["scans"].begin(), earlier["scans"].end(),
-                         [&](const Json& row) { return row.value("scan", "") == names[i]; });
-        if (done != earlier["scans"].end() &&
-            (done->value("status", "") == "failed" || fs::exists(places.mesh(names[i])))) {
-            fitted += fs::exists(places.mesh(names[i])) ? 1 : 0;
-            rows.push_back(*done);
-            continue;
+/// Fits scan after scan, then the group in rounds; each result is written as soon as it is there.
+class FitRun
+{
+public:
+    FitRun(const Session& session, const Arguments& given)
+        : session_(session),
+          task_(task_of(session, given)),
+          output_(given.output),
+          landmarks_(arguments_.landmarks.empty() ? std::vector<Landmark>{}
+                                                  : read_all_landmarks(arguments_, task_.scans)),
+          pattern_(read_pattern(arguments_)),
+          fits_(task_.scans.size())
+    {
+        if (pattern_.model && arguments_.rounds > 0)
+            throw UsageError(
+                "--rounds makes a model of the fits of a template; a model is there already");
+        if (pattern_.model)
+            prior_ = prior_of(*pattern_.model);
+        fitter_.emplace(topology_, pattern_.points, arguments_.fit);
+        std::vector<fs::path> inputs = task_.scans;
+        inputs.emplace_back(arguments_.pattern);
+        places_ = places_of(session, arguments_, inputs, names_);
+        settings_ = settings_of(arguments_, topology_);
+        if (arguments_.resume) {
+            const Json earlier = earlier_report(places_, settings_);
+            earlier_rows_ = earlier["scans"];
+            rounds_ = earlier["rounds"];
         }
+    }
+
+    void run()
+    {
+        const Progress progress = session_.progress();
+        for (std::size_t i = 0; i < names_.size(); ++i) {
+            if (progress)
+                progress("fit", i, names_.size());
+            if (!is_done(i))
+                fit(i);
+        }
+        if (progress)
+            progress("fit", names_.size(), names_.size());
+        if (std::ssize(rounds_) < arguments_.rounds)
+            run_rounds();
+        write_report(places_, settings_, rows_, rounds_);
+        if (pattern_.model)
+            write_scores(places_, rows_, pattern_.model->mode_count());
+        if (fitted_ > 0)
+            draw_sheet(session_, places_, topology_, rows_);
+        if (fitted_ > 0 && !places_.collection.empty())
+            write_members();
+        if (arguments_.shard.is_given())
+            write_shard();
+        conclude();
+    }
+
+private:
+    /// Whether an earlier run has fitted this scan; then its row is taken over.
+    bool is_done(std::size_t i)
+    {
+        const auto row =
+            std::find_if(earlier_rows_.begin(), earlier_rows_.end(),
+                         [&](const Json& each) { return each.value("scan", "") == names_[i]; });
+        if (row == earlier_rows_.end())
+            return false;
+        const bool is_there = fs::exists(places_.mesh(names_[i]));
+        if (!is_there && row->value("status", "") != "failed")
+            return false;
+        fitted_ += is_there ? 1 : 0;
+        rows_.push_back(*row);
+        return true;
+    }
+
+    [[nodiscard]] std::pair<Scan, LandmarkPairs> load(std::size_t i) const
+    {
+        const NamedMesh raw = read_mesh(task_.scans[i], {.triangulate = true});
+        return {clean_scan(raw.points, raw.faces),
+                pairs_of(landmarks_, names_[i], pattern_.name, pattern_.points)};
+    }
+
+    void fit(std::size_t i)
+    {
         try {
-            const auto [scan, marks] = load(i);
-            ScanFit fit;
-            if (prior) {
-                PriorFit held = fit_by_prior(fitter, topology, *prior, scan, marks);
-                fit = std::move(held.fit);
-                rows.push_back(figures_of(names[i], fit, scan.ignored));
-                const Eigen::VectorXd scores =
-                    held.expected.scores.cwiseProduct(pattern.model->variances.cwiseSqrt());
-                rows.back()["scores"] = std::vector<double>(scores.begin(), scores.end());
-                rows.back()["model_size"] = held.expected.point.edge_lengths.sum();
-                rows.back()["model_residual_rms"] = held.expected.residual;
-            } else {
-                fit = fitter.fit(scan, marks);
-                rows.push_back(figures_of(names[i], fit, scan.ignored));
+            ScanFit fit = fit_scan(i);
+            if (fit.status != FitStatus::Failed || arguments_.keep_failed) {
+                write_fit(places_, names_[i], topology_, fit);
+                ++fitted_;
             }
-            if (fit.status != FitStatus::Failed || arguments.keep_failed) {
-                write_fit(places, names[i], topology, fit);
-                ++fitted;
-            }
-            fits[i] = std::move(fit);
+            if (arguments_.rounds > 0) // else nobody asks for it again
+                fits_[i] = std::move(fit);
         } catch (const InvalidInput& error) {
-            if (all_scans.size() == 1) {
+            if (task_.all_scans.size() == 1) {
                 const std::string said = error.what();
-                const std::string path = scans[i].string();
+                const std::string path = task_.scans[i].string();
                 throw InvalidInput(said.starts_with(path) ? said : join(path, ": ", said));
             }
-            rows.push_back(failure(names[i], error.what()));
+            rows_.push_back(failure(names_[i], error.what()));
         }
-        const Json& row = rows.back();
-        std::string line = join(names[i], ": ", row["status"].get<std::string>());
+        const Json& row = rows_.back();
+        std::string line = join(names_[i], ": ", row["status"].get<std::string>());
         for (const auto& reason : row["reasons"])
             line += "; " + reason.get<std::string>();
-        session.message(line);
-        if (arguments.rounds == 0)
-            fits[i].reset(); // nobody asks for it again
-        write_report(places, settings, rows, rounds);
+        session_.message(line);
+        write_report(places_, settings_, rows_, rounds_);
     }
-    if (progress)
-        progress("fit", scans.size(), scans.size());
-    if (std::ssize(rounds) < arguments.rounds)
-        run_rounds(session, places, topology, fitter, load, arguments, names, fits, rows, rounds);
-    write_report(places, settings, rows, rounds);
-    if (pattern.model)
-        write_scores(places, rows, pattern.model->mode_count());
 
-    std::vector<std::string> outputs;
-    if (fitted > 0)
-        draw_sheet(session, places, topology, rows);
-    if (fitted > 0 && !places.collection.empty()) {
+    /// The fit, whose figures become a row.
+    ScanFit fit_scan(std::size_t i)
+    {
+        const auto [scan, marks] = load(i);
+        if (!prior_) {
+            ScanFit fit = fitter_->fit(scan, marks);
+            rows_.push_back(figures_of(names_[i], fit, scan.ignored));
+            return fit;
+        }
+        PriorFit held = fit_by_prior(*fitter_, topology_, *prior_, scan, marks);
+        Json row = figures_of(names_[i], held.fit, scan.ignored);
+        const Eigen::VectorXd scores =
+            held.expected.scores.cwiseProduct(pattern_.model->variances.cwiseSqrt());
+        row["scores"] = std::vector<double>(scores.begin(), scores.end());
+        row["model_size"] = held.expected.point.edge_lengths.sum();
+        row["model_residual_rms"] = held.expected.residual;
+        rows_.push_back(std::move(row));
+        return std::move(held.fit);
+    }
+
+    /// Fits the group again until its rounds are over or the fits move no more; writes what came out.
+    void run_rounds()
+    {
+        std::vector<ScanFit> group;
+        std::vector<std::size_t> members;
+        for (std::size_t i = 0; i < fits_.size(); ++i) {
+            if (!fits_[i] && fs::exists(places_.mesh(names_[i])) && rows_[i].contains("scale"))
+                fits_[i] = read_fit(places_, rows_[i]);
+            if (!fits_[i] || fits_[i]->status == FitStatus::Failed)
+                continue;
+            members.push_back(i);
+            group.push_back(std::move(*fits_[i]));
+        }
+        const auto member = [&](std::size_t k) { return load(members[k]); };
+        rounds_ = Json::array();
+        constexpr double settled =
+            0.002; // of the mean edge: fits themselves err by thirty times as much
+        for (std::int64_t round = 1; round <= arguments_.rounds; ++round) {
+            const GroupRound done =
+                fit_group_again(*fitter_, topology_, member, group, session_.progress());
+            rounds_.push_back(
+                {{"fits", done.fits}, {"change", done.change}, {"unexpected", done.unexpected}});
+            session_.message(join("round ", round, ": edges of ",
+                                  counted(to_size(done.fits), "fit"), " changed by ",
+                                  100.0 * done.change, " %, were ", 100.0 * done.unexpected,
+                                  " % from what the others expect (RMS)"));
+            if (done.change < settled)
+                break;
+        }
+        while (std::ssize(rounds_) < arguments_.rounds) // settled: --resume has nothing left to do
+            rounds_.push_back(rounds_.back());
+        for (std::size_t k = 0; k < members.size(); ++k) {
+            const std::size_t i = members[k];
+            rows_[i] = figures_of(names_[i], group[k], rows_[i]["ignored"]);
+            if (group[k].status != FitStatus::Failed || arguments_.keep_failed)
+                write_fit(places_, names_[i], topology_, group[k]);
+            else
+                fs::remove(places_.mesh(names_[i]));
+        }
+    }
+
+    void write_members() const
+    {
         std::vector<NamedMesh> members;
-        for (const std::string& scan : names)
-            if (fs::exists(places.mesh(scan)))
-                members.push_back(read_mesh(places.mesh(scan)));
-        write_collection(places.collection, collect(std::move(members)));
-        outputs.push_back(places.collection.string());
+        for (const std::string& scan : names_)
+            if (fs::exists(places_.mesh(scan)))
+                members.push_back(read_mesh(places_.mesh(scan)));
+        write_collection(places_.collection, collect(std::move(members)));
     }
-    if (arguments.shard.is_given()) {
+
+    void write_shard() const
+    {
         std::vector<std::string> files;
-        for (const std::string& scan : names)
-            if (fs::exists(places.mesh(scan)))
-                files.push_back(places.mesh(scan).filename().string());
-        Json all = settings;
-        for (const fs::path& scan : all_scans)
+        for (const std::string& scan : names_)
+            if (fs::exists(places_.mesh(scan)))
+                files.push_back(places_.mesh(scan).filename().string());
+        Json all = settings_;
+        for (const fs::path& scan : task_.all_scans)
             all["scans"].push_back(scan.string());
-        write_shard_manifest(places.directory, arguments.shard, all_scans.size(), all, files);
-        merge_shards_of_ranks(session, given.output);
+        write_shard_manifest(places_.directory, arguments_.shard, task_.all_scans.size(), all,
+                             files);
+        merge_shards_of_ranks(session_, output_);
     }
-    outputs.push_back(places.directory.string());
-    const auto count = [&](const char* status) {
-        return std::count_if(rows.begin(), rows.end(),
-                             [&](const Json& row) { return row["status"] == status; });
-    };
-    session.message(join(counted(scans.size(), "scan"), ": ", count("good"), " good, ",
-                         count("check"), " to check, ", count("failed"), " failed; ",
-                         places.table().string(), " says why",
-                         fitted > 0 ? join(", ", places.sheet().string(), " shows them") : ""));
-    session.print_figures({{"outputs", outputs},
-                           {"good", count("good")},
-                           {"check", count("check")},
-                           {"failed", count("failed")},
-                           {"settings", settings},
-                           {"rounds", rounds},
-                           {"scans", rows}});
-    if (fitted == 0)
-        throw NumericalError(join("no scan could be fitted; ", places.table().string(),
-                                  " says why (--keep-failed writes the meshes all the same)"));
-}
+
+    void conclude() const
+    {
+        const auto count = [&](const char* status) {
+            return std::count_if(rows_.begin(), rows_.end(),
+                                 [&](const Json& row) { return row["status"] == status; });
+        };
+        session_.message(
+            join(counted(names_.size(), "scan"), ": ", count("good"), " good, ", count("check"),
+                 " to check, ", count("failed"), " failed; ", places_.table().string(), " says why",
+                 fitted_ > 0 ? join(", ", places_.sheet().string(), " shows them") : ""));
+        std::vector<std::string> outputs;
+        if (fitted_ > 0 && !places_.collection.empty())
+            outputs.push_back(places_.collection.string());
+        outputs.push_back(places_.directory.string());
+        session_.print_figures({{"outputs", outputs},
+                                {"good", count("good")},
+                                {"check", count("check")},
+                                {"failed", count("failed")},
+                                {"settings", settings_},
+                                {"rounds", rounds_},
+                                {"scans", rows_}});
+        if (fitted_ == 0)
+            throw NumericalError(join("no scan could be fitted; ", places_.table().string(),
+                                      " says why (--keep-failed writes the meshes all the same)"));
+    }
+
+    const Session& session_;
+    Task task_;
+    std::string output_; ///< Of all parts together.
+    const Arguments& arguments_ = task_.arguments;
+    const std::vector<std::string>& names_ = task_.names;
+    std::vector<Landmark> landmarks_;
+    Pattern pattern_;
+    const Topology& topology_ = pattern_.topology;
+    std::optional<ShapePrior> prior_;
+    std::optional<ScanFitter> fitter_;
+    Places places_;
+    Json settings_;
+    Json earlier_rows_ = Json::array();
+    Json rounds_ = Json::array();
+    Json rows_ = Json::array();
+    std::vector<std::optional<ScanFit>> fits_;
+    std::size_t fitted_ = 0;
+};
 
 } // namespace
 
@@ -700,7 +779,7 @@ Run set_up_fit(CLI::App& command)
     command.add_flag("--resume", arguments->resume,
                      "Go on with an interrupted run: scans in its report are not fitted again");
     add_shard(command, arguments->shard);
-    return [arguments](const Session& session) { run(session, *arguments); };
+    return [arguments](const Session& session) { FitRun(session, *arguments).run(); };
 }
 
 } // namespace shape::tools

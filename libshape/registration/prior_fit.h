@@ -43,7 +43,7 @@ struct GroupRound
 /// What each fit has for itself alone, how its vertices slid along the surface, gives way to what they share.
 /// @param fits  Failed ones take no part and stay as they are; at least 4 others.
 /// @param scans  Called once for each fit, in order.
-/// @throws InvalidInput if there are fewer than 4 fits.
+/// @throws InvalidInput if there are fewer than 4 fits, or all have the same lengths.
 /// Cost: N times ScanFitter::fit_again(), and O(N^2 #E) for each. Does not depend on the order but for rounding.
 GroupRound fit_group_again(const ScanFitter& fitter, const Topology& topology,
                            const ScanSource& scans, std::vector<ScanFit>& fits,

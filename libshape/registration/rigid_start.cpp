@@ -200,7 +200,8 @@ std::vector<Similarity> rigid_starts(const Surface& moving, const Surface& fixed
     for (const Matrix3d& rotation : spread_rotations(40))
         add(rotation);
 
-    // First all by few samples, to choose those worth more.
+    // First all by few samples, to choose those worth more: 64 x 60 points x 6 steps are 23,000 searches of nearest points.
+    // What follows, 16 x (200 x 10 + 200), are 35,000: both stages cost about alike.
     const Points few = scale * every(moving.points, 60);
     parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)

@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/registration/synthetic_scan.h"
+#include "tests/support/files.h"
 #include "tests/support/meshes.h"
 
 namespace shape::test {
@@ -108,8 +109,24 @@ TEST(PriorFit, LeavesFailedFitsOutAndNeedsFour)
     const auto source = [&](std::size_t i) { return std::pair(g.scans[i], LandmarkPairs{}); };
     EXPECT_EQ(fit_group_again(fitter, g.mesh.topology, source, fits).fits, 5);
     EXPECT_EQ(fits[5].points, g.truth[5]);
+    for (ScanFit& fit : fits)
+        fit.points = g.truth[0];
+    EXPECT_EQ(message_of<InvalidInput>(
+                  [&] { (void)fit_group_again(fitter, g.mesh.topology, source, fits); }),
+              "a group's fits are all equal");
     fits[3].status = fits[4].status = FitStatus::Failed;
     EXPECT_THROW((void)fit_group_again(fitter, g.mesh.topology, source, fits), InvalidInput);
+}
+
+TEST(PriorFit, RefusesAPriorOfAnotherTriangulation)
+{
+    const Group& g = group();
+    const TestMesh other = icosphere(1);
+    Collection known{other.topology, {}, {}, {}};
+    known.points = {person(other.points, 0.0, 0.0), person(other.points, 0.1, 0.0)};
+    const ShapePrior prior = prior_of(shape_vectors(known, Scale::Unit), -1, 1e-9);
+    const ScanFitter fitter(g.mesh.topology, g.pattern);
+    EXPECT_THROW((void)fit_by_prior(fitter, g.mesh.topology, prior, g.scans[0]), InvalidInput);
 }
 
 TEST(PriorFit, ShowsWhatAScanHidesAsTheModelExpectsIt)
