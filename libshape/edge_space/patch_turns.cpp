@@ -7,6 +7,7 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/alignment.h"
+#include "libshape/mesh/triangle_area.h"
 
 namespace shape::internal {
 namespace {
@@ -27,7 +28,7 @@ VectorXd face_areas(const Topology& topology, const Points& points)
     VectorXd areas(topology.face_count());
     for (int f = 0; f < topology.face_count(); ++f) {
         const auto corner = [&](int c) -> Vector3d { return points.row(topology.faces()(f, c)); };
-        areas[f] = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+        areas[f] = triangle_area(corner(0), corner(1), corner(2));
     }
     return areas;
 }

@@ -7,17 +7,13 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/require.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/partition.h"
 
 namespace shape {
 using namespace internal;
 namespace {
-
-double tolerance_of(const Points& points)
-{
-    return 1e-7 * (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
-}
 
 void check(std::span<const Points> meshes)
 {
@@ -89,17 +85,18 @@ VertexChoice renamed(const Faces& faces, const std::vector<int>& target,
 
 } // namespace
 
-std::vector<VertexGroup> coincident_vertices(std::span<const Points> meshes)
+std::vector<VertexGroup> coincident_vertices(std::span<const Points> meshes, double tolerance)
 {
     check(meshes);
+    require_not_negative(tolerance, "tolerance");
     std::vector<VertexGroup> groups(1);
     groups.front().resize(to_size(meshes.front().rows()));
     std::iota(groups.front().begin(), groups.front().end(), 0);
     for (const Points& points : meshes) {
-        const double tolerance = tolerance_of(points);
+        const double distance = tolerance * bounding_box_diagonal(points);
         std::vector<VertexGroup> parts;
         for (const VertexGroup& group : groups)
-            for (VertexGroup& part : groups_among(group, points, tolerance))
+            for (VertexGroup& part : groups_among(group, points, distance))
                 parts.push_back(std::move(part));
         groups = std::move(parts);
     }

@@ -13,17 +13,23 @@ namespace shape {
 /// Vertices that lie on one another, ascending; at least two.
 using VertexGroup = std::vector<int>;
 
+/// How near vertices must be that lie on one another, as a part of the diagonal of the bounding box:
+/// coordinates in single precision.
+inline constexpr double coincidence = 1e-7;
+
 /// The groups of vertices that lie on one another in every one of the meshes, by their lowest
 /// vertex. Exporters double vertices where texture or normals jump; edge lengths do not know that
 /// such a seam is closed, and a blend tears it open.
 ///
-/// Two vertices lie on one another if their distance is <= 1e-7 times the diagonal of the bounding
-/// box (single precision), directly or by way of others.
+/// Two vertices lie on one another if their distance is <= `tolerance` times the diagonal of the bounding
+/// box, directly or by way of others.
 ///
 /// @param meshes  At least one; all of one size, finite.
+/// @param tolerance  >= 0.
 /// @throws InvalidInput if a rule is broken.
 /// Cost: O(#V log #V) once and O(#V) a mesh.
-[[nodiscard]] std::vector<VertexGroup> coincident_vertices(std::span<const Points> meshes);
+[[nodiscard]] std::vector<VertexGroup> coincident_vertices(std::span<const Points> meshes,
+                                                           double tolerance = coincidence);
 
 /// "; 24 of 24 vertices lie on others: ..." if any do, else empty (also if a coordinate is not finite):
 /// what may have broken a surface into components.

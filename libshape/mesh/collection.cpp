@@ -65,8 +65,7 @@ std::string cause_of_flipped_faces(const NamedMesh& reference, const NamedMesh& 
     const auto is_mirrored = [&] {
         try {
             const Topology topology(reference.faces, static_cast<int>(reference.points.rows()));
-            const std::array<Points, 2> both{reference.points, mesh.points};
-            return !compare_handedness(topology, both).mirrored.empty();
+            return is_mirror_image(topology, mesh.points, reference.points);
         } catch (const InvalidInput&) { // the reference is broken: a thing of its own
             return false;
         }

@@ -12,6 +12,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector3.h"
 #include "libshape/mesh/partition.h"
+#include "libshape/mesh/triangle_area.h"
 
 namespace shape {
 using namespace internal;
@@ -212,7 +213,7 @@ std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& p
         const Eigen::RowVector3d a = points.row(faces(f, 0));
         const Eigen::RowVector3d b = points.row(faces(f, 1));
         const Eigen::RowVector3d c = points.row(faces(f, 2));
-        const double area = 0.5 * (b - a).cross(c - a).norm();
+        const double area = triangle_area(a, b, c);
         const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
         if (area <= 1e-14 * longest * longest)
             list.add(DefectKind::DegenerateTriangle, f, faces(f, 0),

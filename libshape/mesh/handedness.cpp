@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "libshape/base/error.h"
@@ -11,6 +12,7 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/triangle_area.h"
 
 namespace shape {
 using namespace internal;
@@ -62,16 +64,13 @@ Measures measure(const Topology& topology, const std::vector<std::vector<int>>& 
 {
     const Eigen::RowVector3d origin = points.colwise().mean(); // far from the mesh, digits are lost
     const auto at = [&](int v) -> Eigen::RowVector3d { return points.row(v) - origin; };
-    const auto area = [](const auto& a, const auto& b, const auto& c) {
-        return 0.5 * (b - a).cross(c - a).norm();
-    };
     Measures sum;
     for (const auto& face : topology.faces().rowwise()) {
         const Eigen::RowVector3d a = at(face[0]);
         const Eigen::RowVector3d b = at(face[1]);
         const Eigen::RowVector3d c = at(face[2]);
         sum.volume += volume_of(a, b, c);
-        sum.area += area(a, b, c);
+        sum.area += triangle_area(a, b, c);
     }
     for (const std::vector<int>& loop : loops) {
         Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
@@ -81,7 +80,7 @@ Measures measure(const Topology& topology, const std::vector<std::vector<int>>& 
             const Eigen::RowVector3d a = at(topology.target(h));
             const Eigen::RowVector3d b = at(topology.source(h));
             sum.volume += volume_of(centre, a, b);
-            sum.openings += area(centre, a, b);
+            sum.openings += triangle_area(centre, a, b);
         }
     }
     return sum;
@@ -190,6 +189,12 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     }
     result.inside_out = result.inside_out && has_others;
     return result;
+}
+
+bool is_mirror_image(const Topology& topology, const Points& mesh, const Points& reference)
+{
+    const std::array<Points, 2> both{reference, mesh};
+    return !compare_handedness(topology, both).mirrored.empty();
 }
 
 } // namespace shape

@@ -38,4 +38,9 @@ struct Handedness
 [[nodiscard]] Handedness compare_handedness(const Topology& topology,
                                             std::span<const Points> meshes);
 
+/// Whether a mesh is a mirror image of another of the same triangulation, by that rule.
+/// @throws InvalidInput if one has another number of vertices. Cost: as compare_handedness() of two.
+[[nodiscard]] bool is_mirror_image(const Topology& topology, const Points& mesh,
+                                   const Points& reference);
+
 } // namespace shape

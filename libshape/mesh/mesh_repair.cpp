@@ -21,6 +21,7 @@
 #include "libshape/mesh/handedness.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/mesh/partition.h"
+#include "libshape/mesh/triangle_area.h"
 #include "libshape/mesh/unit_ratio.h"
 
 namespace shape {
@@ -92,15 +93,19 @@ void take_faces_of(const NamedMesh& first, NamedMesh& mesh, Changes& changes)
     } else if (sorted_faces(reversed(mesh.faces)) == wanted) {
         mesh.faces = first.faces;
         const auto topology = topology_of(first.faces, static_cast<int>(first.points.rows()));
-        const std::array<Points, 2> both{first.points, mesh.points};
-        const bool is_mirror_image =
-            topology && !compare_handedness(*topology, both).mirrored.empty();
-        if (is_mirror_image)
+        const bool is_mirrored = topology && is_mirror_image(*topology, mesh.points, first.points);
+        if (is_mirrored)
             mesh.points = mirrored(mesh.points);
         changes.push_back(join(mesh.name, ": faces reversed",
-                               is_mirror_image ? " and x taken times -1 (it was a mirror image)"
-                                               : " (it was inside out)"));
+                               is_mirrored ? " and x taken times -1 (it was a mirror image)"
+                                           : " (it was inside out)"));
     }
+}
+
+void take_faces_of_first(std::vector<NamedMesh>& meshes, Changes& changes)
+{
+    for (std::size_t i = 1; i < meshes.size(); ++i)
+        take_faces_of(meshes.front(), meshes[i], changes);
 }
 
 std::vector<Batch> batches_of(std::vector<NamedMesh> meshes)
@@ -146,9 +151,16 @@ void weld_seams(Batch& batch, Changes& changes)
             defect_count(batch.faces, batch.vertex_count))
         return;
     apply(batch, choice);
+    std::size_t near = 0;
+    for (const VertexGroup& group : coincident_vertices(batch.points, 100.0 * coincidence))
+        near += group.size();
     changes.push_back(join(batch.who(), ": ",
                            counted(before - choice.vertices.size(), "vertex", "vertices"),
-                           " welded to the ", groups.size(), " they lie on"));
+                           " welded to the ", groups.size(), " they lie on",
+                           near > 0 ? join("; ", near,
+                                           " more lie near others, but farther than 1e-7 of the "
+                                           "diagonal away: were they rounded? They stay apart")
+                                    : ""));
 }
 
 void drop_repeated_faces(Batch& batch, Changes& changes)
@@ -243,12 +255,10 @@ void orient_faces(Batch& batch, Changes& changes)
 double area_of(const std::vector<bool>& piece, const Faces& faces, const Points& points)
 {
     double area = 0.0;
+    const auto corner = [&](int f, int c) -> Eigen::RowVector3d { return points.row(faces(f, c)); };
     for (int f = 0; f < faces.rows(); ++f)
-        if (piece[to_size(f)]) {
-            const Eigen::RowVector3d a = points.row(faces(f, 0));
-            const Eigen::RowVector3d p = points.row(faces(f, 1)) - a, q = points.row(faces(f, 2)) - a;
-            area += 0.5 * p.cross(q).norm();
-        }
+        if (piece[to_size(f)])
+            area += triangle_area(corner(f, 0), corner(f, 1), corner(f, 2));
     return area;
 }
 
@@ -368,17 +378,27 @@ void repair_sizes(Batch& batch, Changes& changes)
 RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes, const MeshRepairOptions& options)
 {
     RepairedMeshes result;
-    for (std::size_t i = 1; i < meshes.size(); ++i)
-        take_faces_of(meshes.front(), meshes[i], result.changes);
+    take_faces_of_first(meshes, result.changes);
+    std::vector<std::vector<NamedMesh>> parts; // by their number
     for (Batch& batch : batches_of(std::move(meshes))) {
         weld_seams(batch, result.changes);
         drop_repeated_faces(batch, result.changes);
         orient_faces(batch, result.changes);
-        for (Batch& part : choose_pieces(batch, options.components, result.changes)) {
-            repair_orientation(part, result.changes);
-            repair_sizes(part, result.changes);
-            for (std::size_t i = 0; i < part.names.size(); ++i)
-                result.meshes.push_back({part.names[i], part.paths[i], part.points[i], part.faces});
+        const std::vector<Batch> pieces = choose_pieces(batch, options.components, result.changes);
+        parts.resize(std::max(parts.size(), pieces.size()));
+        for (std::size_t p = 0; p < pieces.size(); ++p)
+            for (std::size_t i = 0; i < pieces[p].names.size(); ++i)
+                parts[p].push_back(
+                    {pieces[p].names[i], pieces[p].paths[i], pieces[p].points[i], pieces[p].faces});
+    }
+    for (std::vector<NamedMesh>& part : parts) {
+        take_faces_of_first(part, result.changes); // as faces are that were turned
+        for (Batch& batch : batches_of(std::move(part))) {
+            repair_orientation(batch, result.changes);
+            repair_sizes(batch, result.changes);
+            for (std::size_t i = 0; i < batch.names.size(); ++i)
+                result.meshes.push_back(
+                    {batch.names[i], batch.paths[i], batch.points[i], batch.faces});
         }
     }
     return result;

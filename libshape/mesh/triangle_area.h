@@ -2,6 +2,9 @@
 
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
 namespace shape::internal {
 
 /// 16 A^2 of the triangle with these sides [length^4] (Heron): < 0 where a side is longer than the
@@ -13,6 +16,13 @@ namespace shape::internal {
 [[nodiscard]] constexpr double sixteen_squared_areas(double a, double b, double c)
 {
     return (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c);
+}
+
+/// Area of the triangle with these corners [length^2]; rows or columns of three.
+template <class Vector>
+[[nodiscard]] double triangle_area(const Vector& a, const Vector& b, const Vector& c)
+{
+    return 0.5 * (b - a).cross(c - a).norm();
 }
 
 } // namespace shape::internal

@@ -2,8 +2,6 @@
 
 #include "libshape/model/unlike_meshes.h"
 
-#include <array>
-
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/handedness.h"
 
@@ -15,10 +13,9 @@ RowMatrix unlike_meshes(const ShapeModel& model, const Collection& meshes,
     constexpr double far = 5.0; // as odd_sizes() has it
     const double smallest = model.sizes.minCoeff(), largest = model.sizes.maxCoeff();
     RowMatrix marks = RowMatrix::Zero(sizes.size(), 3);
-    std::array<Points, 2> both{model.reference_points, Points()};
     for (Eigen::Index i = 0; i < sizes.size(); ++i) {
-        both[1] = meshes.points[to_size(i)];
-        const bool is_mirrored = !compare_handedness(model.topology, both).mirrored.empty();
+        const bool is_mirrored =
+            is_mirror_image(model.topology, meshes.points[to_size(i)], model.reference_points);
         marks.row(i) << (is_mirrored ? 1.0 : 0.0), (sizes[i] > far * largest ? 1.0 : 0.0),
             (far * sizes[i] < smallest ? 1.0 : 0.0);
     }

@@ -187,6 +187,33 @@ TEST(MeshRepair, TurnsFacesThatDisagree)
     expect_repaired(repair_meshes(std::move(meshes)), "4 faces turned");
 }
 
+TEST(MeshRepair, AMeshWhoseFacesWereTurnedGetsThoseOfTheFirst)
+{
+    std::vector<NamedMesh> meshes = spheres(3);
+    std::swap(meshes[1].faces(7, 0), meshes[1].faces(7, 1)); // turned back, it begins elsewhere
+    const RepairedMeshes repaired = repair_meshes(std::move(meshes));
+    ASSERT_EQ(repaired.changes.size(), 2U);
+    EXPECT_EQ(repaired.changes[0], "b: 1 face turned to agree with the others");
+    EXPECT_EQ(repaired.changes[1], "b: faces put into the order of a");
+    for (const NamedMesh& mesh : repaired.meshes)
+        EXPECT_EQ(mesh.faces, spheres(1)[0].faces);
+}
+
+TEST(MeshRepair, SaysWhatLiesNearASeamAndStaysApart)
+{
+    std::vector<NamedMesh> meshes = spheres(2);
+    const test::CutMesh cut = test::cut_along_the_equator(sphere(0));
+    for (NamedMesh& mesh : meshes) {
+        mesh.points = cut.points(mesh.points);
+        mesh.faces = cut.faces;
+        mesh.points(mesh.points.rows() - 1, 0) += 3e-7 * bounding_box_diagonal(mesh.points);
+    }
+    const RepairedMeshes repaired = repair_meshes(std::move(meshes));
+    ASSERT_EQ(repaired.changes.size(), 1U);
+    EXPECT_NE(repaired.changes[0].find("; 2 more lie near others"), std::string::npos)
+        << repaired.changes[0];
+}
+
 TEST(MeshRepair, TurnsMirrorImagesAndSurfacesInsideOut)
 {
     std::vector<NamedMesh> mirrored = spheres(5);
