@@ -21,9 +21,12 @@ constexpr std::int64_t format_version = 1;
 constexpr std::array<const char*, 3> format_names = {"libshape collection", "libshape model",
                                                      "libshape difference"};
 
+/// The commands that make them.
+constexpr std::array<const char*, 3> maker_names = {"collect", "stats", "difference"};
+
 const char* format_name(FileKind kind)
 {
-    return format_names[static_cast<std::size_t>(kind)];
+    return format_names[to_size(static_cast<int>(kind))];
 }
 
 FileKind read_kind(const Hdf5File& file)
@@ -51,7 +54,8 @@ void check_kind(const Hdf5File& file, FileKind kind)
     const FileKind found = read_kind(file);
     if (found != kind)
         file.fail("attribute format",
-                  join("is '", format_name(found), "', must be '", format_name(kind), "'"));
+                  join("is '", format_name(found), "', must be '", format_name(kind), "' (`shape ",
+                       maker_names[to_size(static_cast<int>(kind))], "` makes one)"));
     const std::int64_t version = file.integer_attribute("format_version");
     if (version != format_version)
         file.fail("attribute format_version",
@@ -134,7 +138,9 @@ void add_names(Hdf5Content& content, Eigen::Index count, const std::vector<std::
     add_strings(content, "/names", count, names);
     std::set<std::string_view> seen;
     for (const std::string& name : names)
-        if (!seen.insert(name).second)
+        if (name.empty())
+            throw InvalidInput("a mesh has no name");
+        else if (!seen.insert(name).second)
             throw InvalidInput(join("the name '", name, "' occurs twice; names must differ"));
 }
 
@@ -143,7 +149,9 @@ std::vector<std::string> read_names(const Hdf5File& file, Eigen::Index count)
     std::vector<std::string> names = file.strings("/names", count);
     std::set<std::string_view> seen;
     for (const std::string& name : names)
-        if (!seen.insert(name).second)
+        if (name.empty())
+            file.fail("/names", "a mesh has no name");
+        else if (!seen.insert(name).second)
             file.fail("/names", join("'", name, "' occurs twice"));
     return names;
 }

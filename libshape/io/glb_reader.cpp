@@ -12,6 +12,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/io/file/json_depth.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
@@ -51,6 +52,8 @@ public:
         if (size > description_limit)
             throw LimitExceeded(join(path_, ": a description of ", size, " bytes; the limit is ",
                                      description_limit));
+        if (!is_shallow_json(content.substr(20, size)))
+            fail(join("the JSON chunk is nested deeper than ", deepest_json, " levels"));
         try {
             root_ = Json::parse(content.substr(20, size));
         } catch (const Json::exception& error) {

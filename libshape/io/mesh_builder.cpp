@@ -2,6 +2,7 @@
 
 #include "libshape/io/mesh_builder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -68,10 +69,11 @@ void MeshBuilder::add_polygon(std::span<const std::int64_t> corners)
         fail_(join("a face has ", corners.size(),
                    " corners; polygons are refused unless they are to be split (--triangulate); "
                    "or export triangles (`Triangulate Faces`)"));
+    const std::int64_t count = std::max(vertex_count(), expected_);
     for (const std::int64_t v : corners)
-        if (v < 0 || v >= vertex_count())
+        if (v < 0 || v >= count)
             fail_(join("a face names vertex ", v, " (counted from 0) after only ",
-                       counted(vertex_count(), "vertex", "vertices")));
+                       counted(count, "vertex", "vertices")));
     for (std::size_t i = 2; i < corners.size(); ++i)
         corners_.insert(corners_.end(),
                         {static_cast<int>(corners[0]), static_cast<int>(corners[i - 1]),

@@ -34,9 +34,11 @@ public:
     MeshBuilder(std::filesystem::path path, const MeshReadOptions& options, Fail fail);
 
     void reserve(std::int64_t vertices, std::int64_t faces);
+    /// Faces may come first: so many vertices are sure to follow.
+    void expect_vertices(std::int64_t count) { expected_ = count; }
     void add_vertex(double x, double y, double z);
 
-    /// @param corners  Vertex indices from 0, in range of the vertices added so far.
+    /// @param corners  Vertex indices from 0, in range of the vertices added so far, or expected.
     void add_polygon(std::span<const std::int64_t> corners);
 
     [[nodiscard]] std::int64_t vertex_count() const;
@@ -50,6 +52,7 @@ private:
     std::filesystem::path path_;
     MeshReadOptions options_;
     Fail fail_;
+    std::int64_t expected_ = 0;
     std::vector<double> coordinates_;
     std::vector<int> corners_;
 };

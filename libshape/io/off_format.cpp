@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 
+#include <algorithm>
+#include <string>
 #include <vector>
 
 #include "libshape/base/counted.h"
@@ -44,7 +46,11 @@ Variant parse_variant(const LineReader& reader, std::string_view word)
     Variant variant;
     if (spelled_integer(word))
         return {.counts = word};
-    std::string_view rest = word;
+    std::string upper(word); // some write "off"
+    std::ranges::transform(upper, upper.begin(), [](char c) {
+        return c >= 'a' && c <= 'z' && c != 'n' ? static_cast<char>(c - 'a' + 'A') : c;
+    });
+    std::string_view rest = upper;
     const auto take = [&](std::string_view prefix, int least, int most) {
         if (!rest.starts_with(prefix))
             return;
@@ -61,7 +67,7 @@ Variant parse_variant(const LineReader& reader, std::string_view word)
     if (!rest.starts_with("OFF"))
         reader.fail(join("starts with ", in_quotes(word),
                          "; must start with OFF (or COFF, NOFF, STOFF); is this an OFF file?"));
-    variant.counts = rest.substr(3);
+    variant.counts = word.substr(word.size() - rest.size() + 3);
     return variant;
 }
 

@@ -110,8 +110,6 @@ Element parse_element(LineReader& reader, const std::vector<Element>& before)
         reader.fail(join("the count of the element is ", element.count, ", must be at least 0"));
     if (std::any_of(before.begin(), before.end(), is_named(element.name)))
         reader.fail(join("element ", in_quotes(element.name), " is declared twice"));
-    if (element.is_face() && std::none_of(before.begin(), before.end(), is_named("vertex")))
-        reader.fail("element 'face' stands before element 'vertex'");
     return element;
 }
 
@@ -337,9 +335,12 @@ template <class Body>
 void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScalar* scalar)
 {
     check_counts(header, body);
-    for (const Element& element : header.elements)
+    for (const Element& element : header.elements) {
         mesh.reserve(element.is_vertex() ? element.count : 0,
                      element.is_face() ? element.count : 0);
+        if (element.is_vertex())
+            mesh.expect_vertices(element.count);
+    }
     std::array<double, 3> point{};
     std::vector<std::int64_t> corners;
     for (const Element& element : header.elements)

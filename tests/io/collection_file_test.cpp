@@ -95,6 +95,7 @@ TEST(CollectionFile, RefusesToWriteWhatItWouldNotReadAndKeepsTheOldFile)
     using C = Collection;
     EXPECT_NE(message([](C& c) { c.names[1] = c.names[0]; }).find("'bumpy 1' occurs twice"),
               std::string::npos);
+    EXPECT_NE(message([](C& c) { c.names[1] = ""; }).find("a mesh has no name"), std::string::npos);
     EXPECT_NE(message([](C& c) { c.names[1] = "caf\xE9"; }).find("UTF-8"), std::string::npos);
     EXPECT_NE(message([](C& c) { c.names[1] = std::string("a\0b", 3); }).find("NUL"),
               std::string::npos);
@@ -140,6 +141,17 @@ TEST(CollectionFile, RefusesWhatIsNotHdf5)
     EXPECT_THROW((void)read_collection(directory / "d.h5"), FileError);
     EXPECT_THROW((void)read_collection(directory / "missing.h5"), FileError);
     EXPECT_THROW((void)file_kind("/dev/zero"), FileError);
+}
+
+TEST(CollectionFile, SaysThatAUserBlockIsNotRead)
+{
+    const test::TemporaryDirectory directory;
+    write_collection(directory / "c.h5", bumpy_collection());
+    test::write_bytes(directory / "c.h5",
+                      std::string(1024, ' ') + test::read_bytes(directory / "c.h5"));
+    const std::string message =
+        test::message_of<InvalidInput>([&] { (void)read_collection(directory / "c.h5"); });
+    EXPECT_NE(message.find("c.h5: has a user block of 1024 bytes"), std::string::npos) << message;
 }
 
 TEST(CollectionFile, RefusesTruncatedFiles)
@@ -251,6 +263,7 @@ TEST(CollectionFile, NamesFileDatasetAndRuleOfWhatItRefuses)
         {replaced("names", "data=['a', 'b', 'c', 'd'], dtype=h5py.string_dtype()"), "/names",
          "fixed length"},
         {replaced("names", "data=[1, 2, 3, 4]"), "/names", "fixed length"},
+        {replaced("names", "data=np.array([b'a', b'', b'c', b'd'])"), "/names", "has no name"},
         {replaced("names", "data=np.array([b'caf\\xe9', b'b', b'c', b'd'])"), "/names", "UTF-8"},
         {replaced("names", "shape=(4,), dtype='S5000'"), "/names", "5000 bytes"},
         // Shapes.
@@ -283,7 +296,9 @@ TEST(CollectionFile, NamesFileDatasetAndRuleOfWhatItRefuses)
              "chunks=(10**3, 10**4, 3))",
          "/points", "chunks of more than 67108864 bytes"},
         // Values that stand elsewhere, or need filters.
-        {replaced("points", "data=v, compression='gzip'"), "/points", "filter 1"},
+        {replaced("points", "data=v, compression='gzip'"), "/points", "without a checksum"},
+        {replaced("points", "data=v, compression='gzip', shuffle=True"), "/points",
+         "without a checksum"},
         {replaced("points", "data=v, shuffle=True"), "/points", "filter 2"},
         {replaced("points", "shape=v.shape, dtype='f8', external=[('/etc/passwd', 0, 4032)]"),
          "/points", "another file"},
@@ -331,7 +346,7 @@ TEST(CollectionFile, RefusesAnEdgeWithoutLengthInAFileOfPositionsAlone)
         {{"f['points'][1] = 0", "/points", "mesh 1 has an edge of length 0 (edge 0)"},
          {"v = f['points'][...]; del f['points']; f.create_dataset('points', data=v, "
           "compression='gzip', chunks=(1, 42, 3))",
-          "/points", "filter 1"},
+          "/points", "without a checksum"},
          {"v = f['names'][...]; del f['names']; f.create_dataset('names', data=v, "
           "compression='gzip', fletcher32=True)",
           "/names", "filter 1"}},

@@ -223,10 +223,22 @@ TEST(OffFile, ReadsCountsOnEitherLineCommentsAndColours)
              "\xEF\xBB\xBFOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
              "OFF  \n3 1 0 \n0 0 0 \n1 0 0\t\n0 1 0\n3 0 1 2 \n",
              "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r",
+             "off\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+             "Off3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+             "coff\n3 1 0\n0 0 0 255 0 0\n1 0 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2\n",
          }) {
         SCOPED_TRACE(text);
         expect_unit_triangle(read("m.off", text));
     }
+}
+
+TEST(PlyFile, ReadsFacesThatStandBeforeTheirVertices)
+{
+    expect_unit_triangle(
+        read("m.ply",
+             "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+             "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+             "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n"));
 }
 
 TEST(PlyFile, ReadsAsciiWithExtraPropertiesAndElements)
@@ -563,7 +575,12 @@ std::vector<BadFile> bad_files()
          "line 5", "declared twice"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nelement vertex 3\n", "line 4",
          "declared twice"},
-        {"a.ply", "ply\nformat ascii 1.0\nelement face 3\n", "line 3", "before element 'vertex'"},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nelement "
+         "vertex "
+         "3\nproperty float x\nproperty float y\nproperty float z\nend_header\n3 0 1 3\n0 0 0\n1 0 "
+         "0\n0 1 0\n",
+         "line 10", "names vertex 3"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list float int x\n", "line 4",
          "integer type"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list uchar int x\n", "line 4",

@@ -465,6 +465,9 @@ TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
               "without compression"},
              {"\"scene\":0", "\"extensionsRequired\":[\"ACME_folded_meshes\"]",
               "'ACME_folded_meshes'"},
+             {"\"scene\":0",
+              "\"scene\":0,\"extras\":" + std::string(5000, '[') + std::string(5000, ']'),
+              "deeper than 64 levels"},
              {"\"asset\"", "asset", "damaged"}}) {
         const std::string message =
             refusal("a.glb", glb_of(replaced(glb_json, what, by), glb_buffer));

@@ -8,8 +8,8 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/file/input_file.h"
+#include "libshape/io/file/json_depth.h"
 #include "tools/program/arguments.h"
-#include "tools/program/json_depth.h"
 
 namespace shape::tools {
 using namespace internal;

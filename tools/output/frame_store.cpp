@@ -20,7 +20,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
-#include "tools/program/json_depth.h"
+#include "libshape/io/file/json_depth.h"
 
 namespace shape::tools {
 using namespace internal;

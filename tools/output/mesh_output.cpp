@@ -8,6 +8,7 @@
 #include <set>
 
 #include "libshape/base/clean_up.h"
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/letter_case.h"
@@ -346,7 +347,7 @@ void MeshOutput::commit()
         session_.warn("--colors: these meshes have no values at their vertices; add --residuals");
     if (staging_.empty())
         return;
-    if (fs::is_directory(directory_))
+    if (fs::is_directory(directory_)) {
         for (std::size_t i = 0; i < paths_.size(); ++i) {
             const fs::path& path = paths_[i];
             const bool is_companion = first_companion_ > 0 && i >= first_companion_;
@@ -356,8 +357,25 @@ void MeshOutput::commit()
                                     : staging_ / path.filename(),
                        path);
         }
-    else
+        if (mesh_count_ > 1)
+            note_other_meshes();
+    } else {
         fs::rename(staging_, directory_);
+    }
+}
+
+/// Frames of a longer run, say, that would be taken for this one's.
+void MeshOutput::note_other_meshes() const
+{
+    const std::set<fs::path> own(paths_.begin(), paths_.end());
+    std::set<std::string> others;
+    for (const auto& entry : fs::directory_iterator(directory_))
+        if (entry.path().extension() == file_ending(format_) && !own.contains(entry.path()))
+            others.insert(entry.path().filename().string());
+    if (!others.empty())
+        session_.warn(join(directory_.string(), ": holds ",
+                           counted(others.size(), "other mesh", "other meshes"), ", such as ",
+                           *others.begin(), "; who reads the directory takes them too"));
 }
 
 std::vector<std::string> MeshOutput::paths() const

@@ -106,6 +106,7 @@ public:
 
 private:
     void check_paths(std::size_t first) const;
+    void note_other_meshes() const;
     void prepare_writing(const MeshOutputArguments& arguments, const std::filesystem::path& folder);
     void prepare_animation(const MeshOutputArguments& arguments, std::size_t meshes);
 

@@ -42,8 +42,11 @@ std::string mode_table(const Json& figures)
 Json label_figures(const Labels& labels)
 {
     Json figures = Json::object();
-    for (const LabelColumn& column : labels)
-        figures[column.name] = std::set(column.values.begin(), column.values.end()).size();
+    for (const LabelColumn& column : labels) {
+        std::set<std::string_view> values(column.values.begin(), column.values.end());
+        values.erase(""); // missing
+        figures[column.name] = values.size();
+    }
     return figures;
 }
 

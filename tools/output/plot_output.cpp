@@ -3,6 +3,7 @@
 #include "tools/output/plot_output.h"
 
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -73,10 +74,17 @@ std::string png_of(const std::filesystem::path& path, const std::string& svg)
     while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
     }
     std::string png = read_all(out.get());
-    if (status != 0 || !png.starts_with("\x89PNG"))
-        throw FileError(
-            join(path.string(), ": ", converter, " failed: ", read_all(messages.get())));
-    return png;
+    if (status == 0 && png.starts_with("\x89PNG"))
+        return png;
+    rlimit space{};
+    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
+        throw LimitExceeded(
+            join(path.string(), ": ", converter, ", which draws PNG, failed where ",
+                 space.rlim_cur >> 20,
+                 " MiB of address space are allowed; allow more, or name a .svg file"));
+    const std::string said = read_all(messages.get());
+    throw FileError(
+        join(path.string(), ": ", converter, " failed: ", said.substr(0, said.find('\n'))));
 }
 
 } // namespace

@@ -37,7 +37,8 @@ fs::path without_slash(const fs::path& path)
 Shard read_shard(const std::string& text)
 {
     if (ranks().count > 1)
-        throw UsageError("--shard: the processes of mpirun have a shard each already; give one of both");
+        throw UsageError(
+            "--shard: the processes of mpirun have a shard each already; give one of both");
     const std::vector<std::string> parts = split(text, '/');
     const auto number = [&](const std::string& part) {
         const double value = read_number(part, "--shard");
@@ -228,14 +229,15 @@ std::vector<std::string> relative_to(const fs::path& directory,
 void write_shard_manifest(const fs::path& directory, const Shard& shard, std::size_t total,
                           const Json& settings, const std::vector<std::string>& files)
 {
-    write_file_atomically(directory / manifest_name, Json{{"shard", shard.number},
-                                                          {"shards", shard.count},
-                                                          {"total", total},
-                                                          {"own", shard.own(total).size()},
-                                                          {"settings", settings},
-                                                          {"files", files}}
-                                                             .dump(1) +
-                                                         "\n");
+    write_file_atomically(directory / manifest_name,
+                          Json{{"shard", shard.number},
+                               {"shards", shard.count},
+                               {"total", total},
+                               {"own", shard.own(total).size()},
+                               {"settings", settings},
+                               {"files", files}}
+                                  .dump(1, ' ', false, Json::error_handler_t::replace) +
+                              "\n");
 }
 
 MergedShards merge_shards(const fs::path& output)

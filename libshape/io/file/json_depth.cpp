@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 
-#include "tools/program/json_depth.h"
+#include "libshape/io/file/json_depth.h"
 
 #include <cstddef>
 
-namespace shape::tools {
+namespace shape::internal {
 
 bool is_shallow_json(std::string_view text)
 {
@@ -25,4 +25,4 @@ bool is_shallow_json(std::string_view text)
     return true;
 }
 
-} // namespace shape::tools
+} // namespace shape::internal

@@ -4,9 +4,9 @@
 
 #include <string_view>
 
-namespace shape::tools {
+namespace shape::internal {
 
-/// Deepest nesting of the JSON that the program reads: to print and to destroy a value takes a
+/// Deepest nesting of the JSON that is read: to print and to destroy a value takes a
 /// stack frame a level, and a file may have as many as bytes.
 inline constexpr int deepest_json = 64;
 
@@ -14,4 +14,4 @@ inline constexpr int deepest_json = 64;
 /// before it is parsed.
 [[nodiscard]] bool is_shallow_json(std::string_view text);
 
-} // namespace shape::tools
+} // namespace shape::internal

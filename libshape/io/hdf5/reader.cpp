@@ -262,6 +262,12 @@ private:
     /// Doubles may be compressed, if a checksum stands over what is stored; all else has that alone.
     void check_filters(const StoredDataset& stored) const
     {
+        if (stored.filters == std::vector<int>{H5Z_FILTER_DEFLATE} ||
+            stored.filters == std::vector<int>{H5Z_FILTER_SHUFFLE, H5Z_FILTER_DEFLATE})
+            fail(
+                "is compressed without a checksum; write it with fletcher32 (h5py: "
+                "fletcher32=True), "
+                "which is what tells damage");
         std::vector<int> rest = stored.filters;
         if (!rest.empty() && rest.back() == H5Z_FILTER_FLETCHER32) {
             rest.pop_back();
@@ -319,6 +325,14 @@ void read_all(const StoredRows& rows, RowMatrix& values)
     }
 }
 
+bool begins_as_hdf5(const std::filesystem::path& path, std::uint64_t offset)
+{
+    std::array<char, 8> signature{};
+    std::ifstream file(path, std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(offset)).read(signature.data(), signature.size());
+    return std::string_view(signature.data(), signature.size()) == "\x89HDF\r\n\x1a\n";
+}
+
 } // namespace
 
 struct Hdf5File::State : OpenFile
@@ -328,10 +342,13 @@ struct Hdf5File::State : OpenFile
 Hdf5File::Hdf5File(const std::filesystem::path& path)
 {
     const std::uint64_t size = checked_file_size(path, largest_file);
-    std::array<char, 8> signature{};
-    std::ifstream(path, std::ios::binary).read(signature.data(), signature.size());
-    if (std::string_view(signature.data(), signature.size()) != "\x89HDF\r\n\x1a\n")
+    if (!begins_as_hdf5(path, 0)) {
+        for (std::uint64_t user_block = 512; user_block < size; user_block *= 2)
+            if (begins_as_hdf5(path, user_block))
+                throw InvalidInput(join(path.string(), ": has a user block of ", user_block,
+                                        " bytes, which is not read; take it away (`h5unjam`)"));
         throw InvalidInput(path.string() + ": is not an HDF5 file");
+    }
     rehearse_if_wanted(path);
     const Silence silence;
     try {
