@@ -11,6 +11,8 @@
 #include "libshape/io/model_file.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/handedness.h"
+#include "libshape/mesh/oddities.h"
 #include "libshape/model/difference.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
@@ -137,6 +139,7 @@ public:
 
     [[nodiscard]] Json apply(const std::vector<DifferenceVector>& differences)
     {
+        warn_of_unlike(differences.front());
         const std::vector<double> amounts = amounts_of(arguments_);
         const DifferenceVector& first = differences.front();
         if (arguments_.size && first.scale == Scale::None)
@@ -163,6 +166,23 @@ public:
     }
 
 private:
+    /// A mirror image has the lengths of a mesh and the negatives of its angles.
+    void warn_of_unlike(const DifferenceVector& difference) const
+    {
+        std::vector<std::size_t> mirrored;
+        for (std::size_t i = 0; i < onto_.size(); ++i)
+            if (is_mirror_image(difference.topology, onto_.points[i], difference.reference_points))
+                mirrored.push_back(i);
+        if (!mirrored.empty())
+            session_.warn(
+                join("--onto: ", list_names(onto_.names, mirrored),
+                     mirrored.size() == 1 ? " is a mirror image" : " are mirror images",
+                     " of the meshes of the difference, which bends ",
+                     mirrored.size() == 1 ? "it" : "them",
+                     " the wrong way; mirror back first (one coordinate times -1, faces as they "
+                     "are)"));
+    }
+
     const Session& session_;
     const Arguments& arguments_;
     Collection onto_;

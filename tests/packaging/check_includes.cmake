@@ -2,7 +2,7 @@
 #
 # Reads the table of modules in ROOT/docs/architecture.md and fails on every include outside it:
 # a module its row does not name, a third party library that it does not own, and anything but
-# Eigen and the standard library in a public header. A module is a folder, so the rooms of a
+# Eigen and the standard library in a public header; also on a row that allows what no file does. A module is a folder, so the rooms of a
 # module have rows of their own. Checks the licence line as well, and that X.cpp includes X.h first,
 # so that a header with a source is compiled alone.
 cmake_minimum_required(VERSION 3.25)
@@ -59,6 +59,7 @@ foreach(path IN LISTS files)
     foreach(line IN LISTS includes)
         if(line MATCHES "\"(libshape/)?([a-z0-9_/]+)/[^\"/]*\"")
             set(other ${CMAKE_MATCH_2})
+            list(APPEND used_${module} ${other})
             if(NOT other STREQUAL module AND NOT other IN_LIST may_include_${module})
                 list(APPEND failures "${path}: ${module} may not include ${other}: ${line}")
             endif()
@@ -78,8 +79,17 @@ foreach(path IN LISTS files)
             elseif(NOT name MATCHES "${system}" AND NOT library IN_LIST third_party_${module})
                 list(APPEND failures "${path}: ${library} is not in the row of ${module}: ${line}")
             endif()
+            list(APPEND used_${module} ${library})
         else()
             list(APPEND failures "${path}: not an include of a module or a library: ${line}")
+        endif()
+    endforeach()
+endforeach()
+
+foreach(module IN LISTS modules)
+    foreach(allowed IN LISTS may_include_${module} third_party_${module})
+        if(NOT allowed IN_LIST used_${module})
+            list(APPEND failures "docs/architecture.md: ${module} does not include ${allowed}")
         endif()
     endforeach()
 endforeach()

@@ -245,8 +245,8 @@ TEST_F(Commands, ProjectNamesMeshesThatAreMirroredOrOfAnotherUnit)
     write_mesh(folder_ / "large.ply", Points(100.0 * mesh.points), mesh.faces);
     mesh.points.col(2) *= -1.0;
     write_mesh(folder_ / "turned.ply", mesh.points, mesh.faces);
-    const Outcome outcome =
-        run_shape(folder_.path(), {"project", "model.h5", "a.ply", "large.ply", "turned.ply", "-o", "s.csv"});
+    const Outcome outcome = run_shape(
+        folder_.path(), {"project", "model.h5", "a.ply", "large.ply", "turned.ply", "-o", "s.csv"});
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_NE(outcome.err.find("turned is unlike the model: mirrored"), std::string::npos)
         << outcome.err;
@@ -587,6 +587,21 @@ TEST_F(Commands, DifferenceAppliedToItsOnlyPairGivesTheOtherMesh)
                "mood=glad", "--scale", "none", "-o", "again.h5", "--apply", "--amount", "0",
                "--mesh", "calm.ply"});
     EXPECT_LT(difference(lengths("calm.ply"), lengths("a.ply")), 1e-6);
+}
+
+TEST_F(Commands, DifferenceNamesMirrorImagesThatItBendsTheWrongWay)
+{
+    collect_labelled();
+    (void)run({"difference", "f.h5", "--pair-by", "subject", "--from", "mood=calm", "--to",
+               "mood=glad", "-o", "diff.h5"});
+    NamedMesh mesh = read_mesh(folder_ / "a.ply");
+    mesh.points.col(2) *= -1.0;
+    write_mesh(folder_ / "turned.ply", mesh.points, mesh.faces);
+    const Outcome outcome = run_shape(folder_.path(), {"difference", "--load", "diff.h5", "--onto",
+                                                       "a.ply", "turned.ply", "--mesh", "onto/"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("--onto: turned is a mirror image"), std::string::npos)
+        << outcome.err;
 }
 
 /// Whether the program was built with the page.

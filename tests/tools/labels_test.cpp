@@ -54,6 +54,13 @@ TEST_F(LabelledMeshes, MissingValuesAreNotAGroupAndCanBeLeftOut)
     EXPECT_EQ(found["groups"][1]["meshes"], 2);
 }
 
+TEST_F(LabelledMeshes, MissingValuesDoNotCountAsAValue)
+{
+    write_labels("sex", {"f", "f", "m", "m", "NA", "", "f", "m", "f", "m"});
+    (void)run({"collect", "set", "--labels", "l.csv", "-o", "c.h5"});
+    EXPECT_EQ(run({"info", "c.h5"})["labels"]["sex"], 2);
+}
+
 TEST_F(LabelledMeshes, MissingValuesNeverPair)
 {
     folder_.write("l.csv",

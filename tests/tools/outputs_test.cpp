@@ -45,6 +45,18 @@ TEST_F(Outputs, ForceReplacesOnlyItsOwnFilesOfADirectory)
               (Arguments{"frame_0000.ply", "frame_0001.ply", "mine.txt"}));
 }
 
+TEST_F(Outputs, MeshesOfALongerRunThatStayAreSaid)
+{
+    const auto blend = [&](const char* frames) {
+        return run({"interpolate", "a.ply", "b.ply", "--frames", frames, "-o", "new", "--force"});
+    };
+    EXPECT_EQ(blend("4").err.find("other mesh"), std::string::npos);
+    EXPECT_EQ(blend("4").err.find("other mesh"), std::string::npos);
+    const std::string said = blend("2").err;
+    EXPECT_NE(said.find("new: holds 2 other meshes, such as frame_0002.ply"), std::string::npos)
+        << said;
+}
+
 TEST_F(Outputs, ADirectoryThatExistsTakesNewFiles)
 {
     folder_.write("new/mine.txt", "mine");
