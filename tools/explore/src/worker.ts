@@ -97,9 +97,8 @@ function decode({ ticket, scores, amounts, size, quality }: Wanted) {
     const points = copied(Float64Array, module.shown_positions(), 3 * vertices) as Float64Array<ArrayBuffer>;
     const isBroken = new Uint8Array(module.memory.buffer, module.shown_broken_faces(), module.face_count());
     const corners: number[] = [];
-    isBroken.forEach((broken, f) => {
-        if (broken) corners.push(...faces.subarray(3 * f, 3 * f + 3));
-    });
+    for (let f = isBroken.indexOf(1); f >= 0; f = isBroken.indexOf(1, f + 1))
+        corners.push(...faces.subarray(3 * f, 3 * f + 3));
     const figures = new Float64Array(module.memory.buffer, module.shown_figures(), 12);
     const certificate: Certificate = {
         status: (["exact", "approximate", "infeasible"] as const)[figures[0]],
