@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "tests/support/two_spheres.h"
@@ -124,6 +126,27 @@ TEST(ContactGaps, AskForTheMarginOrAStep)
                 std::min(options.margin * edge, reached(gap, spheres.points) + options.step * edge),
                 1e-12);
         }
+    }
+}
+
+TEST(ContactGaps, PointOutWhicheverWayTheFacesRun)
+{
+    const TwoSpheres spheres(1.9);
+    Faces reversed = spheres.topology.faces();
+    reversed.col(1).swap(reversed.col(2));
+    const Topology inside_out(reversed, spheres.topology.vertex_count());
+    const auto directions = [&](const Topology& topology) {
+        std::map<std::pair<int, int>, Eigen::Vector3d> found;
+        for (const Gap& gap : contact_gaps(topology, spheres.points, spheres.pairs))
+            found[std::minmax(gap.vertices[0], gap.vertices[1])] = gap.direction;
+        return found;
+    };
+    const auto expected = directions(spheres.topology), found = directions(inside_out);
+    ASSERT_FALSE(expected.empty());
+    ASSERT_EQ(found.size(), expected.size());
+    for (const auto& [place, direction] : expected) {
+        ASSERT_TRUE(found.contains(place));
+        EXPECT_LT((found.at(place) - direction).norm(), 1e-9);
     }
 }
 

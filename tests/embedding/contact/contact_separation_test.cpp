@@ -136,9 +136,32 @@ TEST_F(Separation, TakesAsManyLinearStepsARoundAsItIsToldTo)
                                 {.linear_steps = steps});
         return moved;
     };
-    const double by_few = moved_at_once(2);
-    EXPECT_GT(by_few, 0.0);
-    EXPECT_NE(by_few, moved_at_once(24));
+    EXPECT_GT(moved_at_once(2), 0.0);
+    EXPECT_NE(moved_at_once(2), moved_at_once(24));
+    EXPECT_NE(moved_at_once(2), moved_at_once(3)); // whose first Newton steps are the same
+}
+
+TEST_F(Separation, LeavesAMeshAloneWhereMostPairsStay)
+{
+    const std::size_t before = spheres.pairs.size();
+    bool is_seen = false;
+    for (const double stiffness : {0.003, 0.01, 0.03, 0.1, 0.3})
+        for (const int rounds : {1, 2}) {
+            std::size_t least = before;
+            const ContactSeparation result = separate_contacts(
+                spheres.topology, faces, of_the_prism(), laplacian.single_precision(), points,
+                [&](const Points& now) {
+                    least = std::min(least, pairs_of_spheres(now));
+                    return true;
+                },
+                {.gaps = {.stiffness = stiffness}, .rounds = rounds});
+            if (least == before || 2 * least <= before)
+                continue;
+            is_seen = true;
+            EXPECT_TRUE(result.points == points);
+            EXPECT_EQ(result.pairs, static_cast<int>(before));
+        }
+    EXPECT_TRUE(is_seen);
 }
 
 TEST_F(Separation, WithoutRoundsNothingMoves)

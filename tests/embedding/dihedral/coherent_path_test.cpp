@@ -7,6 +7,7 @@
 #include "libshape/base/error.h"
 #include "libshape/edge_space/paths.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "tests/support/collections.h"
 #include "tests/support/dents.h"
 
 namespace shape {
@@ -42,6 +43,28 @@ TEST(CoherentPath, DoesWhatItsOptionsSay)
                                                                              {.sweeps = 5},
                                                                              {.sweep_steps = 12}})
         EXPECT_NE(dents.path(other).at(0.5).points, dents.path().at(0.5).points);
+}
+
+TEST(CoherentPath, RelaxesCrossingsByAsManyLinearStepsAsItIsToldTo)
+{
+    const Dents dents; // a fourth of the steps, which branches take, is the same
+    EXPECT_NE(dents.path({.sweep_steps = 27}).at(0.5).points, dents.path().at(0.5).points);
+}
+
+TEST(CoherentPath, HoldsStepsNearTheirCompanionsAsFirmlyAsItIsToldTo)
+{
+    const Collection pair = test::bumpy_spheres(2, 5); // no fold turns over
+    const ShapeVectors vectors = shape_vectors(pair, Scale::None);
+    const DihedralEmbedder embedder(pair.topology, pair.points);
+    const auto middle = [&](double anchor) { // where a step lies
+        return CoherentPath(
+                   embedder,
+                   [&](double t) { return blend(vectors, line_weights(2, t), LengthBlend::Plain); },
+                   {0.0, 1.0}, {.anchor = anchor, .steps = 8})
+            .at(0.5)
+            .points;
+    };
+    EXPECT_NE(middle(0.01), middle(10.0));
 }
 
 TEST(CoherentPath, PassesThroughItsStationsAndCountsItsSteps)

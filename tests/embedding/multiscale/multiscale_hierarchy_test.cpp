@@ -265,6 +265,11 @@ TEST(MultiscaleHierarchy, TakesAnyNumberOfChildrenInItsRange)
             EXPECT_TRUE(node.is_leaf() || node.child_count == m);
         EXPECT_EQ(h.nodes[0].child_count, m);
     }
+    const test::TestMesh large = test::icosphere(5); // which is split before its parts are
+    const MultiscaleHierarchy h = build_hierarchy(large.topology, large.points, {.children = 5});
+    ASSERT_GT(h.subtrees.size(), 1U);
+    for (const PatchNode& node : h.nodes)
+        EXPECT_TRUE(node.is_leaf() || node.child_count == 5);
     EXPECT_THROW((void)build_hierarchy(mesh.topology, mesh.points, {.children = 3}), InvalidInput);
     EXPECT_THROW((void)build_hierarchy(mesh.topology, mesh.points, {.children = max_patches + 1}),
                  InvalidInput);
