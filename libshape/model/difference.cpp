@@ -152,6 +152,14 @@ ColumnEffects difference_effects(const Collection& collection, const DifferenceO
     const Compared compared = find_compared(collection, options);
     const ShapeVectors vectors = shape_vectors(compared.members, options.scale);
     const Eigen::Index from = compared.from_count;
+    const auto check_count = [](const std::string& label, const std::string& value,
+                                Eigen::Index count) {
+        if (count < 2)
+            throw InvalidInput(join("effects need two or more meshes, or pairs of them; of ", label,
+                                    " = '", value, "' there is ", count));
+    };
+    check_count(options.from_label, options.from_value, from);
+    check_count(options.to_label, options.to_value, vectors.sizes.size() - from);
     const RowMatrix first = vectors.edge_lengths.topRows(from);
     const RowMatrix second = vectors.edge_lengths.bottomRows(vectors.sizes.size() - from);
     return compared.pairs.empty() ? independent_effects(first, second)

@@ -120,6 +120,20 @@ TEST(CollectionFile, RefusesToWriteWhatItWouldNotReadAndKeepsTheOldFile)
     EXPECT_EQ(directory.names(), std::vector<std::string>{"c.h5"});
 }
 
+TEST(CollectionFile, TakesNoMoreLabelsThanItCouldRead)
+{
+    const test::TemporaryDirectory directory;
+    Collection collection = bumpy_collection();
+    const std::vector<std::string> values(collection.size(), "x");
+    collection.labels.clear();
+    while (collection.labels.size() < 4097)
+        collection.labels.push_back({join("c", collection.labels.size()), values});
+    EXPECT_NE(test::message_of<LimitExceeded>([&] {
+                  write_collection(directory / "c.h5", collection);
+              }).find("4097 label columns"),
+              std::string::npos);
+}
+
 TEST(CollectionFile, SaysWhyItCannotBeWritten)
 {
     const std::string message = test::message_of<FileError>(
