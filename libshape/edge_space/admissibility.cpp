@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/mesh/corner_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
 namespace shape {
@@ -37,6 +39,29 @@ void check_size(const Topology& topology, const Eigen::VectorXd& lengths, const 
 Eigen::Vector3d sides(const Topology& topology, const Eigen::VectorXd& lengths, int face)
 {
     return lengths(topology.face_edges().row(face));
+}
+
+/// Vertices of which a bound does not show that their largest angle is no larger than the others together. With
+/// q = sin(angle / 2) an angle lies in [2 q, pi q], as sines are concave there: it is not, if
+///
+///     2 (sum of q - largest q) >= pi (largest q).
+std::vector<int> vertices_in_doubt(const Topology& topology, const Eigen::VectorXd& lengths)
+{
+    constexpr double safe = 1.0 + 0.5 * std::numbers::pi * (1.0 + 1e-6); // a margin for rounding
+    const Points half_sines = corner_half_sines(topology, lengths);
+    std::vector<int> doubtful;
+    for (int v = 0; v < topology.vertex_count(); ++v) {
+        double largest = 0.0;
+        double sum = 0.0;
+        for (const int h : topology.outgoing(v)) {
+            const double q = half_sines(h / 3, h % 3);
+            largest = std::max(largest, q);
+            sum += q;
+        }
+        if (!(sum >= safe * largest)) // so of broken faces too, whose q are anything
+            doubtful.push_back(v);
+    }
+    return doubtful;
 }
 
 template <class Violation>
@@ -131,14 +156,18 @@ Admissibility check_admissibility(const Topology& topology, const Eigen::VectorX
         for (const int v : topology.faces().row(f))
             broken[to_size(v)] = 1;
     }
-    const Points angles = corner_angles(topology, lengths);
-    for (int v = 0; v < topology.vertex_count(); ++v) {
+    for (const int v : vertices_in_doubt(topology, lengths)) {
         if (topology.is_boundary_vertex(v) || broken[to_size(v)])
             continue;
+        std::vector<int> faces;
+        for (const int h : topology.outgoing(v))
+            faces.push_back(h / 3);
+        const Points angles = internal::corner_angles(topology, lengths, faces);
         double largest = 0.0;
         double sum = 0.0;
+        Eigen::Index row = 0;
         for (const int h : topology.outgoing(v)) {
-            const double angle = angles(h / 3, h % 3);
+            const double angle = angles(row++, h % 3);
             largest = std::max(largest, angle);
             sum += angle;
         }

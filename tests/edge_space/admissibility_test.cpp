@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
@@ -100,6 +103,41 @@ TEST(CheckAdmissibility, FindsAVertexWhoseAnglesCloseToNoSphericalPolygon)
     EXPECT_TRUE(check_admissibility(topology, with_bases(1.5, 0.8, 0.7)).admissible());
     // The sum may pass 2 pi.
     EXPECT_TRUE(check_admissibility(topology, with_bases(2.5, 2.5, 2.5)).admissible());
+}
+
+TEST(CheckAdmissibility, FindsWhatTheAnglesOfAllVerticesShow)
+{
+    Random random(3);
+    std::size_t found = 0;
+    for (const test::TestMesh& mesh : test::sample_meshes())
+        for (int trial = 0; trial < 200; ++trial) {
+            const Topology& t = mesh.topology;
+            Eigen::VectorXd lengths = lengths_of(mesh);
+            for (double& length : lengths)
+                length *= std::exp(random.uniform(-0.6, 0.6) * random.uniform());
+            const Admissibility result = check_admissibility(t, lengths);
+            std::vector<char> broken(static_cast<std::size_t>(t.vertex_count()), 0);
+            for (const TriangleViolation& triangle : result.triangles)
+                for (const int v : t.faces().row(triangle.face))
+                    broken[static_cast<std::size_t>(v)] = 1;
+            const Points angles = corner_angles(t, lengths);
+            std::map<int, double> expected;
+            for (int v = 0; v < t.vertex_count(); ++v) {
+                double largest = 0.0, sum = 0.0;
+                for (const int h : t.outgoing(v)) {
+                    largest = std::max(largest, angles(h / 3, h % 3));
+                    sum += angles(h / 3, h % 3);
+                }
+                if (!t.is_boundary_vertex(v) && broken[static_cast<std::size_t>(v)] == 0 &&
+                    2.0 * largest - sum > 1e-12)
+                    expected[v] = largest - (sum - largest);
+            }
+            ASSERT_EQ(result.vertices.size(), expected.size());
+            for (const VertexViolation& vertex : result.vertices)
+                EXPECT_EQ(vertex.excess, expected.at(vertex.vertex));
+            found += expected.size();
+        }
+    EXPECT_GT(found, 100U);
 }
 
 TEST(CheckAdmissibility, LeavesOutVerticesOfBrokenTriangles)
