@@ -279,7 +279,7 @@ void run(const Session& session, const Arguments& arguments)
     const std::string_view frame = page_frame();
     if (frame.empty())
         throw UsageError(
-            "this program was built without the page; `tools/install_packages build explore` and "
+            "libshape was built without the page; `tools/install_packages build explore` and "
             "`tools/install_node_packages explore` get what it needs, then build anew");
     Additions additions;
     add_differences(arguments, model, additions);

@@ -19,6 +19,7 @@
 #include "libshape/mesh/alignment.h"
 #include "libshape/model/linearised_model.h"
 #include "tools/commands.h"
+#include "tools/output/mesh_table.h"
 #include "tools/output/embedding_run.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
@@ -109,6 +110,7 @@ void write_csv(const fs::path& folder, const Exported& exported)
     Table labels{{"mesh", "size"}, {}};
     for (const LabelColumn& column : exported.model.labels)
         labels.columns.push_back(column.name);
+    check_columns(labels);
     for (std::size_t i = 0; i < exported.model.names.size(); ++i) {
         std::vector<std::string> row{
             exported.model.names[i],
@@ -127,15 +129,21 @@ void write_csv(const fs::path& folder, const Exported& exported)
         "# from 1, as mesh3d$it takes them, transposed; labels and position_scores (of --to csv, "
         "not those\n"
         "# of `shape project`), one row per mesh.\n"
-        "landmarks <- read.csv(\"landmarks.csv\", colClasses = c(mesh = \"character\"))\n"
+        "landmarks <- read.csv(\"landmarks.csv\", colClasses = c(mesh = \"character\"), na.strings "
+        "= \"\")\n"
         "n <- unique(landmarks$mesh)\n"
         "p <- max(landmarks$vertex)\n"
         "A <- aperm(array(t(as.matrix(landmarks[, c(\"x\", \"y\", \"z\")])), c(3, p, length(n))),\n"
         "           c(2, 1, 3))\n"
         "dimnames(A) <- list(NULL, c(\"x\", \"y\", \"z\"), n)\n"
         "faces <- as.matrix(read.csv(\"faces.csv\"))\n"
-        "labels <- read.csv(\"labels.csv\", colClasses = c(mesh = \"character\"))\n"
-        "position_scores <- read.csv(\"scores.csv\", colClasses = c(mesh = \"character\"))\n");
+        "labels <- read.csv(\"labels.csv\", colClasses = \"character\", na.strings = \"\")\n"
+        "for (column in names(labels)[-1])  # numbers are numbers, all else text, what is missing "
+        "NA\n"
+        "  if (!anyNA(suppressWarnings(as.numeric(na.omit(labels[[column]])))))\n"
+        "    labels[[column]] <- as.numeric(labels[[column]])\n"
+        "position_scores <- read.csv(\"scores.csv\", colClasses = c(mesh = \"character\"),\n"
+        "                            na.strings = \"\")\n");
 }
 
 /// A project of ShapeWorks Studio: the vertices of each mesh are its particles.
@@ -180,9 +188,14 @@ void write_slicermorph(const fs::path& folder, const Exported& exported)
     write_table(folder / "pcScores.csv", score_table(exported, "Sample_name", "PC "));
     Table data{{"Sample_name", "proc_dist", "centroid"}, {}};
     landmark_columns(data);
+    const bool is_scaled = scale_of(exported.model.space) == Scale::Unit;
     for (std::size_t i = 0; i < exported.meshes.size(); ++i) {
-        const Points& points = exported.meshes[i];
-        const double size = (points.rowwise() - centroid(points)).norm();
+        const double size = (exported.meshes[i].rowwise() - centroid(exported.meshes[i])).norm();
+        const double factor = is_scaled ? exported.model.mean_size() /
+                                              exported.model.sizes[static_cast<Eigen::Index>(i)]
+                                        : 1.0;
+        Points points = factor * exported.meshes[i];
+        points = best_rigid_motion(points, mean)(points);
         std::vector<std::string> row{exported.model.names[i], print_number((points - mean).norm()),
                                      print_number(size)};
         for (const double value : points.reshaped<Eigen::RowMajor>())
@@ -218,7 +231,7 @@ void write_slicermorph(const fs::path& folder, const Exported& exported)
                    {"LMFormat", ".mrk.json"},
                    {"NumberLM", mean.rows()},
                    {"ExcludedLM", Json::array()},
-                   {"Boas", true}, // sizes are kept
+                   {"Boas", !is_scaled}, // whether sizes are kept
                    {"MeanShape", "meanShape.csv"},
                    {"Eigenvalues", "eigenvalues.csv"},
                    {"Eigenvectors", "eigenvector.csv"},
@@ -226,10 +239,11 @@ void write_slicermorph(const fs::path& folder, const Exported& exported)
                    {"PCScores", "pcScores.csv"},
                    {"SemiLandmarks", Json::array()},
                    {"Covariates", ""},
-                   {"Note",
-                    "made by libshape: the landmarks are all vertices; scores, eigenvalues "
-                    "and eigenvectors are of positions linearised at the mean of a model "
-                    "of edge lengths"}};
+                   {"Note", join("made by libshape: the landmarks are all vertices",
+                                 exported.linear.is_exact
+                                     ? ""
+                                     : "; scores, eigenvalues and eigenvectors are of positions "
+                                       "linearised at the mean of a model of edge lengths")}};
     write_file_atomically(folder / "analysis.json", Json{{"GPALog", {log}}}.dump(4) + "\n");
 }
 
@@ -325,7 +339,7 @@ void run(const Session& session, const Arguments& arguments)
                 write_slicermorph(staging, exported);
         });
     }
-    const bool is_linear = std::holds_alternative<ProcrustesSpace>(model.space);
+    const bool is_linear = exported.linear.is_exact;
     session.message(join(arguments.output, ": ", model.names.size(), " meshes, ",
                          counted(exported.linear.variances.size(), "mode"),
                          is_linear ? ""

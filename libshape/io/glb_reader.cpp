@@ -233,7 +233,9 @@ private:
         const Json& view = entry("bufferViews", index);
         const Json& buffer = entry("buffers", integer(view, "buffer"));
         if (integer(view, "buffer") != 0 || buffer.contains("uri"))
-            fail("the data lie in another file; export as one .glb file");
+            fail(
+                "the data lie in another file, or in the text of this one (uri); export as one "
+                ".glb file");
         const std::int64_t begin = integer(view, "byteOffset", 0);
         const std::int64_t length = integer(view, "byteLength");
         const std::int64_t offset = integer(part, "byteOffset", 0);

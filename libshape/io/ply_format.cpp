@@ -503,11 +503,15 @@ bool is_property_name(std::string_view name)
 void internal::check_scalars(const MeshWriteOptions& options, Eigen::Index vertices)
 {
     std::set<std::string> names;
+    if (options.colours.rows() > 0)
+        names = {"red", "green", "blue", "colours"}; // of the formats that have them
     for (const VertexScalar& scalar : options.scalars) {
         const std::string place = join("scalar ", in_quotes(scalar.name));
         if (!is_property_name(scalar.name) || !names.insert(scalar.name).second)
-            throw InvalidInput(join(place, ": the name must be of letters, digits and _, start ",
-                                    "with no digit, and be used once; x, y and z are taken"));
+            throw InvalidInput(
+                join(place, ": the name must be of letters, digits and _, start ",
+                     "with no digit, and be used once; x, y and z are taken, and with colours "
+                     "red, green, blue and colours"));
         if (scalar.values.size() != vertices)
             throw InvalidInput(join(place, " has ", counted(scalar.values.size(), "value"),
                                     ", the mesh has ", vertices, " vertices"));

@@ -40,7 +40,10 @@ void write_statismo(const std::filesystem::path& path, const Topology& topology,
     const FloatMatrix points = mean.transpose();
     const FloatMatrix basis = model.basis.cast<float>();
     const Eigen::VectorXf variances = model.variances.cast<float>();
-    const FloatMatrix scores = model.scores.transpose().cast<float>();
+    // Coefficients of the basis times standard deviations, as Statismo computes them of its samples.
+    const FloatMatrix scores =
+        (model.variances.cwiseSqrt().cwiseInverse().asDiagonal() * model.scores.transpose())
+            .cast<float>();
     const IntegerMatrix cells = topology.faces().transpose();
     if (!mean.allFinite() || !variances.allFinite() || !scores.allFinite())
         throw InvalidInput("the linearised model is beyond single precision");
@@ -69,8 +72,10 @@ void write_statismo(const std::filesystem::path& path, const Topology& topology,
                      {builder + "/buildTime", {}, text(maker)},
                      {builder + "/parameters/basis",
                       {},
-                      text("positions linearised at the mean of a model of edge lengths, from its "
-                           "modes at -1 and 1 standard deviation")}},
+                      text(model.is_exact
+                               ? "positions of a model of Procrustes space"
+                               : "positions linearised at the mean of a model of edge "
+                                 "lengths, from its modes at -1 and 1 standard deviation")}},
         .group_attributes = {{"/representer", {"name", "itkStandardMeshRepresenter"}},
                              {"/representer", {"version", "0.1"}},
                              {"/representer", {"datasetType", "POLYGON_MESH"}}},

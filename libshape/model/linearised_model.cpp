@@ -25,6 +25,7 @@ LinearisedModel linearise(const ShapeModel& model, int modes, const EmbeddingOpt
             progress("linearising", to_size(done), to_size(count));
     };
     LinearisedModel result;
+    result.is_exact = std::holds_alternative<ProcrustesSpace>(model.space);
     result.mean = embedder.embed(model_point(model, {}, model.mean_size())).points;
     const auto mesh_at = [&](int mode, double deviations) {
         Eigen::VectorXd scores = Eigen::VectorXd::Zero(mode + 1);

@@ -18,6 +18,7 @@ struct LinearisedModel
     RowMatrix basis;           ///< 3 #V by K orthonormal columns; row 3 v + axis is of vertex v.
     Eigen::VectorXd variances; ///< K, descending [length^2].
     RowMatrix scores;          ///< N by K of the model's meshes [length].
+    bool is_exact = false;     ///< Of a model of Procrustes space, which is linear as it is.
 };
 
 /// Linearises a model at its mean size.

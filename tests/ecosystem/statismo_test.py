@@ -56,7 +56,11 @@ def check_statismo(folder: Path, space: str) -> None:
         builder = f["modelinfo/modelBuilder-0"]
         found = [builder[f"dataInfo/URI_{i}"][()].decode() for i in range(len(names))]
         assert found == names
-        assert b"linearised" in builder["parameters/basis"][()]
+        assert (b"linearised" in builder["parameters/basis"][()]) == (space != "procrustes")
+        # As Statismo has them: coefficients of U sqrt(variance), about 1 where no mode was linearised.
+        if space == "procrustes":
+            assert np.abs((scores**2).sum(1) / (len(names) - 1) - 1).max() < 1e-3
+        scores *= np.sqrt(variance[...].astype(float))[:, None]
         average = mean[...].astype(float).reshape(n, 3)
     # Scores explain what they are scores of: near the mean the model gives its meshes back.
     shape(folder, "generate", "model.h5", "--scores-file", "scores.csv", "-o", space, "--format", "ply",
@@ -112,8 +116,10 @@ with tempfile.TemporaryDirectory() as name:
     points = np.array([[float(x) for x in row[3:]] for row in data[1:]]).reshape(15, -1, 3)
     with open(folder / "slicer/meanShape.csv", encoding="utf-8") as file:
         mean = np.array([[float(x) for x in row[1:]] for row in list(csv.reader(file))[1:]])
-    for row, mesh in zip(data[1:], points):
-        assert abs(float(row[2]) - np.linalg.norm(centred(mesh))) < 1e-9 * float(row[2])
+    with h5py.File(folder / "model.h5") as f: # meshes at the mean size, and the sizes that they had
+        sizes = f["sizes"][...]
+    for row, mesh, size in zip(data[1:], points, sizes):
+        assert abs(float(row[2]) - np.linalg.norm(centred(mesh)) * size / sizes.mean()) < 1e-9 * float(row[2])
         assert abs(float(row[1]) - np.linalg.norm(mesh - mean)) < 1e-9 * float(row[2])
     # As SlicerMorph reads its results: eigenvalues without headings, columns whose names hold "PC " or are X, Y, Z.
     with open(folder / "slicer/eigenvalues.csv", encoding="utf-8") as file:
@@ -131,7 +137,7 @@ with tempfile.TemporaryDirectory() as name:
     with open(folder / "slicer/meanShape.csv", encoding="utf-8") as file:
         assert next(csv.reader(file)) == ["", "X", "Y", "Z"]
     (log,) = json.loads((folder / "slicer/analysis.json").read_text())["GPALog"]
-    assert log["Boas"] is True and log["ExcludedLM"] == [] and log["NumberLM"] == len(mean)
+    assert log["Boas"] is False and log["ExcludedLM"] == [] and log["NumberLM"] == len(mean)
     for key in ("MeanShape", "Eigenvalues", "Eigenvectors", "OutputData", "PCScores"):
         assert (folder / "slicer" / log[key]).is_file(), key
     assert {"InputPath", "OutputPath", "Files", "LMFormat", "SemiLandmarks", "Covariates"} <= set(log)

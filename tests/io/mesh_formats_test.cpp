@@ -276,6 +276,23 @@ TEST(VtpFile, RefusesInALineWhatItIsNot)
     }
 }
 
+TEST(MeshWriteOptions, ScalarsAreNotCalledAsColoursAre)
+{
+    const test::TestMesh mesh = test::tetrahedron();
+    const test::TemporaryDirectory directory;
+    const Eigen::VectorXd values = Eigen::VectorXd::Zero(mesh.points.rows());
+    const auto write = [&](const std::string& name, const VertexColours& colours) {
+        write_mesh(directory / "m.ply", mesh.points, mesh.topology.faces(), MeshFormat::Ply,
+                   {.scalars = {{name, values}}, .colours = colours});
+    };
+    const VertexColours colours = VertexColours::Zero(mesh.points.rows(), 3);
+    for (const char* name : {"red", "green", "blue", "colours"}) {
+        EXPECT_NO_THROW(write(name, {}));
+        EXPECT_NE(test::message_of<InvalidInput>([&] { write(name, colours); }).find("are taken"),
+                  std::string::npos);
+    }
+}
+
 TEST(MeshWriteOptions, RoundTripInEveryFormThatHasDoubles)
 {
     const TemporaryDirectory directory;

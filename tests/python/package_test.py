@@ -432,6 +432,12 @@ class Behaviour(WithFaces):
         self.assertEqual(len(ls.groups(self.faces, "expression", permutations=9).table()), 4)
         self.assertEqual(len(self.faces.table()), 12)
 
+    def test_labels_named_like_columns(self) -> None:
+        for name in ("size", "residual", "pc1"):
+            sized = ls.collection([self.faces[0], self.faces[1]], labels={name: ["a", "b"]})
+            with self.assertRaisesRegex(ls.InvalidInput, f"label '{name}' has the name"):
+                self.model.scores(sized).as_dict()
+
     def test_explorer(self) -> None:
         try:
             self.model.explorer(self.folder / "page.html", title="A page")

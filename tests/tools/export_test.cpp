@@ -41,6 +41,19 @@ TEST_F(Export, WritesAFileOrAFolderAsAWhole)
     EXPECT_TRUE(folder_.has("slicermorph/analysis.json"));
 }
 
+TEST_F(Export, NamesALabelThatIsCalledAsAColumnOfItsTables)
+{
+    folder_.write("l.csv", "mesh,size\na,small\nb,large\nc,small\n");
+    (void)run({"stats", "a.ply", "b.ply", "c.ply", "--labels", "l.csv", "-o", "sized.h5"});
+    const Outcome refused = outcome({"export", "sized.h5", "--to", "csv", "-o", "csv"});
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.err.find("the label 'size' has the name of another column"),
+              std::string::npos)
+        << refused.err;
+    EXPECT_FALSE(folder_.has("csv"));
+    EXPECT_EQ(outcome({"export", "sized.h5", "--to", "slicermorph", "-o", "s"}).exit_code, 0);
+}
+
 TEST_F(Export, LeavesAloneWhatItDoesNotWrite)
 {
     folder_.write("precious/thesis.txt", "x");

@@ -149,11 +149,12 @@ class Scores:
     def as_dict(self) -> Columns:
         """Columns as `shape project` writes them: mesh, labels, size, residual, pc1, pc2, ..."""
         rows = self.scores.reshape(len(self.names), -1)
-        columns: Columns = {"mesh": self.names, **self.labels}
-        columns["size"] = self.sizes.reshape(-1)
-        columns["residual"] = self.residuals.reshape(-1)
-        columns.update({f"pc{k + 1}": rows[:, k] for k in range(rows.shape[1])})
-        return columns
+        measured: Columns = {"size": self.sizes.reshape(-1), "residual": self.residuals.reshape(-1)}
+        measured.update({f"pc{k + 1}": rows[:, k] for k in range(rows.shape[1])})
+        for label in self.labels:
+            if label == "mesh" or label in measured:
+                raise InvalidInput(f"the label {label!r} has the name of another column of the table; rename it")
+        return {"mesh": self.names, **self.labels, **measured}
 
     def table(self) -> Any:
         """as_dict() as a pandas.DataFrame."""
