@@ -538,7 +538,7 @@ void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::stri
     for (const Points* points : {&landmarks.on_template, &landmarks.on_scan}) {
         const Points centred = points->rowwise() - points->colwise().mean();
         const Eigen::VectorXd spread = Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
-        if (!(spread[1] > 1e-3 * spread[0]))
+        if (!(spread[1] > 1e-3 * spread[0])) // less than the error of picking them by hand
             throw InvalidInput("landmarks: they lie on a line, which leaves a turn about it open");
     }
 }

@@ -251,6 +251,8 @@ class Arguments(WithFaces):
             (lambda: ls.Mesh(V, F.ravel()), r"F: shape must be \(m, 3\), is \(\d+,\)"),
             (lambda: ls.Mesh(V, F.astype(float)), "F: must hold integers, holds float64"),
             (lambda: ls.Mesh("abc", F), "V: must be an array of numbers, is str"),
+            (lambda: ls.Mesh(V.astype(complex), F), "V: must be an array of numbers, is ndarray of dtype complex128"),
+            (lambda: ls.interpolate((V, F), (V, F), frames=0), "frames is 0, weights are not given; give one"),
             (lambda: ls.Mesh([[0, 0, 0], [1, 2]], F), "V: must be an array of numbers, is list"),
             (lambda: ls.fit((V, F), (V, F), {"nose": (0, [1, 2])}),
              r"landmarks\['nose'\]: shape must be \(3,\), is \(2,\)"),
@@ -431,6 +433,10 @@ class Behaviour(WithFaces):
         self.assertEqual(ls.distance(self.faces).table().shape, (12, 12))
         self.assertEqual(len(ls.groups(self.faces, "expression", permutations=9).table()), 4)
         self.assertEqual(len(self.faces.table()), 12)
+
+    def test_every_mesh_has_a_name(self) -> None:
+        with self.assertRaisesRegex(ls.InvalidInput, r"names\[1\]: is empty"):
+            ls.collection([self.faces[0], self.faces[1]], names=["a", ""])
 
     def test_labels_named_like_columns(self) -> None:
         for name in ("size", "residual", "pc1"):

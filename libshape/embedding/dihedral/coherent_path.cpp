@@ -189,6 +189,7 @@ struct CoherentPath::State
                             const ShapePoint& difference, double share)
     {
         ShapePoint near = sum(target, difference);
+        // Differences of a short edge may exceed it: a tenth is still an edge, for a start.
         near.edge_lengths = near.edge_lengths.cwiseMax(0.1 * target.edge_lengths);
         return in_rows(start.points(near, 0, share > 0.0 ? followed_turn_share : 0.0));
     }

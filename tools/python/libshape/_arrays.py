@@ -119,10 +119,11 @@ def numbers(value: Any, name: str) -> Array:
     refuse_masked(value, name)
     try:
         array = np.asarray(value)
-        if array.dtype.kind not in "iufb":
-            raise ValueError
-    except (ValueError, TypeError):
+    except (ValueError, TypeError):  # lists of unequal lengths, and what is no array at all
         raise TypeError(f"{name}: must be an array of numbers, is {shown(value)}") from None
+    if array.dtype.kind not in "iufb":
+        of = f" of dtype {array.dtype} and shape {array.shape}" if array.ndim > 0 else ""
+        raise TypeError(f"{name}: must be an array of numbers, is {shown(value)}{of}")
     return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
 
 

@@ -52,7 +52,7 @@ class Mesh:
         object.__setattr__(self, "V", _arrays.points(self.V, "V"))
         object.__setattr__(self, "F", _arrays.faces(self.F, "F"))
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator["np.ndarray[Any, np.dtype[Any]]"]:
         yield self.V
         yield self.F
 
@@ -699,6 +699,8 @@ def _gather(
     chosen = found_names if names is None else _arrays.texts(names, "names")
     if len(chosen) != len(vertices):
         raise TypeError(f"names: {len(chosen)} for {len(vertices)} meshes")
+    if "" in chosen:
+        raise InvalidInput(f"names[{chosen.index('')}]: is empty, every mesh must have a name")
     cells, unused = _labels.cells_of(labels, chosen)
     core, warned = _core.from_arrays(vertices, corners, chosen, cells)
     notes = [f"labels: {len(unused)} rows are of other meshes, such as {unused[0]}"] if unused else []
@@ -800,7 +802,8 @@ def interpolate(
     count = len(together)
     frames = _arrays.integer(frames, "frames")
     if (frames != 0) == (weights is not None):
-        raise TypeError("frames, weights: give one of them")
+        given = "not given" if weights is None else "given too"
+        raise TypeError(f"frames, weights: frames is {frames}, weights are {given}; give one of them")
     if weights is None:
         if frames < 2:
             raise InvalidInput(f"frames: is {frames}, must be at least 2")
