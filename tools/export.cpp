@@ -295,7 +295,7 @@ fs::path check_folder(const Session& session, const fs::path& output)
     if (output.extension() == ".h5") // what `-` stands for too
         throw UsageError(join("-o: '", output.string(),
                               "' is a file; all but --to statismo write a folder: name that"));
-    const fs::path folder = output.has_filename() ? output : output.parent_path();
+    fs::path folder = output.has_filename() ? output : output.parent_path();
     if (!fs::is_directory(folder)) {
         if (fs::exists(fs::symlink_status(folder)))
             throw FileError(join(folder.string(), ": exists and is not a folder; name another"));

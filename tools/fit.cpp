@@ -417,8 +417,8 @@ void draw_sheet(const Session& session, const Places& places, const Topology& to
         const fs::path path = places.mesh(entry.scan);
         collection.names.push_back(entry.caption);
         collection.points.push_back(read_mesh(path).points);
-        options.values.push_back(100.0 / bounding_box_diagonal(collection.points.back()) *
-                                 read_vertex_scalar(path, "distance"));
+        options.values.emplace_back(100.0 / bounding_box_diagonal(collection.points.back()) *
+                                    read_vertex_scalar(path, "distance"));
     }
     options.value_high = 1.0;
     options.value_name = "distance to the scan, % of the diagonal";

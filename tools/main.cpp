@@ -187,7 +187,7 @@ std::string explain(const CLI::ParseError& error, const CLI::App& command,
                             : hint);
         }
     constexpr std::string_view twice = ": At Most 1 required but received ";
-    const std::string text = error.what();
+    std::string text = error.what();
     if (const std::size_t at = text.find(twice); at != text.npos)
         return join(text.substr(0, at), " is given ", text.substr(at + twice.size()),
                     " times; give it once");
