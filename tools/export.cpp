@@ -19,8 +19,8 @@
 #include "libshape/mesh/alignment.h"
 #include "libshape/model/linearised_model.h"
 #include "tools/commands.h"
-#include "tools/output/mesh_table.h"
 #include "tools/output/embedding_run.h"
+#include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
@@ -195,7 +195,8 @@ void write_slicermorph(const fs::path& folder, const Exported& exported)
                                               exported.model.sizes[static_cast<Eigen::Index>(i)]
                                         : 1.0;
         Points points = factor * exported.meshes[i];
-        points = best_rigid_motion(points, mean)(points);
+        if (is_scaled) // it lay on the mean as it was
+            points = best_rigid_motion(points, mean)(points);
         std::vector<std::string> row{exported.model.names[i], print_number((points - mean).norm()),
                                      print_number(size)};
         for (const double value : points.reshaped<Eigen::RowMajor>())

@@ -11,7 +11,10 @@ if shutil.which("Rscript") is None:
 with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
     shape(folder, "synth", "faces", "-o", "faces", "--count", "4", "--vertices", "400")
-    shape(folder, "stats", "faces", "--labels", "faces/labels.csv", "--space", "procrustes", "--scale",
+    names = sorted(path.stem for path in (folder / "faces").glob("*.ply"))
+    rows = [f"{mesh},{'TF'[i % 2] if i else 'NA'},{'NA' if i == 3 else i}" for i, mesh in enumerate(names)]
+    (folder / "l.csv").write_text("\n".join(["mesh,flag,age"] + rows) + "\n", encoding="utf-8")
+    shape(folder, "stats", "faces", "--labels", "l.csv", "--space", "procrustes", "--scale",
           "none", "-o", "model.h5")
     shape(folder, "export", "model.h5", "--to", "csv", "-o", "tables")
     shape(folder, "distance", "faces", "--space", "procrustes", "--scale", "none", "-o", "d.csv")
@@ -22,6 +25,10 @@ stopifnot(is.array(A), length(dim(A)) == 3, dim(A)[2] == 3, dim(A)[3] == 12)
 stopifnot(identical(dimnames(A)[[3]], labels$mesh), identical(labels$mesh, position_scores$mesh))
 first <- subset(landmarks, mesh == labels$mesh[5] & vertex == 7)
 stopifnot(A[7, , 5] == unlist(first[c("x", "y", "z")]))
+# Labels are as they are written, numbers numbers, what is missing NA.
+at <- order(labels$mesh)
+stopifnot(identical(labels$flag[at], c(NA, rep(c("F", "T"), 6)[1:11])))
+stopifnot(identical(labels$age[at], c(0, 1, 2, NA, 4:11)))
 stopifnot(min(faces) == 1, max(faces) == dim(A)[1])
 # The principal components of the positions are ours, up to their signs.
 flat <- t(apply(A, 3, c))

@@ -61,14 +61,21 @@ TEST(MeshRepair, LeavesSoundMeshesAsTheyAre)
     EXPECT_TRUE(repair_meshes({}).meshes.empty());
 }
 
-TEST(MeshRepair, WeldsSeamsAlikeInAllMeshes)
+/// Spheres with a seam along the equator.
+std::vector<NamedMesh> cut_spheres(int count, const test::CutMesh& cut)
 {
-    std::vector<NamedMesh> meshes = spheres(5);
-    const test::CutMesh cut = test::cut_along_the_equator(sphere(0));
+    std::vector<NamedMesh> meshes = spheres(count);
     for (NamedMesh& mesh : meshes) {
         mesh.points = cut.points(mesh.points);
         mesh.faces = cut.faces;
     }
+    return meshes;
+}
+
+TEST(MeshRepair, WeldsSeamsAlikeInAllMeshes)
+{
+    const test::CutMesh cut = test::cut_along_the_equator(sphere(0));
+    std::vector<NamedMesh> meshes = cut_spheres(5, cut);
     std::vector<NamedMesh> apart = meshes;
     expect_repaired(repair_meshes(std::move(meshes)), "vertices welded");
     apart[2].points.bottomRows(cut.doubled(sphere(0).points)) *= 1.01; // open in one: meant
@@ -201,13 +208,9 @@ TEST(MeshRepair, AMeshWhoseFacesWereTurnedGetsThoseOfTheFirst)
 
 TEST(MeshRepair, SaysWhatLiesNearASeamAndStaysApart)
 {
-    std::vector<NamedMesh> meshes = spheres(2);
-    const test::CutMesh cut = test::cut_along_the_equator(sphere(0));
-    for (NamedMesh& mesh : meshes) {
-        mesh.points = cut.points(mesh.points);
-        mesh.faces = cut.faces;
+    std::vector<NamedMesh> meshes = cut_spheres(2, test::cut_along_the_equator(sphere(0)));
+    for (NamedMesh& mesh : meshes)
         mesh.points(mesh.points.rows() - 1, 0) += 3e-7 * bounding_box_diagonal(mesh.points);
-    }
     const RepairedMeshes repaired = repair_meshes(std::move(meshes));
     ASSERT_EQ(repaired.changes.size(), 1U);
     EXPECT_NE(repaired.changes[0].find("; 2 more lie near others"), std::string::npos)

@@ -262,8 +262,10 @@ private:
     /// Doubles may be compressed, if a checksum stands over what is stored; all else has that alone.
     void check_filters(const StoredDataset& stored) const
     {
-        if (stored.filters == std::vector<int>{H5Z_FILTER_DEFLATE} ||
-            stored.filters == std::vector<int>{H5Z_FILTER_SHUFFLE, H5Z_FILTER_DEFLATE})
+        const bool may_be_packed = checked(H5Tequal(stored.type, H5T_IEEE_F64LE)) > 0;
+        if (may_be_packed &&
+            (stored.filters == std::vector<int>{H5Z_FILTER_DEFLATE} ||
+             stored.filters == std::vector<int>{H5Z_FILTER_SHUFFLE, H5Z_FILTER_DEFLATE}))
             fail(
                 "is compressed without a checksum; write it with fletcher32 (h5py: "
                 "fletcher32=True), "
@@ -271,7 +273,7 @@ private:
         std::vector<int> rest = stored.filters;
         if (!rest.empty() && rest.back() == H5Z_FILTER_FLETCHER32) {
             rest.pop_back();
-            if (checked(H5Tequal(stored.type, H5T_IEEE_F64LE)) > 0)
+            if (may_be_packed)
                 for (const int filter : {H5Z_FILTER_DEFLATE, H5Z_FILTER_SHUFFLE})
                     if (!rest.empty() && rest.back() == filter)
                         rest.pop_back();
