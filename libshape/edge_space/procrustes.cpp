@@ -42,7 +42,7 @@ Eigen::Matrix3d turn_towards(const Points& reference, const Points& points,
     // is taken away all the same, for meshes far from the origin.
     const Eigen::Matrix3d covariance =
         reference.transpose() * (points.rowwise() - placement.centre);
-    return nearest_rotation(placement.factor * covariance, guess);
+    return nearest_rotation_from(placement.factor * covariance, guess);
 }
 
 void check_meshes(const std::vector<Points>& meshes)

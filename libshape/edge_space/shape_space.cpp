@@ -163,9 +163,11 @@ void encode_mesh(const EdgeSpace& space, const Topology& topology, const Points&
     const Index edges = topology.edge_count();
     Eigen::VectorXd lengths = edge_lengths(topology, points);
     size = lengths.sum();
-    if (space.scale == Scale::Unit)
-        lengths /= size;
-    coordinates.head(edges) = to_coordinates(space.coordinates, lengths);
+    const double unit = space.scale == Scale::Unit ? size : 1.0;
+    if (space.coordinates == LengthCoordinates::Plain)
+        coordinates.head(edges) = lengths / unit;
+    else
+        coordinates.head(edges) = to_coordinates(space.coordinates, lengths / unit);
     if (space.length_factors.size() > 0)
         coordinates.head(edges).array() *= space.length_factors.array();
     if (space.dihedral_factors.size() > 0)

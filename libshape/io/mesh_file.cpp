@@ -123,37 +123,38 @@ void write_mesh(const std::filesystem::path& path, const Points& points, const F
 }
 
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,
-                MeshFormat kind, const MeshWriteOptions& options)
+                MeshFormat format, const MeshWriteOptions& options)
 {
-    const Format& format = find_format(kind);
+    const Format& rules = find_format(format);
     const auto refuse = [&](bool is_refused, const char* what, const char* formats_that_can) {
         if (is_refused)
             throw InvalidInput(
-                join(format.ending, " files have no ", what, "; ", formats_that_can, " have"));
+                join(rules.ending, " files have no ", what, "; ", formats_that_can, " have"));
     };
-    const bool is_text_always = kind == MeshFormat::Obj || kind == MeshFormat::Off;
-    refuse(options.ascii && !format.has_text && !is_text_always, "form as text", "all others");
-    refuse(options.single_precision && !format.has_scalars && !format.is_single, "single precision",
+    const bool is_text_always = format == MeshFormat::Obj || format == MeshFormat::Off;
+    refuse(options.ascii && !rules.has_text && !is_text_always, "form as text", "all others");
+    refuse(options.single_precision && !rules.has_scalars && !rules.is_single, "single precision",
            ".ply, .vtk, .vtp, .stl and .glb");
-    refuse(!options.scalars.empty() && !format.has_scalars, "values at vertices",
+    refuse(!options.scalars.empty() && !rules.has_scalars, "values at vertices",
            ".ply, .vtk and .vtp");
-    refuse(options.colours.rows() > 0 && !format.has_scalars, "colours of vertices",
+    refuse(options.colours.rows() > 0 && !rules.has_scalars, "colours of vertices",
            ".ply, .vtk and .vtp");
-    refuse(!options.quality.empty() && kind != MeshFormat::Ply, "property `quality`", ".ply files");
-    refuse(options.obj_template != nullptr && kind != MeshFormat::Obj, "template", ".obj files");
+    refuse(!options.quality.empty() && format != MeshFormat::Ply, "property `quality`",
+           ".ply files");
+    refuse(options.obj_template != nullptr && format != MeshFormat::Obj, "template", ".obj files");
     check_mesh(points, faces);
     check_scalars(options, points.rows());
     if (options.colours.rows() > 0 && options.colours.rows() != points.rows())
         throw InvalidInput(join("colours has ", options.colours.rows(), " rows, the mesh has ",
                                 points.rows(), " vertices"));
-    if ((options.single_precision || format.is_single) && !points.cast<float>().allFinite())
+    if ((options.single_precision || rules.is_single) && !points.cast<float>().allFinite())
         throw InvalidInput("points: a coordinate is beyond single precision");
     if (options.obj_template != nullptr && (options.obj_template->faces.rows() != faces.rows() ||
                                             options.obj_template->faces != faces))
         throw InvalidInput(
             "the template has other faces than the mesh; it must be the OBJ file that the meshes "
             "were made from, or one of the same faces in the same order");
-    write_file_atomically(path, format.print(points, faces, options));
+    write_file_atomically(path, rules.print(points, faces, options));
 }
 
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces)

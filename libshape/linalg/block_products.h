@@ -8,6 +8,10 @@
 
 namespace shape::internal {
 
+/// Up to which two blocks are multiplied row by row, each entry a sum of its own; larger ones by BLAS, of which the
+/// bits depend on the sizes.
+inline constexpr Eigen::Index few_rows = 24;
+
 /// Parts of row-major matrices.
 using Block = Eigen::Ref<RowMatrix, 0, Eigen::OuterStride<>>;
 using ConstBlock = Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>;

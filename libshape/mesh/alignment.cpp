@@ -74,8 +74,8 @@ Matrix3d nearest_rotation(const Matrix3d& m)
     inverse.diagonal().cwiseAbs().maxCoeff(&largest);
     const Eigen::Vector4d q = inverse.col(largest).normalized();
     if (!q.allFinite())
-        return nearest_rotation(m, Matrix3d::Identity());
-    return nearest_rotation(m, Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix());
+        return nearest_rotation_from(m, Matrix3d::Identity());
+    return nearest_rotation_from(m, Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix());
 }
 
 RowVector3d centroid(const Points& points)

@@ -7,10 +7,12 @@
 #include <array>
 #include <map>
 
+#include "libshape/base/blocks.h"
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector3.h"
+#include "libshape/base/vectorised.h"
 #include "libshape/mesh/partition.h"
 #include "libshape/mesh/triangle_area.h"
 
@@ -159,6 +161,54 @@ void find_fans_and_components(const Faces& faces, int vertex_count, const std::v
     }
 }
 
+/// Sets 1 where a triangle of sides b - a and c - a may be without area, else 0: where
+///
+///     |(b - a) x (c - a)|^2 > 5e-28 longest^4    and    longest^2 > 1e-60
+///
+/// it has one, by the rule of find_degenerate_geometry() squared (4e-28) and a quarter more for rounding; below
+/// 1e-60 the squares would underflow. In memory a coordinate of 128 faces is a row; the plain way takes three roots a face.
+SHAPE_VECTORISED void find_suspects(int count, const VectorRows& along, const VectorRows& back,
+                                    double* __restrict suspects)
+{
+    for (int i = 0; i < count; ++i) {
+        const Vector3<double> u = along[i];
+        const Vector3<double> v = back[i];
+        const Vector3<double> w = v - u;
+        const Vector3<double> normal = cross(u, v);
+        const double uu = dot(u, u);
+        const double vv = dot(v, v);
+        const double ww = dot(w, w);
+        const double larger = uu > vv ? uu : vv;
+        const double square = larger > ww ? larger : ww;
+        const bool has_area = dot(normal, normal) > 5e-28 * square * square && square > 1e-60;
+        suspects[i] = has_area ? 0.0 : 1.0;
+    }
+}
+
+/// Faces, ascending, that are to be looked at: few.
+std::vector<int> suspects(const Faces& faces, const Points& points)
+{
+    std::vector<int> found;
+    const int total = static_cast<int>(faces.rows());
+    for (int first = 0; first < total; first += block_size) {
+        const int count = std::min(block_size, total - first);
+        VectorRows along, back;
+        Row is_suspect;
+        for (int i = 0; i < count; ++i) {
+            const auto point = [&](int k) {
+                return vector3(points.data() + 3 * faces(first + i, k));
+            };
+            along.set(i, point(1) - point(0));
+            back.set(i, point(2) - point(0));
+        }
+        find_suspects(count, along, back, is_suspect);
+        for (int i = 0; i < count; ++i)
+            if (is_suspect[i] > 0.0)
+                found.push_back(first + i);
+    }
+    return found;
+}
+
 } // namespace
 
 std::vector<Defect> find_defects(const Faces& faces, int vertex_count, int limit)
@@ -198,18 +248,7 @@ std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& p
             list.add(DefectKind::NotFinite, -1, v,
                      join("vertex ", v, " has a coordinate that is not finite (", points(v, 0),
                           ", ", points(v, 1), ", ", points(v, 2), ")"));
-    for (int f = 0; f < faces.rows(); ++f) {
-        const auto point = [&](int k) { return vector3(points.data() + 3 * faces(f, k)); };
-        const Vector3<double> along = point(1) - point(0);
-        const Vector3<double> back = point(2) - point(0);
-        const Vector3<double> opposite = point(2) - point(1);
-        const Vector3<double> normal = cross(along, back);
-        const double square = // of the longest edge
-            std::max(std::max(dot(along, along), dot(opposite, opposite)), dot(back, back));
-        // No root is needed to see that: the rule below, squared, is |normal|^2 > 4e-28 square^2; a quarter
-        // more leaves room for rounding. Below 1e-60 the squares would underflow.
-        if (dot(normal, normal) > 5e-28 * square * square && square > 1e-60)
-            continue;
+    for (const int f : suspects(faces, points)) {
         const Eigen::RowVector3d a = points.row(faces(f, 0));
         const Eigen::RowVector3d b = points.row(faces(f, 1));
         const Eigen::RowVector3d c = points.row(faces(f, 2));

@@ -71,7 +71,7 @@ Eigen::Matrix3d by_singular_values(const Eigen::Matrix3d& m)
 
 } // namespace
 
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m, const Eigen::Matrix3d& guess)
+Eigen::Matrix3d nearest_rotation_from(const Eigen::Matrix3d& m, const Eigen::Matrix3d& guess)
 {
     Eigen::Matrix3d rotation = guess;
     if (climb(m, rotation))

@@ -14,7 +14,7 @@ namespace shape::internal {
 /// derivative stops being negative definite, or a step exceeds 70 degrees, the singular value
 /// decomposition takes over. Where the maximiser is not unique, one near the guess is taken.
 /// @param guess  Orthonormal, determinant +1.
-[[nodiscard]] Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m,
-                                               const Eigen::Matrix3d& guess);
+[[nodiscard]] Eigen::Matrix3d nearest_rotation_from(const Eigen::Matrix3d& m,
+                                                    const Eigen::Matrix3d& guess);
 
 } // namespace shape::internal

@@ -21,8 +21,6 @@ using Eigen::Index;
 
 namespace {
 
-constexpr double sharp = 2.0; ///< [rad]; the fold begins at 2 pi / 3.
-
 /// Sums of the unit vectors in the direction of the angles of hinges (mesh/hinge.h), and whether an angle is
 /// sharp, from edges b - a and sides c - a and d - a:
 ///
@@ -34,7 +32,7 @@ SHAPE_VECTORISED void add_directions(int count, const VectorRows& edges, const V
                                      const VectorRows& right, double* __restrict sines,
                                      double* __restrict cosines, double* __restrict sharps)
 {
-    constexpr double cosine_of_sharp = -0.41614683654714241; // cos 2
+    constexpr double cosine_of_sharp = -0.41614683654714241; // cos 2; the fold begins at 2 pi / 3
     for (int i = 0; i < count; ++i) {
         const Vector3<double> edge = edges[i];
         const auto normals = hinge_normals(edge, left[i], right[i]);
@@ -85,35 +83,6 @@ void BranchSums::add(const Collection& block)
                            cosines_.data() + first, sharp_.data() + first);
         }
     });
-}
-
-void BranchSums::look_for_sharp(const RowMatrix& angles)
-{
-    parallel_for(to_size(angles.cols()), 4096, [&](std::size_t begin, std::size_t end) {
-        for (Index i = 0; i < angles.rows(); ++i)
-            for (auto e = static_cast<Index>(begin); e < static_cast<Index>(end); ++e)
-                sharp_[e] = std::abs(angles(i, e)) > sharp ? 1.0 : sharp_[e];
-    });
-}
-
-void BranchSums::add_sharp(Index first, const RowMatrix& columns)
-{
-    Eigen::VectorXd angles(columns.rows()), sines(columns.rows()), cosines(columns.rows());
-    for (Index e = 0; e < columns.cols(); ++e) {
-        if (sharp_[first + e] == 0.0)
-            continue;
-        angles = columns.col(e);
-        sines_cosines(angles.data(), to_size(angles.size()), sines.data(), cosines.data());
-        for (Index i = 0; i < angles.size(); ++i) { // in the order of add()
-            cosines_[first + e] += cosines[i];
-            sines_[first + e] += sines[i];
-        }
-    }
-}
-
-bool BranchSums::has_sharp(Index first, Index count) const
-{
-    return (sharp_.segment(first, count).array() > 0.0).any();
 }
 
 Eigen::VectorXd BranchSums::means(Index count) const

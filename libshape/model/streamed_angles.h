@@ -24,13 +24,6 @@ public:
     /// Takes the next meshes. Cost: cosine and sine are measured without the angle.
     void add(const Collection& block);
 
-    // The same where the angles come once more, column by column, which is cheaper: few edges are sharp.
-    void look_for_sharp(const RowMatrix& angles);
-    /// @param columns  Of all meshes, beginning with edge `first`.
-    void add_sharp(Eigen::Index first, const RowMatrix& columns);
-    /// Whether one of these edges is sharp, in a mesh that look_for_sharp() has seen.
-    [[nodiscard]] bool has_sharp(Eigen::Index first, Eigen::Index count) const;
-
     /// Around which angles near the fold are measured [rad]; 0, where on_branch() changes nothing, of
     /// edges whose angles keep away from it.
     /// @param count  Of all meshes.

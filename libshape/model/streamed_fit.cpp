@@ -35,7 +35,7 @@ namespace {
 using Eigen::Index;
 
 constexpr std::uint64_t number = sizeof(double);
-constexpr auto strip = to_size(ColumnStrips::width); ///< Columns worked on together.
+constexpr std::size_t strip = 2048; ///< Columns worked on together.
 
 /// Runs body(first, count) for fixed strips of [0, total).
 void for_strips(Index total, const std::function<void(Index, Index)>& body)
@@ -45,12 +45,9 @@ void for_strips(Index total, const std::function<void(Index, Index)>& body)
     });
 }
 
-/// What was measured of all meshes, on disc.
-struct MeasuredStrips
-{
-    ColumnStrips coordinates;
-    std::optional<ColumnStrips> angles; ///< If the space has companions.
-};
+/// The Gram matrix rounds as its largest entries: the scores that it gives are off by some 1e-16 times the
+/// ratio of the variances, here by 1e-12. Those of smaller modes are measured.
+constexpr double smallest_ratio_by_gram = 1e-4;
 
 /// The modes and what stands beside them as the passes find it.
 class Fit
@@ -77,7 +74,11 @@ public:
             find_by_gram(options);
         else
             find_by_krylov(options);
-        measure_scores();
+        if (!has_scores())
+            measure_scores();
+        if (mode_angles_.cols() > 0)
+            mean_angles_ = first_angles_ + angle_sums_ / static_cast<double>(meshes_.size());
+        turn();
         PrincipalComponents& found = components_;
         return {.model = {.topology = meshes_.topology,
                           .reference_points = std::move(reference_),
@@ -242,11 +243,8 @@ private:
             restore(gram, *stream_.state);
         else
             gram.start_at(look_at_first(tile));
-        if (gram.begin() == 0 && find_room()) {
-            measure_once(tile);
-            add_strips(gram);
+        if (gram.begin() == 0 && measure_once(gram, tile))
             save(gram);
-        }
         while (!gram.is_complete()) {
             if (stream_.ranks.lots > 1)
                 passes_.show({gram.begin(), gram.held_end(), tile},
@@ -261,72 +259,54 @@ private:
             save(gram);
         }
         components_.mean = gram.mean();
-        RowMatrix weights;
+        Eigenpairs pairs;
         {
             const Eigen::MatrixXd products = gram.products();
             gram = TiledGram(0, 0, 0);
             check_spread(products.trace());
             components_.total_variance = products.trace() / static_cast<double>(meshes_.size() - 1);
-            const Eigenpairs pairs = leading_eigenpairs(products, options);
-            weights = pairs.vectors * pairs.values.cwiseSqrt().cwiseInverse().asDiagonal();
+            pairs = leading_eigenpairs(products, options);
         }
-        const std::uint64_t model =
-            bytes(weights.cols(), dimension_ + meshes_.topology.edge_count());
+        const Index modes = pairs.values.size();
+        const std::uint64_t model = bytes(modes, dimension_ + meshes_.topology.edge_count());
         if (model > memory_)
-            fail_for_memory(counted(weights.cols(), "mode"), model);
-        add_modes(weights, tile);
-        orthonormalise(components_.modes, weights);
+            fail_for_memory(counted(modes, "mode"), model);
+        const Eigen::VectorXd lengths = pairs.values.cwiseSqrt();
+        if (pairs.values[modes - 1] > smallest_ratio_by_gram * pairs.values[0])
+            components_.scores = pairs.vectors * lengths.asDiagonal();
+        add_modes(pairs.vectors * lengths.cwiseInverse().asDiagonal());
+        RowMatrix change = RowMatrix::Identity(modes, modes);
+        orthonormalise(components_.modes, change);
+        if (has_scores()) {
+            components_.scores = components_.scores * change;
+            mix_rows(change, mode_angles_);
+        }
     }
 
-    /// Takes the place for what is measured once, if there is one and all meshes are this process's.
-    bool find_room()
+    /// All inner products by one pass, if the disc has room for all coordinates and all meshes are this process's.
+    bool measure_once(TiledGram& gram, Index tile)
     {
-        const Index count = meshes_.size();
         if (stream_.scratch.empty() || stream_.ranks.lots > 1 ||
-            2 * bytes(count, ColumnStrips::width) > memory_)
+            2 * bytes(meshes_.size(), ColumnStrips::width) > memory_)
             return false;
-        auto coordinates = ColumnStrips::make(stream_.scratch, count, dimension_);
-        if (!coordinates)
+        const auto strips = ColumnStrips::make(stream_.scratch, meshes_.size(), dimension_);
+        if (!strips)
             return false;
-        strips_ = MeasuredStrips{std::move(*coordinates), std::nullopt};
-        if (!has_companions(passes_.space()))
-            return true;
-        strips_->angles = ColumnStrips::make(stream_.scratch, count, meshes_.topology.edge_count());
-        if (!strips_->angles)
-            strips_.reset();
-        return strips_.has_value();
-    }
-
-    /// The pass that measures all there is.
-    void measure_once(Index tile)
-    {
-        passes_.run("lengths and angles", passes_.all(tile),
+        passes_.run("lengths", passes_.all(tile),
                     [&](Index first, const Collection& block, RowMatrix& rows) {
                         passes_.encode(block, rows,
                                        sizes_.segment(first, static_cast<Index>(block.size())));
-                        strips_->coordinates.put(first, rows);
-                        if (!strips_->angles)
-                            return;
-                        measure_angles(block, rows);
-                        branches_.look_for_sharp(rows);
-                        strips_->angles->put(first, rows);
+                        strips->put(first, rows);
+                        if (has_companions(passes_.space()))
+                            branches_.add(block);
                     });
         passes_.rest();
-    }
-
-    /// All inner products, and the branches of the angles.
-    void add_strips(TiledGram& gram)
-    {
-        strips_->coordinates.for_each_in_order([&](Index first, RowMatrix& columns) {
+        strips->for_each([&](Index first, RowMatrix& columns) {
             gram.add_columns(first, columns);
             tell("inner products", first + columns.cols());
         });
         gram.end_columns();
-        if (!strips_->angles)
-            return;
-        strips_->angles->for_each(
-            [&](Index first, Index count) { return branches_.has_sharp(first, count); },
-            [&](Index first, RowMatrix& columns) { branches_.add_sharp(first, columns); });
+        return true;
     }
 
     /// Of what is done with strips.
@@ -337,38 +317,37 @@ private:
             stream_.progress(join(work, ", kB"), kilobytes(columns), kilobytes(dimension_));
     }
 
-    /// Runs work(first, rows) for the meshes, `tile` at a time: as the passes show them.
-    static void for_tiles(const RowMatrix& columns, Index tile,
-                          const std::function<void(Index first, const ConstBlock& rows)>& work)
-    {
-        for (Index first = 0; first < columns.rows(); first += tile)
-            work(first, columns.middleRows(first, std::min(tile, columns.rows() - first)));
-    }
+    [[nodiscard]] bool has_scores() const { return components_.scores.size() > 0; }
 
-    /// The modes, from the shares that the meshes have in them.
-    void add_modes(const RowMatrix& weights, Index tile)
+    /// The modes, from the shares that the meshes have in them; with them, if the scores are known, what they do
+    /// to the angles.
+    void add_modes(const RowMatrix& weights)
     {
         RowMatrix& modes = components_.modes;
         modes = RowMatrix::Zero(weights.cols(), dimension_);
-        const auto add = [&](Index mesh, Index begin, const ConstBlock& rows) {
-            add_product_of_columns(weights.middleRows(mesh, rows.rows()), rows,
-                                   modes.middleCols(begin, rows.cols()));
-        };
-        if (strips_)
-            return strips_->coordinates.for_each([&](Index begin, RowMatrix& columns) {
-                columns.rowwise() -= components_.mean.segment(begin, columns.cols()).transpose();
-                for_tiles(columns, tile,
-                          [&](Index mesh, const ConstBlock& rows) { add(mesh, begin, rows); });
-            });
-        passes_.run("modes", passes_.all(tile),
-                    [&](Index first, const Collection& block, RowMatrix& rows) {
-                        passes_.encode(block, rows);
-                        centre_rows(rows, components_.mean);
-                        for_strips(dimension_, [&](Index begin, Index count) {
-                            add(first, begin, rows.middleCols(begin, count));
-                        });
-                    },
-                    {numbers_of(modes)});
+        std::vector<std::span<double>> sums{numbers_of(modes)};
+        if (has_scores())
+            std::ranges::copy(start_angles(modes.rows()), std::back_inserter(sums));
+        passes_.run(
+            "modes", passes_.all(small_tile()),
+            [&](Index first, const Collection& block, RowMatrix& rows) {
+                passes_.encode(block, rows);
+                centre_rows(rows, components_.mean);
+                for_strips(dimension_, [&](Index begin, Index count) {
+                    add_product_of_columns(weights.middleRows(first, rows.rows()),
+                                           rows.middleCols(begin, count),
+                                           modes.middleCols(begin, count));
+                });
+                if (has_scores())
+                    add_angles(block, components_.scores.middleRows(first, rows.rows()), rows);
+            },
+            sums);
+    }
+
+    /// Where both kinds of modes are in memory.
+    [[nodiscard]] Index small_tile() const
+    {
+        return std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4);
     }
 
     /// As many rows as spare passes: an eighth of all or 48 MiB, whatever is more, if it fits.
@@ -427,95 +406,50 @@ private:
                                     " observations are equal, they have no modes"));
     }
 
-    /// Scores in the modes, and with them what the modes do to the angles, (S^T S)^-1 S^T angles. Then
-    /// everything is turned until the scores are uncorrelated.
+    /// Sets up what add_angles() adds to: (S^T S) times what the modes do to the angles is S^T angles.
+    std::vector<std::span<double>> start_angles(Index modes)
+    {
+        const Index edges = has_companions(passes_.space()) ? meshes_.topology.edge_count() : 0;
+        mode_angles_ = RowMatrix::Zero(modes, edges);
+        angle_sums_ = Eigen::VectorXd::Zero(edges);
+        branch_means_ = branches_.means(meshes_.size());
+        branches_ = BranchSums(0);
+        if (edges > 0)
+            first_angles_ =
+                dihedral_angles(meshes_.topology, reference_).binaryExpr(branch_means_, &on_branch);
+        return {numbers_of(mode_angles_), numbers_of(angle_sums_)};
+    }
+
+    /// @param rows  Filled with the angles.
+    void add_angles(const Collection& block, const ConstBlock& scores, RowMatrix& rows)
+    {
+        if (mode_angles_.cols() == 0)
+            return;
+        measure_angles(block, rows);
+        internal::unify_branches(rows, branch_means_);
+        centre_rows(rows, first_angles_, &angle_sums_); // scores sum to 0: rounding stays small
+        for_strips(mode_angles_.cols(), [&](Index begin, Index count) {
+            add_product_of_columns(scores, rows.middleCols(begin, count),
+                                   mode_angles_.middleCols(begin, count));
+        });
+    }
+
+    /// Scores in the modes, and with them what the modes do to the angles.
     void measure_scores()
     {
-        const Index modes = components_.modes.rows();
-        const Index edges = has_companions(passes_.space()) ? meshes_.topology.edge_count() : 0;
-        components_.scores = RowMatrix::Zero(meshes_.size(), modes);
-        mode_angles_ = RowMatrix::Zero(modes, edges);
-        const Eigen::VectorXd branches = branches_.means(meshes_.size());
-        const Eigen::VectorXd first_angles =
-            edges > 0 ? Eigen::VectorXd(dihedral_angles(meshes_.topology, reference_)
-                                            .binaryExpr(branches, &on_branch))
-                      : Eigen::VectorXd();
-        Eigen::VectorXd sums = Eigen::VectorXd::Zero(edges);
-        // Of small blocks: both kinds of modes are in memory now.
-        const Index tile = std::max<Index>(TiledGram::tile_rows(dimension_) / 2, 4);
-        if (strips_)
-            take_scores_and_angles(tile, branches, first_angles, sums);
-        else
-            pass_for_scores_and_angles(tile, branches, first_angles, sums);
-        strips_.reset();
-        if (edges > 0)
-            mean_angles_ = first_angles + sums / static_cast<double>(meshes_.size());
-        turn();
-    }
-
-    void pass_for_scores_and_angles(Index tile, const Eigen::VectorXd& branches,
-                                    const Eigen::VectorXd& first_angles, Eigen::VectorXd& sums)
-    {
-        const Index edges = first_angles.size();
-        RowMatrix& scores = components_.scores;
-        passes_.run("scores and angles", passes_.all(tile),
-                    [&](Index first, const Collection& block, RowMatrix& rows) {
-                        passes_.encode(block, rows);
-                        centre_rows(rows, components_.mean);
-                        auto own = scores.middleRows(first, rows.rows());
-                        own = coordinates(rows);
-                        if (edges == 0)
-                            return;
-                        measure_angles(block, rows);
-                        internal::unify_branches(rows, branches);
-                        centre_rows(rows, first_angles,
-                                    &sums); // scores sum to 0: rounding stays small
-                        for_strips(edges, [&](Index begin, Index count) {
-                            add_product_of_columns(own, rows.middleCols(begin, count),
-                                                   mode_angles_.middleCols(begin, count));
-                        });
-                    },
-                    {numbers_of(mode_angles_), numbers_of(sums)});
-        passes_.gather(numbers_of(scores));
-    }
-
-    /// The same of the strips, with the same sums.
-    void take_scores_and_angles(Index tile, const Eigen::VectorXd& branches,
-                                const Eigen::VectorXd& first_angles, Eigen::VectorXd& sums)
-    {
-        RowMatrix& scores = components_.scores;
-        const RowMatrix& modes = components_.modes;
-        strips_->coordinates.for_each_in_order([&](Index begin, RowMatrix& columns) {
-            const Index count = columns.cols();
-            centre_rows(columns, components_.mean.segment(begin, count));
-            parallel_for(to_size(scores.rows()), to_size(tile),
-                         [&](std::size_t row, std::size_t end) {
-                             const auto mesh = static_cast<Index>(row);
-                             const auto rows = static_cast<Index>(end - row);
-                             RowMatrix part = RowMatrix::Zero(rows, modes.rows());
-                             add_product_with_rows(columns.middleRows(mesh, rows),
-                                                   modes.middleCols(begin, count), part);
-                             scores.middleRows(mesh, rows) += part;
-                         });
-            tell("scores", begin + count);
-        });
-        if (!strips_->angles)
-            return;
-        strips_->angles->for_each([&](Index begin, RowMatrix& columns) {
-            const Index count = columns.cols();
-            if (branches_.has_sharp(begin, count))
-                for (Index i = 0; i < columns.rows(); ++i)
-                    for (Index e = 0; e < count; ++e)
-                        columns(i, e) = on_branch(columns(i, e), branches[begin + e]);
-            for (Index i = 0; i < columns.rows(); ++i) {
-                columns.row(i) -= first_angles.segment(begin, count).transpose();
-                sums.segment(begin, count) += columns.row(i).transpose();
-            }
-            for_tiles(columns, tile, [&](Index mesh, const ConstBlock& rows) {
-                add_product_of_columns(scores.middleRows(mesh, rows.rows()), rows,
-                                       mode_angles_.middleCols(begin, count));
-            });
-        });
+        const std::vector<std::span<double>> sums = start_angles(components_.modes.rows());
+        components_.scores = RowMatrix::Zero(meshes_.size(), components_.modes.rows());
+        passes_.run(
+            "scores and angles", passes_.all(small_tile()),
+            [&](Index first, const Collection& block, RowMatrix& rows) {
+                passes_.encode(block, rows);
+                centre_rows(rows, components_.mean);
+                auto own = components_.scores.middleRows(first, rows.rows());
+                own = coordinates(rows);
+                add_angles(block, own, rows);
+            },
+            sums);
+        passes_.gather(numbers_of(components_.scores));
     }
 
     /// rows modes^T, strips of columns added in their order.
@@ -575,8 +509,10 @@ private:
     FitAlgorithm algorithm_ = FitAlgorithm::Gram;
     double error_ = 0.0;
     Points reference_;
-    std::optional<MeasuredStrips> strips_;
     PrincipalComponents components_;
+    Eigen::VectorXd branch_means_;
+    Eigen::VectorXd first_angles_; ///< Of the reference: angles are summed from there.
+    Eigen::VectorXd angle_sums_;
     Eigen::VectorXd mean_angles_;
     RowMatrix mode_angles_;
 };

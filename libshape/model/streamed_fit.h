@@ -41,8 +41,8 @@ struct StreamOptions
     Ranks ranks = {};
     /// Such a state, of the same meshes and options.
     std::optional<PassState> state = {};
-    /// A folder where Gram may keep what it has measured, 8 N (D + E) bytes in a file without a name, so
-    /// that each mesh is measured once; empty, or where the disc has not twice as much free: in each pass.
+    /// A folder where Gram may keep all coordinates, 8 N D bytes in a file without a name, so that one pass
+    /// gives all inner products; empty, or where the disc has not twice as much free: N / (2 h).
     /// Changes no bit.
     std::filesystem::path scratch = {};
 };
@@ -65,8 +65,8 @@ struct StreamedFit
 ///
 /// @throws as fit_model(); LimitExceeded if the memory does not suffice (it says what would); what
 ///     reading throws. Procrustes space is refused.
-/// Cost: Gram N^2 E / 2 multiplications and one pass with a scratch folder, else about N / (2 h) + 2 where
-///     h meshes are held; Krylov
+/// Cost: Gram N^2 E / 2 multiplications and two passes with a scratch folder, else about N / (2 h) + 1 where
+///     h meshes are held, one more if a mode has less than 1e-4 of the largest variance; Krylov
 ///     2 N E s for each pass with s = K + max(10, K / 5).
 [[nodiscard]] StreamedFit fit_model(const MeshStream& meshes, const ModelOptions& options,
                                     const StreamOptions& stream);

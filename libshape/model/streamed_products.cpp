@@ -57,7 +57,7 @@ StreamedProducts measure_products(const MeshStream& meshes, const StreamedProduc
         first_pass(
             [&](Index first, const Collection&, RowMatrix& rows) { strips->put(first, rows); });
         passes.rest();
-        strips->for_each_in_order(
+        strips->for_each(
             [&](Index first, RowMatrix& columns) { gram.add_columns(first, columns); });
         gram.end_columns();
     }

@@ -68,8 +68,9 @@ struct SampleSet
     }
 };
 
-using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, SampleSet>,
-                                                  SampleSet, 3, std::uint32_t>;
+using SampleTree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, SampleSet>, SampleSet,
+                                        3, std::uint32_t>;
 
 } // namespace
 
@@ -80,7 +81,7 @@ struct ClosestPoints::Tree
     Points normals; // of the faces, unit length; 0 of a face without area
     SampleSet set;
     double cover = 0.0;
-    std::unique_ptr<Index> index;
+    std::unique_ptr<SampleTree> index;
 
     [[nodiscard]] Vector3d corner(int f, int k) const { return points.row(faces(f, k)); }
 };
@@ -214,7 +215,7 @@ ClosestPoints::ClosestPoints(const Points& points, const Faces& faces, const Poi
     t.cover = cover;
     for (int f = 0; f < faces.rows(); ++f)
         add_samples(t.corner(f, 0), t.corner(f, 1), t.corner(f, 2), f, cover, t.set.samples);
-    t.index = std::make_unique<Index>(3, t.set, nanoflann::KDTreeSingleIndexAdaptorParams(8));
+    t.index = std::make_unique<SampleTree>(3, t.set, nanoflann::KDTreeSingleIndexAdaptorParams(8));
 }
 
 ClosestPoints::~ClosestPoints() = default;

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double tree_height = 110.0; // [px], as all below
 constexpr double strip_width = 14.0;
-constexpr double margin = 20.0;
-constexpr double legend_row = 18.0;
+constexpr double outer_margin = 20.0;
+constexpr double legend_line = 18.0;
 constexpr double legible = 9.0; ///< Smallest cell whose name can be read.
 constexpr Colour tree_colour{90, 90, 90};
 
@@ -96,7 +96,7 @@ struct Legend
     [[nodiscard]] double height() const
     {
         const std::size_t rows = (values.size() + columns - 1) / columns;
-        return legend_row * static_cast<double>(rows);
+        return legend_line * static_cast<double>(rows);
     }
 };
 
@@ -126,7 +126,7 @@ void draw_labels(Svg& svg, const HeatMap& map, const Legend& legend, double left
     for (std::size_t i = 0; i < values.size(); ++i) {
         const std::size_t row = i / legend.columns;
         const double x = left + legend.pitch * static_cast<double>(i % legend.columns);
-        const double y = bottom + legend_row * static_cast<double>(row);
+        const double y = bottom + legend_line * static_cast<double>(row);
         svg.rectangle(x, y - 5.0, 10.0, 10.0, category_colour(i));
         svg.text(x + 16.0, y + 4.0, values[i]);
     }
@@ -164,16 +164,16 @@ std::string heat_map_svg(const HeatMap& map)
     if (named)
         for (const std::string& name : map.names)
             names_width = std::max(names_width, 8.0 + text_width(name, text_size));
-    const double left = margin + (labelled ? strip_width : 0.0);
-    const double top = margin + (map.title.empty() ? 0.0 : 24.0) + tree_height + 6.0;
-    const double width = left + std::max(side + names_width, 220.0) + margin;
-    const Legend legend = legend_of(map, width - 2.0 * margin);
-    const double bottom = top + side + 46.0 + margin;
+    const double left = outer_margin + (labelled ? strip_width : 0.0);
+    const double top = outer_margin + (map.title.empty() ? 0.0 : 24.0) + tree_height + 6.0;
+    const double width = left + std::max(side + names_width, 220.0) + outer_margin;
+    const Legend legend = legend_of(map, width - 2.0 * outer_margin);
+    const double bottom = top + side + 46.0 + outer_margin;
     const double height = bottom + legend.height();
     Svg svg(width, height);
     svg.rectangle(0.0, 0.0, width, height, {255, 255, 255});
     if (!map.title.empty())
-        svg.text(left, margin + 8.0, map.title, {.size = 14.0, .bold = true});
+        svg.text(left, outer_margin + 8.0, map.title, {.size = 14.0, .bold = true});
     draw_tree(svg, map.clustering, left, top - 4.0, cell);
     svg.image(left, top, side, side, cells(map, cell, largest));
     for (std::size_t position = 0; named && position < map.names.size(); ++position)

@@ -3,8 +3,8 @@
 #include "libshape/statistics/column_strips.h"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
-#include <vector>
 
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
@@ -29,9 +29,11 @@ ColumnStrips::ColumnStrips(ScratchFile file, Index rows, Index columns)
 
 void ColumnStrips::put(Index first, const RowMatrix& rows) const
 {
+    std::mutex writing; // the kernel lets one write to a file at a time, the others spin
     parallel_for(to_size(columns_), to_size(width), [&](std::size_t begin, std::size_t end) {
         const auto column = static_cast<Index>(begin);
         const RowMatrix part = rows.middleCols(column, static_cast<Index>(end - begin));
+        const std::lock_guard lock(writing);
         file_.write(to_size(column * rows_ + first * part.cols()),
                     {part.data(), to_size(part.size())});
     });
@@ -43,31 +45,9 @@ void ColumnStrips::read(Index first, RowMatrix& columns) const
     file_.read(to_size(first * rows_), {columns.data(), to_size(columns.size())});
 }
 
-void ColumnStrips::for_each(const Visit& visit) const
+void ColumnStrips::for_each(const std::function<void(Index, RowMatrix&)>& visit) const
 {
-    for_each([](Index, Index) { return true; }, visit);
-}
-
-void ColumnStrips::for_each(const IsWanted& is_wanted, const Visit& visit) const
-{
-    const Index bytes = static_cast<Index>(sizeof(double)) * rows_ * width;
-    const Index at_once = std::clamp<Index>((Index{16} << 20) / bytes, 1, thread_count());
-    std::vector<RowMatrix> columns(to_size(at_once)); // kept: fresh memory costs more than reading
-    for (Index first = 0; first < columns_; first += at_once * width)
-        parallel_for(to_size(std::min(at_once * width, columns_ - first)), to_size(width),
-                     [&](std::size_t begin, std::size_t end) {
-                         const Index own = first + static_cast<Index>(begin);
-                         if (!is_wanted(own, static_cast<Index>(end - begin)))
-                             return;
-                         RowMatrix& kept = columns[begin / to_size(width)];
-                         read(own, kept);
-                         visit(own, kept);
-                     });
-}
-
-void ColumnStrips::for_each_in_order(const Visit& visit) const
-{
-    RowMatrix columns;
+    RowMatrix columns; // kept: fresh memory costs more than reading
     for (Index first = 0; first < columns_; first += width) {
         read(first, columns);
         visit(first, columns);

@@ -22,7 +22,7 @@ namespace shape::internal {
 class ColumnStrips
 {
 public:
-    static constexpr Eigen::Index width = 2048; ///< Columns of a strip; the last one has fewer.
+    static constexpr Eigen::Index width = 512; ///< Columns of a strip; the last one has fewer.
 
     /// None where the folder has no room for it (ScratchFile::make()).
     [[nodiscard]] static std::optional<ColumnStrips> make(const std::filesystem::path& folder,
@@ -32,15 +32,8 @@ public:
     /// @throws FileError if the disc fails.
     void put(Eigen::Index first, const RowMatrix& rows) const;
 
-    /// Runs visit(first, columns) for all strips, or those that are wanted; some at once, each in a thread: as
-    /// many as 16 MiB hold. visit() may change the array.
-    using Visit = std::function<void(Eigen::Index first, RowMatrix& columns)>;
-    using IsWanted = std::function<bool(Eigen::Index first, Eigen::Index count)>;
-    void for_each(const Visit& visit) const;
-    void for_each(const IsWanted& is_wanted, const Visit& visit) const;
-
-    /// The same in their order, one at a time.
-    void for_each_in_order(const Visit& visit) const;
+    /// Runs visit(first, columns) for all strips in their order; it may change the array.
+    void for_each(const std::function<void(Eigen::Index first, RowMatrix& columns)>& visit) const;
 
 private:
     ColumnStrips(ScratchFile file, Eigen::Index rows, Eigen::Index columns);

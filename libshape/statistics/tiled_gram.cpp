@@ -109,12 +109,18 @@ void TiledGram::add_columns(Index first, RowMatrix& columns)
     Eigen::VectorXd sums = Eigen::VectorXd::Zero(columns.cols());
     centre_rows(columns, shift_.segment(first, columns.cols()), &sums);
     sums_.segment(first, columns.cols()) = sums;
-    const auto tile = [&](Index row) { return columns.middleRows(row, std::min(tile_, rows_ - row)); };
-    parallel_for(to_size(rows_), to_size(tile_), [&](std::size_t begin, std::size_t) {
+    // The fewer rows are taken together, the more comes from the third cache; more than few_rows would be
+    // multiplied another way.
+    const Index height = std::max(tile_, few_rows);
+    const auto part = [&](Index row) {
+        return columns.middleRows(row, std::min(height, rows_ - row));
+    };
+    parallel_for(to_size(rows_), to_size(height), [&](std::size_t begin, std::size_t) {
         const auto row = static_cast<Index>(begin);
-        for (Index other = 0; other <= row; other += tile_)
-            add_product_with_rows(tile(row), tile(other),
-                                  products_.block(row, other, tile(row).rows(), tile(other).rows()));
+        for (Index other = 0; other <= row; other += height)
+            add_product_with_rows(
+                part(row), part(other),
+                products_.block(row, other, part(row).rows(), part(other).rows()));
     });
 }
 

@@ -10,6 +10,7 @@
 #include "libshape/base/random.h"
 #include "libshape/base/stop.h"
 #include "libshape/synthetic/generators.h"
+#include "libshape/synthetic/grids.h"
 #include "libshape/synthetic/profiles.h"
 
 // A face is a mask over the front of a head, life-size in millimetres: +x to its left, +y up, +z
@@ -306,14 +307,6 @@ struct Net
     std::vector<Vector3d> bare; ///< Positions on the bare head.
     std::vector<int> rim;       ///< Counter-clockwise seen from the front.
 };
-
-Faces to_faces(const std::vector<std::array<int, 3>>& list)
-{
-    Faces faces(static_cast<Eigen::Index>(list.size()), 3);
-    for (std::size_t f = 0; f < list.size(); ++f)
-        faces.row(static_cast<Eigen::Index>(f)) << list[f][0], list[f][1], list[f][2];
-    return faces;
-}
 
 /// Vertices around a net: its first row, the right ends of the rows, the last row, the left ends.
 std::vector<int> rim_of(const std::vector<std::vector<int>>& rows)

@@ -17,14 +17,6 @@ namespace {
 using std::numbers::pi;
 using FaceList = std::vector<std::array<int, 3>>;
 
-Faces to_faces(const FaceList& list)
-{
-    Faces faces(static_cast<Eigen::Index>(list.size()), 3);
-    for (std::size_t f = 0; f < list.size(); ++f)
-        faces.row(static_cast<Eigen::Index>(f)) << list[f][0], list[f][1], list[f][2];
-    return faces;
-}
-
 int disc_size(int rings)
 {
     return 1 + 3 * rings * (rings + 1);
@@ -54,6 +46,14 @@ int disc_vertex(int ring, int index)
 }
 
 } // namespace
+
+Faces to_faces(const std::vector<std::array<int, 3>>& list)
+{
+    Faces faces(static_cast<Eigen::Index>(list.size()), 3);
+    for (std::size_t f = 0; f < list.size(); ++f)
+        faces.row(static_cast<Eigen::Index>(f)) << list[f][0], list[f][1], list[f][2];
+    return faces;
+}
 
 double DiscVertex::angle() const
 {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -10,6 +11,9 @@
 
 /// Triangulations with almost equilateral triangles, and curves to lay them along.
 namespace shape::internal::synthetic {
+
+/// `list` as the rows of a matrix (#F by 3).
+[[nodiscard]] Faces to_faces(const std::vector<std::array<int, 3>>& list);
 
 /// A vertex of a disc: vertex `index` of the 6 * ring vertices of a ring (1 for ring 0).
 struct DiscVertex

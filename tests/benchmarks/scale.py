@@ -77,9 +77,11 @@ def make(shape, work, name, meshes, vertices):
         sizes = 0.02 * size * 0.93 ** np.arange(60)
         changes = np.stack([s * np.sin(mean @ w + p)[:, None] * d
                             for w, p, d, s in zip(waves, phases, ways, sizes)]).reshape(60, -1)
+        # Chunks as `shape collect` makes them: of at most 1 MiB, a power of two of rows or equal parts of one.
         rows = max(1, 2 ** int(math.log2(max(1, 2 ** 20 // (24 * count)))))
+        parts = -(-count // 43690)
         points = new.create_dataset("points", (meshes, count, 3), "f8", fletcher32=True,
-                                    chunks=(min(rows, meshes), min(count, 43690), 3))
+                                    chunks=(min(rows, meshes), -(-count // parts), 3))
         step = max(1, 2 ** 24 // (24 * count))
         for first in range(0, meshes, step):
             n = min(step, meshes - first)

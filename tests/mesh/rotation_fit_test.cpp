@@ -74,7 +74,7 @@ TEST(NearestRotation, AgreesWithTheSingularValueDecompositionFromAnyGuess)
         const Eigen::Matrix3d m = random_matrix(random);
         const Eigen::Matrix3d expected = nearest_rotation(m);
         for (const double angle : {0.0, 1e-6, 0.1, 1.0, 3.1}) {
-            const Eigen::Matrix3d found = nearest_rotation(m, turned(expected, angle, random));
+            const Eigen::Matrix3d found = nearest_rotation_from(m, turned(expected, angle, random));
             expect_rotation(found);
             EXPECT_NEAR((found.transpose() * m).trace(), largest_trace(m), 1e-13);
         }
@@ -91,7 +91,7 @@ TEST(NearestRotation, RecoversTheRotationOfCoplanarAndThinData)
             const Eigen::Matrix3d m = rotation * axes *
                                       Eigen::Vector3d(1.0, thickness, 0.0).asDiagonal() *
                                       axes.transpose();
-            const Eigen::Matrix3d found = nearest_rotation(m, turned(rotation, 0.5, random));
+            const Eigen::Matrix3d found = nearest_rotation_from(m, turned(rotation, 0.5, random));
             expect_rotation(found);
             EXPECT_LT((found - rotation).norm(), 1e-14 / thickness);
         }
@@ -101,11 +101,11 @@ TEST(NearestRotation, StaysNearTheGuessWhereTheDataLeaveAChoice)
 {
     Random random(3);
     const Eigen::Matrix3d guess = random_rotation(random);
-    EXPECT_LT((nearest_rotation(Eigen::Matrix3d::Zero(), guess) - guess).norm(), 1.0);
+    EXPECT_LT((nearest_rotation_from(Eigen::Matrix3d::Zero(), guess) - guess).norm(), 1.0);
     // Collinear data: the turn about their line is free.
     const Eigen::Vector3d line = Eigen::Vector3d(1.0, 2.0, -0.5).normalized();
     const Eigen::Matrix3d m = guess * line * line.transpose();
-    const Eigen::Matrix3d found = nearest_rotation(m, guess);
+    const Eigen::Matrix3d found = nearest_rotation_from(m, guess);
     expect_rotation(found);
     EXPECT_LT((found - guess).norm(), 1e-3);
 }

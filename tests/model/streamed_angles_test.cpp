@@ -11,6 +11,7 @@
 #include <string>
 
 #include "libshape/base/random.h"
+#include "libshape/base/to_size.h"
 #include "libshape/edge_space/shape_vectors.h"
 #include "tests/support/meshes.h"
 #include "tests/support/thread_scope.h"
@@ -68,7 +69,7 @@ TEST(BranchSums, AreThoseOfTheAnglesWhereOneIsSharp)
     int sharp = 0, beyond = 0;
     for (Index e = 0; e < angles.cols(); ++e) {
         const bool is_sharp = (angles.col(e).array().abs() > 2.0).any();
-        EXPECT_EQ(branches.has_sharp(e, 1), is_sharp) << e;
+        EXPECT_EQ(branches.largest()[to_size(e)] > 0.0, is_sharp) << e;
         if (!is_sharp) {
             EXPECT_EQ(means[e], 0.0) << e;
             continue;
@@ -84,25 +85,14 @@ TEST(BranchSums, AreThoseOfTheAnglesWhereOneIsSharp)
     EXPECT_LT(sharp, angles.cols() / 2);
 }
 
-TEST(BranchSums, AreTheSameFromColumns)
-{
-    const Collection meshes = crumpled(20);
-    const RowMatrix angles = angles_of(meshes);
-    BranchSums by_meshes(angles.cols()), by_columns(angles.cols());
-    by_meshes.add(meshes);
-    by_columns.look_for_sharp(angles);
-    by_columns.add_sharp(0, angles.leftCols(100));
-    by_columns.add_sharp(100, angles.rightCols(angles.cols() - 100));
-    EXPECT_TRUE(by_columns.means(20).isApprox(by_meshes.means(20), 1e-12));
-}
-
 TEST(BranchSums, TurnNeitherByWhatIsFlatNorByBoundariesNorByMeshesWithoutArea)
 {
     const test::TestMesh patch = test::open_patch(4, 1);
     const Points points = Points::Zero(patch.points.rows(), 3);
     BranchSums branches(patch.topology.edge_count());
     branches.add({patch.topology, {"a"}, {points}, {}});
-    EXPECT_FALSE(branches.has_sharp(0, patch.topology.edge_count()));
+    for (const double sharp : branches.largest())
+        EXPECT_EQ(sharp, 0.0);
     for (const std::span<double> sum : branches.sums())
         for (const double value : sum)
             EXPECT_TRUE(value == 0.0 || value == 1.0);

@@ -88,7 +88,7 @@ TEST(TiledGram, HasTheSameBitsWhereColumnsComeInsteadOfRows)
         TiledGram gram(rows.rows(), rows.cols(), 0);
         gram.start_at(
             rows.topRows(std::min(gram.tile(), rows.rows())).colwise().mean().transpose());
-        strips->for_each_in_order(
+        strips->for_each(
             [&](Index first, RowMatrix& columns) { gram.add_columns(first, columns); });
         gram.end_columns();
         EXPECT_TRUE(gram.is_complete());
@@ -97,7 +97,7 @@ TEST(TiledGram, HasTheSameBitsWhereColumnsComeInsteadOfRows)
     }
 }
 
-TEST(ColumnStrips, GoInStripsAsTheyCameInRowsAndSomeAreLeftOut)
+TEST(ColumnStrips, GoInStripsAsTheyCameInRows)
 {
     const RowMatrix data = test::random_matrix(5, 5000, 3);
     const test::TemporaryDirectory folder;
@@ -105,17 +105,17 @@ TEST(ColumnStrips, GoInStripsAsTheyCameInRowsAndSomeAreLeftOut)
     ASSERT_TRUE(strips);
     strips->put(2, data.bottomRows(3));
     strips->put(0, data.topRows(2));
-    RowMatrix found = RowMatrix::Zero(5, 5000);
-    const auto take = [&](Index first, RowMatrix& columns) {
-        found.middleCols(first, columns.cols()) = columns;
-        columns.setZero(); // changes nothing on disc
-    };
-    strips->for_each(take);
-    EXPECT_TRUE(found == data);
-    found.setZero();
-    strips->for_each([](Index first, Index count) { return first + count < 5000; }, take);
-    EXPECT_TRUE(found.leftCols(4096) == data.leftCols(4096));
-    EXPECT_EQ(found.rightCols(904).cwiseAbs().maxCoeff(), 0.0);
+    for (int time = 0; time < 2; ++time) {
+        RowMatrix found = RowMatrix::Zero(5, 5000);
+        Index next = 0;
+        strips->for_each([&](Index first, RowMatrix& columns) {
+            EXPECT_EQ(first, next);
+            next += columns.cols();
+            found.middleCols(first, columns.cols()) = columns;
+            columns.setZero(); // changes nothing on disc
+        });
+        EXPECT_TRUE(found == data);
+    }
     EXPECT_FALSE(ColumnStrips::make(folder / "missing", 5, 5000));
 }
 

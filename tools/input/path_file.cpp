@@ -17,7 +17,6 @@ namespace {
 
 using Eigen::MatrixX2d;
 using Eigen::Vector2d;
-using Json = nlohmann::json;
 
 constexpr std::uint64_t largest_file = std::uint64_t{1} << 26;
 
@@ -25,7 +24,7 @@ constexpr std::uint64_t largest_file = std::uint64_t{1} << 26;
 class Value
 {
 public:
-    Value(const Json& json, std::string place) : json_(json), place_(std::move(place)) {}
+    Value(const nlohmann::json& json, std::string place) : json_(json), place_(std::move(place)) {}
 
     [[nodiscard]] double number() const
     {
@@ -88,7 +87,7 @@ private:
         throw InvalidInput(join(place_, " is ", json_.dump().substr(0, 80), ", ", rule));
     }
 
-    const Json& json_;
+    const nlohmann::json& json_;
     std::string place_;
 };
 
@@ -105,8 +104,9 @@ public:
             throw InvalidInput(
                 join(file_, ": lists are nested deeper than ", deepest_json, " levels"));
         std::vector<std::string> seen;
-        const auto refuse_repeats = [&](int depth, Json::parse_event_t event, Json& parsed) {
-            if (event == Json::parse_event_t::key && depth == 1) {
+        const auto refuse_repeats = [&](int depth, nlohmann::json::parse_event_t event,
+                                        nlohmann::json& parsed) {
+            if (event == nlohmann::json::parse_event_t::key && depth == 1) {
                 const auto key = parsed.get<std::string>();
                 if (std::find(seen.begin(), seen.end(), key) != seen.end())
                     throw InvalidInput(join(file_, ": key '", key, "' occurs twice"));
@@ -114,10 +114,10 @@ public:
             }
             return true;
         };
-        Json json;
+        nlohmann::json json;
         try {
-            json = Json::parse(text, refuse_repeats);
-        } catch (const Json::exception& error) {
+            json = nlohmann::json::parse(text, refuse_repeats);
+        } catch (const nlohmann::json::exception& error) {
             throw InvalidInput(join(file_, ": no JSON: ", error.what()));
         }
         if (!json.is_object())

@@ -50,7 +50,7 @@ constexpr double least_damping = 1e-13;
 constexpr double most_damping = 1e6;
 /// Times that a step is halved at most, before it is damped: an evaluation costs far less than the
 /// factorisation that more damping asks for.
-constexpr int halvings = 3;
+constexpr int step_halvings = 3;
 /// A step is not halved if E falls by this part of what its linear model promises.
 constexpr double good_part = 0.7;
 /// Residuals are looked at this far ahead along a step and behind, to find how they curve.
@@ -348,7 +348,7 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
         double value = result.value;
         result.last_step = 0.0;
         double scale = 1.0;
-        for (int halving = 0; halving <= halvings; ++halving, scale *= 0.5) {
+        for (int halving = 0; halving <= step_halvings; ++halving, scale *= 0.5) {
             VectorXd tried =
                 moved(moved(result.points, scale, step), 0.5 * scale * scale, acceleration);
             const double there = residuals_at(tried).value;

@@ -104,7 +104,7 @@ void start_incrementally(const Problem& problem, std::span<const PatchOverlap> o
                 rotations[to_size(k)] = placed;
             }
         }
-        rotations[to_size(k)] = nearest_rotation(fit, rotations[to_size(k)]);
+        rotations[to_size(k)] = nearest_rotation_from(fit, rotations[to_size(k)]);
     }
 }
 
@@ -161,7 +161,7 @@ void register_patches(std::span<const PaddedPoint* const> patches,
             for (int l = 0; l < n; ++l)
                 if (l != k)
                     fit.noalias() += rotations[to_size(l)] * problem.block(l, k);
-            rotations[to_size(k)] = nearest_rotation(fit, rotations[to_size(k)]);
+            rotations[to_size(k)] = nearest_rotation_from(fit, rotations[to_size(k)]);
         }
 }
 

@@ -217,7 +217,7 @@ Rotations fit_faces(const Topology& topology, const FaceLayout& layout,
             if (found[i] == 1.0)
                 frame = turned.get(i);
             else
-                frame = nearest_rotation(sums.get(i), frame.toRotationMatrix());
+                frame = nearest_rotation_from(sums.get(i), frame.toRotationMatrix());
         }
     });
     return frames;

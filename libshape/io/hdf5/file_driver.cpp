@@ -20,7 +20,7 @@ struct Target
 };
 
 /// An open file as HDF5 knows it; the first member is HDF5's.
-struct OpenFile
+struct DrivenFile
 {
     H5FD_t base;
     NewFile* file;
@@ -28,13 +28,13 @@ struct OpenFile
     haddr_t end;
 };
 
-OpenFile& of(H5FD_t* file)
+DrivenFile& of(H5FD_t* file)
 {
-    return *reinterpret_cast<OpenFile*>(file);
+    return *reinterpret_cast<DrivenFile*>(file);
 }
-const OpenFile& of(const H5FD_t* file)
+const DrivenFile& of(const H5FD_t* file)
 {
-    return *reinterpret_cast<const OpenFile*>(file);
+    return *reinterpret_cast<const DrivenFile*>(file);
 }
 
 /// Runs transfer(bytes done) until it has done `size` bytes or there are no more.
@@ -54,12 +54,12 @@ std::size_t transfer_all(NewFile& file, std::size_t size, const Transfer& transf
     return done;
 }
 
-H5FD_t* open(const char*, unsigned, hid_t access, haddr_t)
+H5FD_t* open_driven(const char*, unsigned, hid_t access, haddr_t)
 {
     const auto* target = static_cast<const Target*>(H5Pget_driver_info(access));
     if (target == nullptr)
         return nullptr;
-    auto* opened = new OpenFile{{}, target->file, 0, 0};
+    auto* opened = new DrivenFile{{}, target->file, 0, 0};
     return &opened->base;
 }
 
@@ -78,7 +78,7 @@ herr_t query(const H5FD_t*, unsigned long* features)
 
 herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, void* buffer)
 {
-    OpenFile& opened = of(file);
+    DrivenFile& opened = of(file);
     auto* bytes = static_cast<char*>(buffer);
     const std::size_t done = transfer_all(*opened.file, size, [&](std::size_t begin) {
         return ::pread(opened.file->descriptor, bytes + begin, size - begin,
@@ -90,7 +90,7 @@ herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, 
 
 herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, const void* buffer)
 {
-    OpenFile& opened = of(file);
+    DrivenFile& opened = of(file);
     const auto* bytes = static_cast<const char*>(buffer);
     transfer_all(*opened.file, size, [&](std::size_t begin) {
         return ::pwrite(opened.file->descriptor, bytes + begin, size - begin,
@@ -102,7 +102,7 @@ herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
 
 herr_t truncate(H5FD_t* file, hid_t, hbool_t)
 {
-    OpenFile& opened = of(file);
+    DrivenFile& opened = of(file);
     if (opened.file->error == 0 &&
         ::ftruncate(opened.file->descriptor, static_cast<off_t>(opened.allocated)) != 0)
         opened.file->error = errno;
@@ -119,7 +119,7 @@ hid_t driver()
         made.maxaddr = HADDR_MAX / 2;
         made.fc_degree = H5F_CLOSE_WEAK;
         made.fapl_size = sizeof(Target);
-        made.open = open;
+        made.open = open_driven;
         made.close = close;
         made.query = query;
         made.get_eoa = [](const H5FD_t* file, H5FD_mem_t) { return of(file).allocated; };
