@@ -63,4 +63,5 @@ def main():
                   f"| {seconds:.1f} |", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

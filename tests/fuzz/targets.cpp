@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -17,11 +18,15 @@
 #include "libshape/base/to_size.h"
 #include "libshape/embedding/embedder.h"
 #include "libshape/io/collection_file.h"
+#include "libshape/io/collection_stream.h"
 #include "libshape/io/hdf5/untrusted_files.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
+#include "libshape/model/difference.h"
+#include "libshape/model/shape_model.h"
 #include "libshape/synthetic/synthetic.h"
+#include "tests/fuzz/stored_file.h"
 #include "tools/input/path_file.h"
 #include "tools/output/frame_store.h"
 #include "tools/program/arguments.h"
@@ -92,6 +97,129 @@ Target reading_hdf5(const std::string& name, const Read& read)
         rehearse_hdf5_files(true);
         return read(path);
     });
+}
+
+/// Four tetrahedra, two of each side.
+Collection tetrahedra()
+{
+    Faces faces(4, 3);
+    faces << 0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0;
+    Collection meshes{Topology(faces, 4),
+                      {},
+                      {},
+                      {{"side", {"l", "r", "l", "r"}}, {"who", {"a", "a", "b", "b"}}}};
+    for (int i = 0; i < 4; ++i) {
+        Points points(4, 3);
+        points << 0, 0, 0, 2 + 0.1 * i, 0, 0, 0, 2, 0.3 * (i % 2), 0.2, 0.1 * i * i, 1.5;
+        meshes.points.push_back(points);
+        meshes.names.push_back(join("m", i));
+    }
+    return meshes;
+}
+
+/// Files that libshape wrote, of every kind that differs in what it holds.
+std::vector<StoredFile> stored_files(const std::string& kind)
+{
+    const Collection meshes = tetrahedra();
+    const fs::path path = folder() / "whole.h5";
+    std::vector<StoredFile> all;
+    if (kind == "collection")
+        for (const CollectionFileOptions& options :
+             {CollectionFileOptions{}, {.derived = true}, {.compress = true}}) {
+            write_collection(path, meshes, options);
+            all.emplace_back(path);
+        }
+    if (kind == "model")
+        for (const SpaceOptions& space : {SpaceOptions{},
+                                          {.kind = SpaceKind::Procrustes},
+                                          {.dihedral_weight = 0.3},
+                                          {.position_weight = 3.0},
+                                          {.scale = Scale::None,
+                                          .coordinates = LengthCoordinates::Log,
+                                          .weighting = EdgeWeighting::Area}}) {
+            write_model(path, fit_model(meshes, {.space = space}));
+            all.emplace_back(path);
+        }
+    if (kind == "difference")
+        for (const char* pair_by : {"", "who"}) {
+            const DifferenceOptions options{.pair_by = pair_by,
+                                            .from_label = "side",
+                                            .from_value = "l",
+                                            .to_label = "side",
+                                            .to_value = "r"};
+            write_difference(path, mean_difference(meshes, options));
+            all.emplace_back(path);
+        }
+    return all;
+}
+
+/// A file whose content the bytes change: the first chooses the file, the others are StoredFile::change()'s.
+/// is_sound() says of what was read whether it keeps its rules.
+template <class Read, class IsSound>
+Target reading_content(const std::string& kind, const Read& read, const IsSound& is_sound)
+{
+    return {kind + "_content", [=](std::string_view bytes) {
+                static const std::vector<StoredFile> whole = [&] {
+                    std::vector<StoredFile> files = stored_files(kind);
+                    for (const StoredFile& unchanged :
+                         files) // else it would be refusals that are tried
+                        if (!unchanged.write(folder() / "same.h5") ||
+                            !is_sound(read(folder() / "same.h5")))
+                            std::abort();
+                    return files;
+                }();
+                if (bytes.empty())
+                    return;
+                rehearse_hdf5_files(false);
+                StoredFile changed = whole[static_cast<unsigned char>(bytes[0]) % whole.size()];
+                changed.change(bytes.substr(1));
+                const fs::path path = folder() / "changed.h5";
+                if (!changed.write(path))
+                    return;
+                allow_errors([&] {
+                    if (!is_sound(read(path)))
+                        std::abort();
+                });
+            }};
+}
+
+/// Read whole, and in passes, which must agree.
+Collection read_both_ways(const fs::path& path)
+{
+    Collection whole = read_collection(path);
+    const MeshStream stream = open_collection(path);
+    for_each_block(stream, 0, stream.size(), 3, [&](Eigen::Index first, const Collection& block) {
+        for (std::size_t i = 0; i < block.size(); ++i)
+            if (block.points[i] != whole.points[to_size(first) + i])
+                std::abort();
+    });
+    return whole;
+}
+
+bool is_sound(const Collection& meshes)
+{
+    return meshes.names.size() == meshes.size() &&
+           std::ranges::all_of(meshes.points, [&](const Points& points) {
+               return points.rows() == meshes.topology.vertex_count() && points.allFinite();
+           });
+}
+
+bool is_sound(const ShapeModel& model)
+{
+    return model.mean.allFinite() && model.modes.allFinite() && model.scores.allFinite() &&
+           model.mode_dihedral_angles.allFinite() && model.mean_dihedral_angles.allFinite() &&
+           model.modes.cols() == model.mean.size() &&
+           model.modes.rows() == model.variances.size() &&
+           model.scores.rows() == static_cast<Eigen::Index>(model.names.size()) &&
+           model.variances.allFinite() && model.variances.minCoeff() > 0.0;
+}
+
+bool is_sound(const DifferenceVector& difference)
+{
+    const Eigen::Index edges = difference.topology.edge_count();
+    return difference.edge_lengths.size() == edges && difference.dihedral_angles.size() == edges &&
+           difference.edge_lengths.allFinite() && difference.dihedral_angles.allFinite() &&
+           difference.mean_edge_lengths.minCoeff() > 0.0 && difference.from_size > 0.0;
 }
 
 void resume(std::string_view bytes)
@@ -173,6 +301,12 @@ const std::vector<Target>& targets()
         reading_hdf5("collection", [](const fs::path& path) { return read_collection(path); }),
         reading_hdf5("model", [](const fs::path& path) { return read_model(path); }),
         reading_hdf5("difference", [](const fs::path& path) { return read_difference(path); }),
+        reading_content("collection", &read_both_ways,
+                        [](const Collection& read) { return is_sound(read); }),
+        reading_content("model", &read_model,
+                        [](const ShapeModel& read) { return is_sound(read); }),
+        reading_content("difference", &read_difference,
+                        [](const DifferenceVector& read) { return is_sound(read); }),
         {"lengths", embed},
     };
     return all;
