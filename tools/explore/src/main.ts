@@ -308,7 +308,7 @@ function setUpPlot() {
             setUpGroups(i);
         };
         find("#plot").append(make("div", { class: "bar" }, choose("x", "across"), choose("y", "up"),
-            ...(facts.labels.length ? [make("label", {}, "by ", label)] : [])), plot.svg, key);
+            ...(facts.labels.length ? [make("label", {}, "by ", label)] : [])), plot.element, key);
         const initial = facts.labels.findIndex(({ name }) => name === facts.colorBy);
         label.value = String(initial);
         colourBy(initial);

@@ -20,9 +20,11 @@ const marks: Record<string, string> = {
     bar: "M-3.6,-1.3h7.2v2.6h-7.2z",
 };
 
-/// The plane of two modes: specimens to click, and the point where one is, to drag.
+/// The plane of two modes: specimens to click, and the point where one is, to drag. The point lies on a sheet of its own,
+/// so that hundreds of specimens are not painted again with every move.
 export class ScorePlot {
-    readonly svg: SVGSVGElement;
+    readonly element: HTMLElement;
+    private svg: SVGSVGElement;
     private specimens: SVGGElement;
     private axes: SVGGElement;
     private point: SVGGElement;
@@ -43,8 +45,10 @@ export class ScorePlot {
         this.point = make<SVGGElement>("g", { class: "point", tabindex: 0, role: "slider", "aria-label": "Shape shown, in the plane of two modes: arrow keys move it",
                                  "aria-valuemin": -10, "aria-valuemax": 10, "aria-valuenow": 0 },
             make("circle", { r: 16, class: "grip" }), make("circle", { r: 7 }));
-        this.svg = make<SVGSVGElement>("svg", { viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": "Score plot", class: "scores" },
-            this.axes, this.specimens, this.point);
+        const viewBox = `0 0 ${width} ${height}`;
+        this.svg = make<SVGSVGElement>("svg", { viewBox }, this.axes, this.specimens);
+        this.element = make("div", { class: "scores", role: "group", "aria-label": "Score plot" },
+            this.svg, make("svg", { viewBox, class: "sheet" }, this.point));
         let dragging = false;
         const drag = (event: PointerEvent, ended: boolean) => {
             const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM()!.inverse());
@@ -158,6 +162,7 @@ export class ScorePlot {
         copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
         copy.setAttribute("width", String(2 * width));
         copy.setAttribute("height", String(2 * height));
+        copy.append(this.point.cloneNode(true));
         copy.querySelector(".grip")?.remove();
         copy.querySelectorAll("[tabindex]").forEach((element) => element.removeAttribute("tabindex"));
         copy.prepend(make("rect", { width, height, fill: "white" }), make<SVGElement>("g"));

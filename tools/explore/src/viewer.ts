@@ -27,8 +27,8 @@ function isClosed(faces: Uint32Array): boolean {
 }
 
 /// Draws one mesh that changes, and a ghost of another, seen from anywhere. Software draws four times as many pictures
-/// a second (docs/explore.md) by one sample a pixel, plain light and, of closed meshes, front faces alone; once
-/// nothing moves, the picture is drawn again with four pixels for one.
+/// a second (docs/explore.md) by one sample a pixel, of large meshes a quarter, plain light and, of closed meshes, front
+/// faces alone; once nothing moves, the picture is drawn again with four pixels for one.
 export class Viewer {
     private renderer: THREE.WebGLRenderer;
     private scene = new THREE.Scene();
@@ -37,6 +37,7 @@ export class Viewer {
     private model = new THREE.Group();
     private geometry = new THREE.BufferGeometry();
     private isSoftware = isDrawnBySoftware();
+    private softwareRatio = 0.5; // pixels drawn for one of the screen, along each side, while something moves
     private material = this.isSoftware
         ? new THREE.MeshLambertMaterial({ color: skin, side: THREE.DoubleSide })
         : new THREE.MeshStandardMaterial({ color: skin, roughness: 0.62, side: THREE.DoubleSide });
@@ -193,12 +194,12 @@ export class Viewer {
     }
 
     private get pixelRatio() {
-        return Math.min(devicePixelRatio, this.isSoftware ? 1 : 2);
+        return Math.min(devicePixelRatio, this.isSoftware ? this.softwareRatio : 2);
     }
 
     /// Draws once with four pixels for one, which the browser averages.
     private drawSmoothly() {
-        this.renderer.setPixelRatio(2 * this.pixelRatio);
+        this.renderer.setPixelRatio(2 * Math.min(devicePixelRatio, 1));
         this.renderer.render(this.scene, this.camera);
     }
 
