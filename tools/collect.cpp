@@ -31,15 +31,16 @@ struct Arguments
     CollectionFileOptions file = {};
 };
 
-void report(const Session& session, const Arguments& arguments, const MeshStream& meshes)
+void report(const Session& session, const Arguments& arguments, const Topology& topology,
+            Eigen::Index meshes)
 {
-    session.message(join(arguments.output, ": ", counted(to_size(meshes.size()), "mesh", "meshes"),
-                         " of ", meshes.topology.vertex_count(), " vertices"));
+    session.message(join(arguments.output, ": ", counted(to_size(meshes), "mesh", "meshes"), " of ",
+                         topology.vertex_count(), " vertices"));
     session.print_figures({{"outputs", {arguments.output}},
-                           {"meshes", meshes.size()},
-                           {"vertices", meshes.topology.vertex_count()},
-                           {"edges", meshes.topology.edge_count()},
-                           {"faces", meshes.topology.face_count()}});
+                           {"meshes", meshes},
+                           {"vertices", topology.vertex_count()},
+                           {"edges", topology.edge_count()},
+                           {"faces", topology.face_count()}});
 }
 
 /// Warns of meshes that are added and are odd beside the first one that is there.
@@ -74,9 +75,9 @@ void append(const Session& session, const Arguments& arguments)
              added.topology.faces()}));
     }
     warn_of_oddities(session, present, added);
-    const MeshStream all = joined(present, stream_of(added));
-    write_collection(arguments.output, all, arguments.file, session.progress());
-    report(session, arguments, all);
+    const Eigen::Index meshes = append_to_collection(arguments.output, stream_of(added),
+                                                     arguments.file, session.progress());
+    report(session, arguments, added.topology, meshes);
 }
 
 void run(const Session& session, const Arguments& arguments)
@@ -87,11 +88,11 @@ void run(const Session& session, const Arguments& arguments)
     check_output(session, arguments.output, input_files(arguments.input.meshes));
     if (const auto meshes = open_labelled(session, arguments.input, false)) {
         write_collection(arguments.output, *meshes, arguments.file, session.progress());
-        return report(session, arguments, *meshes);
+        return report(session, arguments, meshes->topology, meshes->size());
     }
     const Collection collection = read_labelled(session, arguments.input);
     write_collection(arguments.output, collection, arguments.file);
-    report(session, arguments, stream_of(collection));
+    report(session, arguments, collection.topology, static_cast<Eigen::Index>(collection.size()));
 }
 
 } // namespace
@@ -112,7 +113,8 @@ Run set_up_collect(CLI::App& command)
     command.add_flag(
         "--append", arguments->append,
         "Add the meshes to the collection that is there, which is replaced as a whole\n"
-        "when all is written; its own are copied, not measured or checked again");
+        "when all is written; its own are copied, not measured or checked again. What was\n"
+        "stored with --store-derived or --compress stays so");
     command.add_flag("--store-derived", arguments->file.derived,
                      "Write edge lengths and dihedral angles too, for other programs: three times\n"
                      "the size");

@@ -72,6 +72,8 @@ void check(const Session& session, const Arguments& arguments)
         const auto& [option, path] = files[i];
         if (option == "--plot" || option == "--heat-map")
             check_picture(option, path);
+        if (option == "-o" || option == "--mds")
+            check_ending(option, path, ".csv");
         for (std::size_t j = 0; j < i; ++j)
             check_different(option, path, files[j].first, files[j].second);
         check_output(session, path, inputs);
@@ -281,8 +283,9 @@ void measure_in_passes(const Session& session, const Arguments& arguments, const
     const bool holds = !arguments.clusters.empty() || !arguments.heat_map.empty();
     if (holds)
         check_matrix(arguments, meshes);
-    Findings found{
-        make_space(meshes, arguments.space, 8), classical_scaling(meshes, 2, options), {}};
+    Findings found{make_space(meshes, arguments.space, 8), {}, {}};
+    if (!arguments.scaling.empty() || !arguments.plot.empty())
+        found.scaling = classical_scaling(meshes, 2, options);
     if (holds) {
         found.matrix.resize(meshes.size(), meshes.size());
         (void)for_each_distance_row(

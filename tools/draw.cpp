@@ -142,8 +142,8 @@ ViewDirection read_view(const std::string& text)
 void run(const Session& session, const Arguments& arguments)
 {
     const std::filesystem::path output = arguments.output;
-    const bool raster = output.extension() == ".png";
-    if (!raster && output.extension() != ".svg")
+    const bool raster = has_ending(output, ".png");
+    if (!raster && !has_ending(output, ".svg"))
         throw UsageError(join("-o is '", arguments.output, "', must end in .svg or .png"));
     if (raster && !arguments.scores.empty())
         throw UsageError("--scores needs text; let -o end in .svg");

@@ -266,7 +266,8 @@ Json model_json(const Arguments& arguments, const ShapeModel& model, int modes,
 
 void run(const Session& session, const Arguments& arguments)
 {
-    check_ending("-o", arguments.output, ".html");
+    if (!has_ending(arguments.output, ".htm")) // as some systems have it
+        check_ending("-o", arguments.output, ".html");
     std::vector<std::filesystem::path> inputs{arguments.model};
     inputs.insert(inputs.end(), arguments.differences.begin(), arguments.differences.end());
     if (!arguments.effects.empty())

@@ -293,7 +293,7 @@ void write_folder(const fs::path& folder, const fs::path& model,
 /// @return The folder, without a slash at its end.
 fs::path check_folder(const Session& session, const fs::path& output)
 {
-    if (output.extension() == ".h5") // what `-` stands for too
+    if (has_ending(output, ".h5")) // what `-` stands for too
         throw UsageError(join("-o: '", output.string(),
                               "' is a file; all but --to statismo write a folder: name that"));
     fs::path folder = output.has_filename() ? output : output.parent_path();

@@ -15,21 +15,15 @@
 #include "libshape/base/to_size.h"
 #include "libshape/embedding/embedder.h"
 #include "libshape/io/collection_file.h"
-#include "libshape/io/file/input_file.h"
-#include "libshape/io/file/output_file.h"
 #include "libshape/io/landmark_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
-#include "libshape/io/table_file.h"
-#include "libshape/io/vertex_scalars.h"
 #include "libshape/model/model_prior.h"
 #include "libshape/registration/prior_fit.h"
 #include "libshape/registration/scan_fit.h"
-#include "libshape/report/picture.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
-#include "tools/output/mesh_table.h"
-#include "tools/output/output_rules.h"
+#include "tools/output/fit_report.h"
 #include "tools/output/shard.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
@@ -54,11 +48,6 @@ struct Arguments
     bool resume = false;
     Shard shard;
 };
-
-const char* name(FitStatus status)
-{
-    return status == FitStatus::Good ? "good" : status == FitStatus::Check ? "check" : "failed";
-}
 
 /// The landmarks of all files; those without a scan's name belong to the mesh that the file is named
 /// after, or to the only scan.
@@ -184,248 +173,6 @@ LandmarkPairs pairs_of(const std::vector<Landmark>& landmarks, const std::string
     return pairs;
 }
 
-Json figures_of(const std::string& scan, const ScanFit& fit, const Json& ignored)
-{
-    const auto summary = [](const DistanceSummary& d) {
-        return Json{{"mean", d.mean}, {"p95", d.p95}, {"max", d.max}};
-    };
-    const Eigen::VectorXd& errors = fit.landmark_errors;
-    Json notes = ignored;
-    const std::string turned = join(counted(fit.turned_faces, "face"), " turned to face outwards");
-    if (fit.turned_faces > 0 && std::find(notes.begin(), notes.end(), turned) == notes.end())
-        notes.push_back(turned);
-    return {{"scan", scan},
-            {"status", name(fit.status)},
-            {"reasons", fit.reasons},
-            {"ignored", notes},
-            {"scan_to_fit", summary(fit.scan_to_fit)},
-            {"fit_to_scan", summary(fit.fit_to_scan)},
-            {"diagonal", fit.diagonal},
-            {"landmarks", errors.size()},
-            {"landmark_mean", errors.size() > 0 ? errors.mean() : 0.0},
-            {"landmark_max", errors.size() > 0 ? errors.maxCoeff() : 0.0},
-            {"strain_rms", fit.strain_rms},
-            {"growth_low", fit.growth_low},
-            {"growth_high", fit.growth_high},
-            {"folded_faces", fit.folded_faces},
-            {"crossing_pairs", fit.crossing_pairs},
-            {"unseen_vertices", fit.unseen_vertices},
-            {"scale", fit.scale}};
-}
-
-Json failure(const std::string& scan, const std::string& reason)
-{
-    return {{"scan", scan}, {"status", "failed"}, {"reasons", {reason}}};
-}
-
-/// One row a scan; cells that a scan without a fit has no figure for are empty.
-Table table_of(const Json& scans)
-{
-    Table table{{"scan",
-                 "status",
-                 "reason",
-                 "scan_to_fit_mean",
-                 "scan_to_fit_p95",
-                 "scan_to_fit_max",
-                 "fit_to_scan_mean",
-                 "fit_to_scan_p95",
-                 "fit_to_scan_max",
-                 "diagonal",
-                 "landmark_mean",
-                 "landmark_max",
-                 "strain_rms",
-                 "growth_low",
-                 "growth_high",
-                 "folded_faces",
-                 "crossing_pairs",
-                 "unseen_vertices",
-                 "scale",
-                 "ignored"},
-                {}};
-    const auto sentence = [](const Json& scan, const char* key) {
-        std::string text;
-        if (scan.contains(key))
-            for (const auto& part : scan[key])
-                text += (text.empty() ? "" : "; ") + part.get<std::string>();
-        return text;
-    };
-    for (const Json& scan : scans) {
-        std::vector<std::string> row{scan["scan"].get<std::string>(),
-                                     scan["status"].get<std::string>(), sentence(scan, "reasons")};
-        const auto add = [&](const Json* value) {
-            row.push_back(value != nullptr ? print_number(value->get<double>()) : "");
-        };
-        const auto find = [](const Json& in, const char* key) {
-            return in.contains(key) ? &in[key] : nullptr;
-        };
-        for (const char* way : {"scan_to_fit", "fit_to_scan"})
-            for (const char* figure : {"mean", "p95", "max"})
-                add(find(scan, way) != nullptr ? find(scan[way], figure) : nullptr);
-        for (const char* key :
-             {"diagonal", "landmark_mean", "landmark_max", "strain_rms", "growth_low",
-              "growth_high", "folded_faces", "crossing_pairs", "unseen_vertices", "scale"})
-            add(find(scan, key));
-        row.push_back(sentence(scan, "ignored"));
-        table.rows.push_back(std::move(row));
-    }
-    return table;
-}
-
-/// Where things go: a directory of meshes, or a collection and a folder of reports beside it.
-struct Places
-{
-    fs::path collection; ///< Empty: none.
-    fs::path directory;
-
-    [[nodiscard]] fs::path mesh(const std::string& scan) const
-    {
-        return directory / (scan + ".ply");
-    }
-    [[nodiscard]] fs::path report() const { return directory / "fit.json"; }
-    [[nodiscard]] fs::path table() const { return directory / "fit.csv"; }
-    [[nodiscard]] fs::path sheet() const { return directory / "fit.svg"; }
-    [[nodiscard]] fs::path scores() const { return directory / "scores.csv"; }
-};
-
-Places places_of(const Session& session, const Arguments& arguments,
-                 const std::vector<fs::path>& inputs, const std::vector<std::string>& names)
-{
-    Places places;
-    const fs::path output = arguments.output;
-    if (output.extension() == ".h5") {
-        places.collection = output;
-        places.directory = output.parent_path() / (output.stem().string() + "_fit");
-        if (!arguments.resume)
-            check_output(session, output, inputs);
-    } else {
-        places.directory = output;
-        if (output.has_extension() && !fs::is_directory(output))
-            throw UsageError(
-                join("-o is '", arguments.output, "', must be a directory or a collection (.h5)"));
-    }
-    std::error_code error;
-    fs::create_directories(places.directory, error);
-    if (error)
-        throw FileError(join(places.directory.string(), ": ", error.message()));
-    if (!arguments.resume)
-        for (const std::string& scan : names)
-            for (const fs::path& path : {places.mesh(scan), places.report()})
-                check_output(session, path, inputs);
-    return places;
-}
-
-/// The report of an earlier run with the same settings.
-Json earlier_report(const Places& places, const Json& settings)
-{
-    if (!fs::exists(places.report()))
-        return {{"scans", Json::array()}, {"rounds", Json::array()}};
-    const std::string path = places.report().string();
-    Json report;
-    try {
-        report = Json::parse(read_file(places.report(), std::uint64_t{256} << 20));
-        if (report.at("settings") != settings)
-            throw InvalidInput(join(path,
-                                    ": was made with other settings; remove it, or run "
-                                    "without --resume"));
-        return {{"scans", report.at("scans")}, {"rounds", report.at("rounds")}};
-    } catch (const Json::exception&) {
-        throw InvalidInput(join(path,
-                                ": is not the report of a run; remove it, or run without "
-                                "--resume"));
-    }
-}
-
-void write_report(const Places& places, const Json& settings, const Json& scans, const Json& rounds)
-{
-    write_file_atomically(places.report(),
-                          Json{{"settings", settings}, {"scans", scans}, {"rounds", rounds}}.dump(
-                              1, ' ', false, Json::error_handler_t::replace) +
-                              "\n");
-    write_table(places.table(), table_of(scans));
-}
-
-void write_fit(const Places& places, const std::string& scan, const Topology& topology,
-               const ScanFit& fit)
-{
-    const Eigen::VectorXd seen =
-        Eigen::Matrix<char, Eigen::Dynamic, 1>::Map(fit.seen.data(), std::ssize(fit.seen))
-            .cast<double>();
-    write_vertex_scalars(places.mesh(scan), fit.points, topology.faces(),
-                         {{"distance", fit.distance}, {"growth", fit.growth}, {"seen", seen}});
-}
-
-/// What later rounds need of a fit that an earlier run has written.
-ScanFit read_fit(const Places& places, const Json& row)
-{
-    const fs::path path = places.mesh(row["scan"].get<std::string>());
-    ScanFit fit;
-    fit.points = read_mesh(path).points;
-    for (const double seen : read_vertex_scalar(path, "seen"))
-        fit.seen.push_back(seen != 0.0 ? 1 : 0);
-    fit.scale = row["scale"].get<double>();
-    fit.status = row["status"] == "good"    ? FitStatus::Good
-                 : row["status"] == "check" ? FitStatus::Check
-                                            : FitStatus::Failed;
-    return fit;
-}
-
-/// Scores of a model's fits as `shape generate --scores-file` takes them.
-void write_scores(const Places& places, const Json& rows, int modes)
-{
-    Table table{{"mesh", "size", "residual_rms"}, {}};
-    for (int k = 1; k <= modes; ++k)
-        table.columns.push_back(join("pc", k));
-    for (const Json& row : rows) {
-        if (!row.contains("scores"))
-            continue;
-        std::vector<std::string> cells{row["scan"].get<std::string>(),
-                                       print_number(row["model_size"].get<double>()),
-                                       print_number(row["model_residual_rms"].get<double>())};
-        for (const Json& score : row["scores"])
-            cells.push_back(print_number(score.get<double>()));
-        table.rows.push_back(std::move(cells));
-    }
-    write_table(places.scores(), table);
-}
-
-/// All fits side by side, coloured by their distance to the scan, the worst first.
-void draw_sheet(const Session& session, const Places& places, const Topology& topology,
-                const Json& scans)
-{
-    struct Entry
-    {
-        double mean;
-        std::string scan, caption;
-    };
-    std::vector<Entry> entries;
-    for (const Json& scan : scans) {
-        const auto of = scan["scan"].get<std::string>();
-        const auto status = scan["status"].get<std::string>();
-        if (!scan.contains("scan_to_fit") || !fs::exists(places.mesh(of)))
-            continue;
-        entries.push_back(
-            {scan["scan_to_fit"]["mean"].get<double>() / scan["diagonal"].get<double>(), of,
-             status == "good" ? of : join(of, " (", status, ")")});
-    }
-    if (entries.empty())
-        return;
-    std::stable_sort(entries.begin(), entries.end(),
-                     [](const Entry& a, const Entry& b) { return a.mean > b.mean; });
-    Collection collection{topology, {}, {}, {}};
-    PictureOptions options;
-    for (const Entry& entry : entries) {
-        const fs::path path = places.mesh(entry.scan);
-        collection.names.push_back(entry.caption);
-        collection.points.push_back(read_mesh(path).points);
-        options.values.emplace_back(100.0 / bounding_box_diagonal(collection.points.back()) *
-                                    read_vertex_scalar(path, "distance"));
-    }
-    options.value_high = 1.0;
-    options.value_name = "distance to the scan, % of the diagonal";
-    write_file_atomically(places.sheet(),
-                          picture_svg(draw_collection(collection, options, session.progress())));
-}
-
 /// The scans of all parts of the run, and what of the arguments says how.
 struct Task
 {
@@ -511,10 +258,10 @@ public:
         fitter_.emplace(topology_, pattern_.points, arguments_.fit);
         std::vector<fs::path> inputs = task_.scans;
         inputs.emplace_back(arguments_.pattern);
-        places_ = places_of(session, arguments_, inputs, names_);
+        places_ = fit_places(session, arguments_.output, arguments_.resume, inputs, names_);
         settings_ = settings_of(arguments_, topology_);
         if (arguments_.resume) {
-            const Json earlier = earlier_report(places_, settings_);
+            const Json earlier = earlier_fit_report(places_, settings_);
             earlier_rows_ = earlier["scans"];
             rounds_ = earlier["rounds"];
         }
@@ -533,11 +280,11 @@ public:
             progress("fit", names_.size(), names_.size());
         if (std::ssize(rounds_) < arguments_.rounds)
             run_rounds();
-        write_report(places_, settings_, rows_, rounds_);
+        write_fit_report(places_, settings_, rows_, rounds_);
         if (pattern_.model)
-            write_scores(places_, rows_, pattern_.model->mode_count());
+            write_fit_scores(places_, rows_, pattern_.model->mode_count());
         if (fitted_ > 0)
-            draw_sheet(session_, places_, topology_, rows_);
+            draw_fit_sheet(session_, places_, topology_, rows_);
         if (fitted_ > 0 && !places_.collection.empty())
             write_members();
         if (arguments_.shard.is_given())
@@ -585,14 +332,14 @@ private:
                 const std::string path = task_.scans[i].string();
                 throw InvalidInput(said.starts_with(path) ? said : join(path, ": ", said));
             }
-            rows_.push_back(failure(names_[i], error.what()));
+            rows_.push_back(fit_failure(names_[i], error.what()));
         }
         const Json& row = rows_.back();
         std::string line = join(names_[i], ": ", row["status"].get<std::string>());
         for (const auto& reason : row["reasons"])
             line += "; " + reason.get<std::string>();
         session_.message(line);
-        write_report(places_, settings_, rows_, rounds_);
+        write_fit_report(places_, settings_, rows_, rounds_);
     }
 
     /// The fit, whose figures become a row.
@@ -601,11 +348,11 @@ private:
         const auto [scan, marks] = load(i);
         if (!prior_) {
             ScanFit fit = fitter_->fit(scan, marks);
-            rows_.push_back(figures_of(names_[i], fit, scan.ignored));
+            rows_.push_back(fit_figures(names_[i], fit, scan.ignored));
             return fit;
         }
         PriorFit held = fit_by_prior(*fitter_, topology_, *prior_, scan, marks);
-        Json row = figures_of(names_[i], held.fit, scan.ignored);
+        Json row = fit_figures(names_[i], held.fit, scan.ignored);
         const Eigen::VectorXd scores =
             held.expected.scores.cwiseProduct(pattern_.model->variances.cwiseSqrt());
         row["scores"] = std::vector<double>(scores.begin(), scores.end());
@@ -648,7 +395,7 @@ private:
             rounds_.push_back(rounds_.back());
         for (std::size_t k = 0; k < members.size(); ++k) {
             const std::size_t i = members[k];
-            rows_[i] = figures_of(names_[i], group[k], rows_[i]["ignored"]);
+            rows_[i] = fit_figures(names_[i], group[k], rows_[i]["ignored"]);
             if (group[k].status != FitStatus::Failed || arguments_.keep_failed)
                 write_fit(places_, names_[i], topology_, group[k]);
             else
@@ -715,7 +462,7 @@ private:
     const Topology& topology_ = pattern_.topology;
     std::optional<ShapePrior> prior_;
     std::optional<ScanFitter> fitter_;
-    Places places_;
+    FitPlaces places_;
     Json settings_;
     Json earlier_rows_ = Json::array();
     Json rounds_ = Json::array();

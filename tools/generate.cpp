@@ -178,6 +178,9 @@ std::vector<ModelPoint> points_of_file(const ShapeModel& model, const Arguments&
     const auto size_column = to_size(size - table.columns.begin());
     std::vector<ModelPoint> points;
     for (const std::vector<std::string>& row : table.rows) {
+        if (row.front().empty())
+            throw InvalidInput(
+                join(file, ": row ", points.size() + 1, " has no name in the first column"));
         const std::string place = join(file, ": mesh ", row.front());
         const auto number = [&](std::size_t column) {
             return parse_number(row[column], join(place, ", column ", table.columns[column]));

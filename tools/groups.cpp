@@ -92,7 +92,7 @@ Table comparison_table(const Findings& findings)
     const auto add = [&](std::vector<std::string> cells, const LinearModelTest& test, double p) {
         for (const std::string& cell : test_cells(test))
             cells.push_back(cell);
-        cells.push_back(print_number(p));
+        cells.push_back(test.permutations > 0 ? print_number(p) : "");
         table.rows.push_back(cells);
     };
     add({"", "", "", ""}, findings.comparison.overall, findings.comparison.overall.p_value);
@@ -119,10 +119,11 @@ std::string summary(const Findings& findings)
                      " (95 %: ", findings.spread.variance_intervals[g].low, " to ",
                      findings.spread.variance_intervals[g].high, ")\n");
     for (const PairComparison& pair : findings.comparison.pairs)
-        text += join(findings.groups.names[to_size(pair.first)], " - ",
-                     findings.groups.names[to_size(pair.second)], ": distance ", pair.distance,
-                     " +- ", findings.spread.distance_radii(pair.first, pair.second), ", ",
-                     describe(pair.test), ", adjusted p = ", pair.adjusted_p, "\n");
+        text +=
+            join(findings.groups.names[to_size(pair.first)], " - ",
+                 findings.groups.names[to_size(pair.second)], ": distance ", pair.distance, " +- ",
+                 findings.spread.distance_radii(pair.first, pair.second), ", ", describe(pair.test),
+                 pair.test.permutations > 0 ? join(", adjusted p = ", pair.adjusted_p) : "", "\n");
     return text;
 }
 

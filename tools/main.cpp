@@ -116,6 +116,18 @@ void refuse_pipes(const CLI::App& command)
         }
 }
 
+/// A variable of the shell that is not set leaves an empty argument; nothing is found under that name.
+void refuse_empty(const CLI::App& command)
+{
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& value : option->results())
+            if (option->get_positional() && value.empty()) {
+                const std::string name = option->get_single_name();
+                throw UsageError(join(name, name == "NAME" ? ": the name" : ": a path",
+                                      " is empty (''); is a variable of the shell not set?"));
+            }
+}
+
 std::vector<std::string> command_names()
 {
     std::vector<std::string> names{"help"};
@@ -252,6 +264,7 @@ void run(std::vector<std::string> arguments, std::optional<StandardStreams>& str
             session.quiet = true;
             session.json = false;
         }
+        refuse_empty(*chosen);
         refuse_pipes(*chosen);
         runs.at(chosen)(session);
         if (const std::string output = streams->output(); !output.empty() && ranks().speaks())
@@ -272,6 +285,15 @@ struct Failure
     std::string message;
 };
 
+/// The path and the cause, as of a FileError; the call that failed says nothing to a user.
+std::string explain(const std::filesystem::filesystem_error& error)
+{
+    const std::string from = error.path1().string();
+    const std::string to = error.path2().string();
+    return join(from, from.empty() || to.empty() ? "" : " -> ", to,
+                from.empty() && to.empty() ? "" : ": ", error.code().message());
+}
+
 /// What the work throws as one of the exit codes.
 template <class Work>
 std::optional<Failure> failure_of(const Work& work)
@@ -290,7 +312,7 @@ std::optional<Failure> failure_of(const Work& work)
     } catch (const FileError& error) {
         return Failure{InputOutputFailure, error.what()};
     } catch (const std::filesystem::filesystem_error& error) {
-        return Failure{InputOutputFailure, error.what()};
+        return Failure{InputOutputFailure, explain(error)};
     } catch (const LimitExceeded& error) {
         return Failure{OverLimit, error.what()};
     } catch (const std::bad_alloc&) {

@@ -19,8 +19,9 @@ Run set_up_merge(CLI::App& command)
     command.description(
         "Put the shards of a command together, OUT.shard-1-of-N to OUT.shard-N-of-N as --shard "
         "has\n"
-        "made them, once all of them are there, complete and of one run: their files go into OUT,\n"
-        "and they are removed. Nothing is changed before that is known.");
+        "made them, once all of them are there, complete, of one run and as they were written:\n"
+        "their files go into OUT, and they are removed. Nothing is changed before that is known.\n"
+        "An OUT that exists is, with --force, written into, over files of the same names.");
     command.footer(
         "Example:\n"
         "  shape generate model.h5 -o many/ --sample 1000 --shard 1/2\n"
@@ -31,7 +32,7 @@ Run set_up_merge(CLI::App& command)
         ->required()
         ->option_text("REQUIRED");
     return [output](const Session& session) {
-        const MergedShards merged = merge_shards(*output);
+        const MergedShards merged = merge_shards(session, *output);
         session.message(join(*output, ": ", counted(merged.files.size(), "file"), " of ",
                              counted(to_size(merged.shards), "shard")));
         session.print_figures({{"outputs", {*output}},

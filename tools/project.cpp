@@ -84,6 +84,7 @@ void check_outputs(const Session& session, const Arguments& arguments)
 {
     std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     inputs.emplace_back(arguments.model);
+    check_ending("-o", arguments.output, ".csv");
     check_output(session, arguments.output, inputs);
     if (arguments.plot.empty())
         return;
@@ -160,9 +161,10 @@ void warn_of_unlike(const Session& session, const Projected& found)
             if (found.marks(i, static_cast<Eigen::Index>(kind)) > 0.0)
                 meshes.push_back(to_size(i));
         if (!meshes.empty())
-            session.warn(join(list_names(found.scores.names, meshes),
-                              meshes.size() == 1 ? " is unlike the model: " : " are unlike the model: ",
-                              what[kind]));
+            session.warn(
+                join(list_names(found.scores.names, meshes),
+                     meshes.size() == 1 ? " is unlike the model: " : " are unlike the model: ",
+                     what[kind]));
     }
 }
 

@@ -183,6 +183,7 @@ void check_outputs(const Session& session, const Arguments& arguments)
 {
     check_space_options(arguments.space);
     const std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
+    check_ending("-o", arguments.output, ".csv");
     check_output(session, arguments.output, inputs);
     if (arguments.plot.empty())
         return;

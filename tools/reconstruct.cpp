@@ -50,7 +50,8 @@ Eigen::VectorXd read_lengths(const std::string& file, const Topology& topology)
         const int b = read_vertex(row[1], place + ", v1", topology.vertex_count());
         const int edge = topology.find_edge(a, b);
         if (edge < 0)
-            throw InvalidInput(join(place, ": the reference has no edge ", a, "-", b));
+            throw InvalidInput(
+                join(place, ": the reference has no edge ", a, "-", b, " (vertices count from 0)"));
         if (lengths[edge] > 0.0)
             throw InvalidInput(join(place, ": the edge ", a, "-", b, " occurs twice"));
         lengths[edge] = parse_number(row[2], place + ", length");

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <Eigen/QR>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/stop.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/model/covariate_effect.h"
@@ -62,6 +66,42 @@ struct Findings
     std::vector<LinearModelTest> each;
 };
 
+/// Says by their names which covariates cannot be regressed on.
+void check_covariates(const Arguments& arguments, const Eigen::MatrixXd& covariates,
+                      const Grouping& blocks)
+{
+    std::string nested;
+    std::string crossed;
+    for (Eigen::Index k = 0; k < covariates.cols(); ++k) {
+        const std::string& name = arguments.on[to_size(k)];
+        const Eigen::MatrixXd column = covariates.col(k);
+        if (column.minCoeff() == column.maxCoeff())
+            throw InvalidInput(join("--on ", name, ": is constant, ", column(0, 0), " for all ",
+                                    counted(column.rows(), "mesh", "meshes"),
+                                    "; shape is regressed on numbers that differ between meshes"));
+        (block_design(column, blocks) == BlockDesign::Nested ? nested : crossed) = name;
+    }
+    if (!nested.empty() && !crossed.empty())
+        throw InvalidInput(join("--on ", nested, ": is the same for all meshes of a value of ",
+                                arguments.within, ", ", crossed,
+                                " is not; regress on one of them at a time"));
+    if (covariates.rows() < covariates.cols() + 2)
+        return; // fails as such
+    Eigen::MatrixXd directions = covariates.rowwise() - covariates.colwise().mean();
+    directions.colwise().normalize();
+    for (Eigen::Index k = 1; k < covariates.cols(); ++k) {
+        Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(directions.leftCols(k + 1));
+        qr.setThreshold(1e-9); // that of the regression
+        if (qr.rank() <= k)
+            throw InvalidInput(join(
+                "--on ", arguments.on[to_size(k)],
+                ": is a combination of the covariates before it (",
+                CLI::detail::join(
+                    std::vector<std::string>(arguments.on.begin(), arguments.on.begin() + k), ", "),
+                "); leave one of them out"));
+    }
+}
+
 /// What may be exchanged.
 Grouping blocks_of(const Session& session, const Arguments& arguments, const MeshLabels& meshes,
                    const Eigen::MatrixXd& covariates)
@@ -105,6 +145,7 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     findings.sizes = sizes(space, collection);
     findings.covariates = covariates_of(collection, findings.sizes, arguments.on);
     const Grouping blocks = blocks_of(session, arguments, collection, findings.covariates);
+    check_covariates(arguments, findings.covariates, blocks);
     findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
     findings.slope_norms = findings.effect.regression.slopes.rowwise().norm();
     throw_if_stop_requested();
@@ -123,11 +164,13 @@ Findings find_in_passes(const Session& session, const Arguments& arguments,
     options.memory = arguments.memory.bytes;
     options.progress = session.progress();
     options.scratch = scratch_folder(arguments.output);
+    const Grouping blocks = group_by_label_or_all(meshes, arguments.within);
     options.covariates = [&](const Eigen::VectorXd& sizes) {
-        return covariates_of(meshes, sizes, arguments.on);
+        Eigen::MatrixXd covariates = covariates_of(meshes, sizes, arguments.on);
+        check_covariates(arguments, covariates, blocks);
+        return covariates;
     };
     options.with_shapes = !arguments.expected.path.empty();
-    const Grouping blocks = group_by_label_or_all(meshes, arguments.within);
     StreamedEffect found = covariate_effect(meshes, blocks, options);
     findings.covariates = std::move(found.covariates);
     (void)blocks_of(session, arguments, meshes, findings.covariates);
@@ -338,6 +381,9 @@ void report(const Session& session, const Arguments& arguments, const Findings& 
 void run(const Session& session, const Arguments& arguments)
 {
     check_space_options(arguments.space);
+    for (auto name = arguments.on.begin(); name != arguments.on.end(); ++name)
+        if (std::find(arguments.on.begin(), name, *name) != name)
+            throw UsageError(join("--on ", *name, " is given twice; give it once"));
     check_outputs(session, arguments);
     if (!arguments.at.empty() && arguments.on.size() > 1)
         throw UsageError("--at takes values of one covariate; give --on once");

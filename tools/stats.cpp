@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/stop.h"
 #include "libshape/base/version.h"
 #include "libshape/io/model_file.h"
@@ -213,7 +215,17 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
     return found;
 }
 
-/// Adds to a model the meshes that it does not have, which alone are read.
+/// Of the meshes that the model has, the first stands in it whole: it must be the one of the input, if that has it.
+void check_first_mesh(const ShapeModel& model, const std::string& name, const Points& points,
+                      const std::string& path)
+{
+    if (points != model.reference_points)
+        throw InvalidInput(join(path, ": its mesh ", name,
+                                " is another than that of the input: meshes are told apart by "
+                                "their names; give those of the other collection other names"));
+}
+
+/// Adds to a model the meshes that it does not have, which alone are read, and the model's first one.
 Findings update(const Session& session, const Arguments& arguments)
 {
     const ShapeModel model = read_model(arguments.update);
@@ -225,12 +237,26 @@ Findings update(const Session& session, const Arguments& arguments)
                 chosen.push_back(i);
         return chosen;
     };
+    const auto check_first = [&](const auto& meshes, const auto& points_of) {
+        const auto first = std::ranges::find(meshes.names, model.names.front());
+        if (first != meshes.names.end())
+            check_first_mesh(model, *first, points_of(to_size(first - meshes.names.begin())),
+                             arguments.update);
+    };
     const Collection added = [&] {
         const auto stream = open_labelled(session, arguments.input, true);
         if (!stream) {
             const Collection all = read_labelled(session, arguments.input);
+            check_first(all, [&](std::size_t i) { return all.points[i]; });
             return subset(all, is_new(all.names));
         }
+        check_first(*stream, [&](std::size_t i) {
+            Points points;
+            for_each_block(
+                subset(*stream, {i}), 0, 1, 1,
+                [&](Eigen::Index, const Collection& block) { points = block.points.front(); });
+            return points;
+        });
         const MeshStream fresh = subset(*stream, is_new(stream->names));
         Collection read{fresh.topology, fresh.names, {}, fresh.labels};
         for_each_block(fresh, 0, fresh.size(), 32, [&](Eigen::Index, const Collection& block) {

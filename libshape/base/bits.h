@@ -7,7 +7,7 @@
 
 namespace shape::internal {
 
-/// The bits of a float, and the float of some bits: std::bit_cast for the compilers without it.
+/// The bits of a float, and the float of some bits: std::bit_cast for the standard library of emscripten 3.1.6, which lacks it.
 [[nodiscard]] inline std::uint32_t bits_of(float value)
 {
     std::uint32_t bits = 0;

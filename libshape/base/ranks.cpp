@@ -10,9 +10,11 @@ using namespace internal;
 
 void check(const Ranks& ranks)
 {
-    require_at_least(1, ranks.lots, "Ranks.lots");
-    const bool is_power_of_two = ranks.count > 0 && (ranks.count & (ranks.count - 1)) == 0;
-    require(is_power_of_two && ranks.count <= ranks.lots, "Ranks.count", ranks.count,
+    const auto is_power_of_two = [](int number) {
+        return number > 0 && (number & (number - 1)) == 0;
+    };
+    require(is_power_of_two(ranks.lots), "Ranks.lots", ranks.lots, "a power of two");
+    require(is_power_of_two(ranks.count) && ranks.count <= ranks.lots, "Ranks.count", ranks.count,
             join("a power of two, at most lots, ", ranks.lots));
     require(ranks.number >= 0 && ranks.number < ranks.count, "Ranks.number", ranks.number,
             join("in [0, ", ranks.count, ")"));

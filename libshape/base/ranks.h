@@ -9,12 +9,12 @@ namespace shape {
 
 /// The processes that share a run, on one machine or several. All read the same input and go the same way,
 /// each with its part of the meshes; what each has found is put together by these functions, which every
-/// process calls at the same places with arrays of the same sizes. Same bits for 1, 2 and 4 processes.
+/// process calls at the same places with arrays of the same sizes. Same bits for every `count` with the same `lots`.
 struct Ranks
 {
     int number = 0; ///< Of this process, in [0, count).
     int count = 1;  ///< A power of two, at most `lots`.
-    /// Sums over the meshes are taken in this many parts, which are added as a tree: those of one process
+    /// Sums over the meshes are taken in this many parts, a power of two, which are added as a tree: those of one process
     /// first, then over processes. 1 where processes are not in play: no array is held twice then.
     int lots = 1;
     /// Adds the arrays of all processes, as a tree over the bits of their numbers, the highest first; all

@@ -28,7 +28,8 @@ int open_nameless(const std::filesystem::path& folder)
     if (descriptor >= 0)
         return descriptor;
 #endif
-    std::string name = (folder / ".shape-scratch-XXXXXX").string(); // not every file system has those
+    std::string name =
+        (folder / ".shape-scratch-XXXXXX").string(); // not every file system has those
     const int named = ::mkstemp(name.data());
     if (named >= 0)
         ::unlink(name.c_str());
@@ -52,7 +53,7 @@ void move_all(std::size_t bytes, const char* what, const Move& move)
         if (moved < 0 && errno == EINTR)
             continue;
         if (moved <= 0)
-            throw FileError(join("cannot ", what, " measured rows on disc: ",
+            throw FileError(join("cannot ", what, " measured rows on disk: ",
                                  moved < 0 ? std::strerror(errno) : "the file ends early"));
         done += to_size(moved);
     }
@@ -108,8 +109,7 @@ void ScratchFile::read(std::uint64_t first, std::span<double> numbers) const
 {
     auto* const to = reinterpret_cast<char*>(numbers.data());
     move_all(numbers.size_bytes(), "read", [&](std::size_t done) {
-        return ::pread(descriptor_, to + done, numbers.size_bytes() - done,
-                       offset_of(first, done));
+        return ::pread(descriptor_, to + done, numbers.size_bytes() - done, offset_of(first, done));
     });
 }
 

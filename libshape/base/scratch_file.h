@@ -15,7 +15,7 @@ class ScratchFile
 {
 public:
     /// Takes the room at once, so that writing finds it; none where the folder cannot be written to,
-    /// its disc has less than twice as much free, or the system can promise none.
+    /// its disk has less than twice as much free, or the system can promise none.
     [[nodiscard]] static std::optional<ScratchFile> make(const std::filesystem::path& folder,
                                                          std::uint64_t bytes);
 

@@ -70,7 +70,7 @@ void refine(const IntrinsicTriangulation& t, const Eigen::VectorXd& u,
         return std::pair(t.source(t.halfedge(e)), t.target(t.halfedge(e)));
     };
     // Changes fall from step to step until they are the rounding of the solve, where they no longer
-    // halve; below 1e-15 of an edge there is nothing left to change.
+    // halve; below 1e-15 of an edge there is nothing left to change. Ten steps only end what would go on for ever.
     double change = std::numeric_limits<double>::infinity();
     for (int step = 0; step < 10 && change > 1e-15; ++step) {
         Eigen::MatrixXd residual = Eigen::MatrixXd::Zero(t.vertex_count(), 2);

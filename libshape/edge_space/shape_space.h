@@ -90,8 +90,8 @@ void check(const SpaceOptions& options);
 /// Procrustes alignment of the meshes as scaled), D the diagonal of the box along the principal axes of
 /// their mean.
 ///
-/// @throws InvalidInput if the collection is empty, the weight is negative or not finite, or options
-///     of edge space are set for another.
+/// @throws InvalidInput if the collection is empty, or check(options)
+///     refuses an option.
 [[nodiscard]] ShapeSpace make_space(const Collection& collection, const SpaceOptions& options);
 
 [[nodiscard]] Scale scale_of(const ShapeSpace& space); ///< What the space does about size.

@@ -29,11 +29,6 @@ static_assert(default_smoothness == DihedralEmbeddingOptions{}.smoothness);
 static_assert(default_anchor == DihedralEmbeddingOptions{}.anchor);
 static_assert(default_position_anchor == DihedralEmbeddingOptions{}.position_anchor);
 
-double seconds_since(std::chrono::steady_clock::time_point start)
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 } // namespace
 
 void check(const EmbeddingOptions& options)
@@ -103,7 +98,7 @@ struct Embedder::State
 
     void prepare(EmbeddingMethod method)
     {
-        const auto start = std::chrono::steady_clock::now();
+        const Clock::time_point start = Clock::now();
         if (method == EmbeddingMethod::Multiscale)
             std::call_once(multiscale_prepared, [&] {
                 multiscale.emplace(topology, references.front(), multiscale_options());

@@ -95,7 +95,7 @@ public:
     ///     a blend, the reference mesh of a model. Results are aligned with the first, and turns of
     ///     targets (ShapePoint::patch_turns) are against the first.
     /// @throws InvalidInput if an option breaks its rule, there is no reference, or one has
-    ///     another size or edges of length 0.
+    ///     another size, edges of length 0 or a longest edge outside [1e-60, 1e60] [length].
     Embedder(const Topology& topology, std::vector<Points> references,
              const EmbeddingOptions& options = {});
     ~Embedder();
@@ -104,13 +104,14 @@ public:
 
     /// The mesh of the target by the chosen method. Published methods cannot start where a target
     /// breaks a triangle inequality; there Dihedral makes the nearest mesh.
-    /// @throws InvalidInput if target has other sizes, a value that is not finite or an angle beyond 1e9 rad.
+    /// @throws InvalidInput if target has other sizes, a value that is not finite, an angle beyond 1e9 rad or
+    ///     a longest edge outside [1e-60, 1e60] [length].
     /// @throws NumericalError if a factorisation breaks down.
     /// Safe to call concurrently.
     [[nodiscard]] Embedding embed(const ShapePoint& target) const;
 
     /// A point of any space (shape_space.h): lengths and angles are embedded, positions are the mesh
-    /// as it is. Throws and may be called as above.
+    /// as it is, but for faces that `avoid_contact` moves apart. Throws and may be called as above.
     [[nodiscard]] Embedding embed(const DecodedShape& shape) const;
 
 private:

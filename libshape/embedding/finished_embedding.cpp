@@ -39,13 +39,13 @@ Embedding internal::finished_embedding(const Topology& topology, const Points& p
 {
     Embedding embedding{best_rigid_motion(points, reference)(points), {}};
     embedding.points.rowwise() -= centroid(embedding.points);
-    const std::chrono::duration<double> time = Clock::now() - start;
+    const double seconds = seconds_since(start);
     EdgeResiduals found = edge_residuals(topology, embedding.points, target);
     embedding.report = measure_embedding(topology, embedding.points, target, found);
     if (residuals != nullptr)
         *residuals = std::move(found);
     embedding.report.closure_energy = closure_energy_of(topology, target);
-    embedding.report.seconds = time.count();
+    embedding.report.seconds = seconds;
     return embedding;
 }
 

@@ -14,6 +14,11 @@ namespace shape::internal {
 
 using Clock = std::chrono::steady_clock;
 
+[[nodiscard]] inline double seconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 /// What every method ends with: points moved rigidly onto the reference, their centroid then to 0,
 /// and measured against the target; what the solver alone knows is left open, closure_energy is that of
 /// the target.

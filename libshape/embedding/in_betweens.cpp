@@ -4,13 +4,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/paths.h"
+#include "libshape/embedding/finished_embedding.h"
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -86,7 +86,7 @@ InBetweens::InBetweens(const Topology& topology, std::vector<Keyframe> keyframes
 
 Embedding InBetweens::embed(double time, const ShapePoint& target) const
 {
-    const auto start = std::chrono::steady_clock::now();
+    const Clock::time_point start = Clock::now();
     const auto found = std::find_if(keyframes_.begin(), keyframes_.end(),
                                     [&](const Keyframe& key) { return key.time >= time; });
     if (found == keyframes_.end() || !(time >= keyframes_.front().time))
@@ -109,8 +109,7 @@ Embedding InBetweens::embed(double time, const ShapePoint& target) const
     result.report.new_self_intersections = solver.new_self_intersections;
     result.report.avoidable_self_intersections = solver.avoidable_self_intersections;
     result.report.setup_seconds = solver.setup_seconds;
-    result.report.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.report.seconds = seconds_since(start);
     return result;
 }
 

@@ -47,7 +47,7 @@ struct PathEmbedder::State
             const Clock::time_point start = Clock::now();
             embedder.emplace(topology, references);
             meshes.emplace(*embedder, path.target, path.stations, options, progress);
-            setup_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+            setup_seconds = seconds_since(start);
         });
     }
 };

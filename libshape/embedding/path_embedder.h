@@ -34,8 +34,8 @@ class PathEmbedder
 {
 public:
     /// @param references  As Embedder takes them.
-    /// @param options  Of EmbeddingMethod::Dihedral, EmbeddingQuality::Fine; anchor counts
-    ///     where it is below 0.01.
+    /// @param options  Of EmbeddingMethod::Dihedral, EmbeddingQuality::Fine. A larger anchor than 0.01, the default
+    ///     here (CoherentPathOptions), counts as that.
     /// @throws InvalidInput if another method or quality is chosen, stations do not ascend, or as Embedder
     ///     does.
     PathEmbedder(const Topology& topology, std::vector<Points> references, TargetPath path,

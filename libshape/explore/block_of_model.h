@@ -15,7 +15,8 @@ inline constexpr int most_linear_modes = 64;
 /// @throws InvalidInput if there are directions in Procrustes space, or of another size.
 /// Cost: that of a DihedralEmbedder and of two previews a mode and direction.
 [[nodiscard]] ModelBlock make_block(const ShapeModel& model, int modes,
-                                    AddedDirections directions = {}, double smoothness = 5e-3,
+                                    AddedDirections directions = {},
+                                    double smoothness = usual_smoothness,
                                     const Progress& progress = {});
 
 } // namespace shape::internal

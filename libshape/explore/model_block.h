@@ -8,6 +8,7 @@
 
 #include "libshape/base/bytes.h"
 #include "libshape/edge_space/shape_space.h"
+#include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/linalg/dense.h"
 #include "libshape/linalg/single_precision_solve.h"
 #include "libshape/mesh/points.h"
@@ -49,7 +50,7 @@ struct ModelBlock
     RowMatrix modes;                          ///< K by D.
     RowMatrix mode_dihedral_angles;           ///< K by #E, or K by 0.
     AddedDirections directions;               ///< None in Procrustes space.
-    double smoothness = 5e-3;                 ///< Angles weigh this much (dihedral_embedding.h).
+    double smoothness = usual_smoothness;     ///< Angles weigh this much (dihedral_embedding.h).
     std::vector<SinglePrecisionSolve> factor; ///< One; none in Procrustes space, as the next.
     LinearVertices linear;
 };

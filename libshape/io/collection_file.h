@@ -33,6 +33,17 @@ void write_collection(const std::filesystem::path& path, const Collection& colle
 void write_collection(const std::filesystem::path& path, const MeshStream& meshes,
                       const CollectionFileOptions& options = {}, const Progress& progress = {});
 
+/// Replaces a collection file by one of its meshes and of others after them: what is there is copied,
+/// not measured or checked again. Equal bytes to a collection that was written of all of them at once.
+/// @param options  In addition to those that the file was written with, which it keeps.
+/// @param progress  Called with meshes written.
+/// @return The number of meshes that the file now has.
+/// @throws as open_collection(), joined() and write_collection(); then the file is as it was.
+/// @throws FileError  also if the file was replaced or written to since it was opened here.
+Eigen::Index append_to_collection(const std::filesystem::path& path, const MeshStream& added,
+                                  const CollectionFileOptions& options = {},
+                                  const Progress& progress = {});
+
 /// @throws FileError if the file cannot be read; LimitExceeded if it is larger than the limits.
 /// @throws InvalidInput naming the dataset and the rule if it is not a collection of libshape, is
 ///     truncated or damaged, or has wrong shapes, types or values.

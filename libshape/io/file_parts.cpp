@@ -31,6 +31,14 @@ const char* format_name(FileKind kind)
 
 FileKind read_kind(const Hdf5File& file)
 {
+    if (!file.has_attribute("format"))
+        file.fail("attribute format",
+                  file.has("/representer") && file.has("/model")
+                      ? "is missing: the file is a model for Statismo, such as `shape export --to "
+                        "statismo` writes, which cannot be read back; give the model that `shape "
+                        "stats` has made"
+                      : "is missing: the file is not one of libshape; `shape collect` makes a "
+                        "collection, `shape stats` a model");
     const std::string format = file.text_attribute("format");
     for (std::size_t i = 0; i < format_names.size(); ++i)
         if (format == format_names[i])
@@ -168,8 +176,9 @@ void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels)
     for (const LabelColumn& column : labels) {
         if (column.name.empty() || column.name == "." ||
             column.name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
-            throw InvalidInput(join("label column '", column.name,
-                                    "': a name in a file must not be empty, '.' or hold '/'"));
+            throw InvalidInput(
+                join("label column '", column.name,
+                     "': a name in a file must not be empty, '.' or hold '/'; rename the column"));
         if (!seen.insert(column.name).second)
             throw InvalidInput(join("label column '", column.name, "' occurs twice"));
         add_strings(content, "/labels/" + column.name, count, column.values);

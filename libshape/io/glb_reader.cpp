@@ -4,9 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -387,6 +389,9 @@ std::vector<Points> members(const Glb& glb, const Json& mesh, Faces& faces,
     if (primitives.empty())
         glb.fail("a mesh has no primitives");
     std::vector<std::vector<double>> coordinates;
+    // Materials of one surface are primitives that look into one array of vertices: those are one set.
+    std::map<std::vector<std::int64_t>, std::int64_t>
+        known; // accessors of a primitive to its first vertex
     MeshBuilder base(path, options, [&](std::string_view rule) { glb.fail(rule); });
     for (const Json& primitive : primitives) {
         if (!primitive.is_object() || !primitive.contains("attributes"))
@@ -404,33 +409,41 @@ std::vector<Points> members(const Glb& glb, const Json& mesh, Faces& faces,
             glb.fail("the primitives of a mesh have different numbers of morph targets");
         const std::int64_t accessor = glb.integer(primitive["attributes"], "POSITION");
         const std::int64_t count = glb.accessor_count(accessor);
-        const std::int64_t before = base.vertex_count();
-        const auto limit =
-            std::max(member_vertex_limit, static_cast<std::int64_t>(glb.buffer_size() / 12));
-        if ((before + count) > limit / std::ssize(coordinates))
-            throw LimitExceeded(join(path.string(), ": ", coordinates.size(), " meshes of ",
-                                     before + count, " vertices; the limit is ", limit,
-                                     " vertices in all"));
-        const auto positions = glb.values(accessor, 3);
-        base.reserve(before + count, 0);
-        for (const auto& row : positions.rowwise())
-            base.add_vertex(row[0], row[1], row[2]);
-        coordinates[0].insert(coordinates[0].end(), positions.data(),
-                              positions.data() + positions.size());
-        for (std::size_t t = 0; t < targets.size(); ++t) {
-            Points target = positions;
-            if (targets[t].contains("POSITION")) {
-                const auto offsets = glb.values(glb.integer(targets[t], "POSITION"), 3);
-                if (offsets.rows() != target.rows())
-                    glb.fail(join("morph target ", t, " moves ", offsets.rows(),
-                                  " vertices, the mesh has ", target.rows()));
-                target += offsets;
+        std::vector<std::int64_t> accessors{accessor};
+        for (const Json& target : targets)
+            accessors.push_back(target.contains("POSITION") ? glb.integer(target, "POSITION") : -1);
+        const auto [place, is_new] = known.try_emplace(accessors, base.vertex_count());
+        const std::int64_t before = place->second;
+        const auto add_vertices = [&] {
+            const auto limit =
+                std::max(member_vertex_limit, static_cast<std::int64_t>(glb.buffer_size() / 12));
+            if ((before + count) > limit / std::ssize(coordinates))
+                throw LimitExceeded(join(path.string(), ": ", coordinates.size(), " meshes of ",
+                                         before + count, " vertices; the limit is ", limit,
+                                         " vertices in all"));
+            const auto positions = glb.values(accessor, 3);
+            base.reserve(before + count, 0);
+            for (const auto& row : positions.rowwise())
+                base.add_vertex(row[0], row[1], row[2]);
+            coordinates[0].insert(coordinates[0].end(), positions.data(),
+                                  positions.data() + positions.size());
+            for (std::size_t t = 0; t < targets.size(); ++t) {
+                Points target = positions;
+                if (targets[t].contains("POSITION")) {
+                    const auto offsets = glb.values(glb.integer(targets[t], "POSITION"), 3);
+                    if (offsets.rows() != target.rows())
+                        glb.fail(join("morph target ", t, " moves ", offsets.rows(),
+                                      " vertices, the mesh has ", target.rows()));
+                    target += offsets;
+                }
+                if (!target.allFinite())
+                    glb.fail(join("morph target ", t, " has a coordinate that is not finite"));
+                coordinates[t + 1].insert(coordinates[t + 1].end(), target.data(),
+                                          target.data() + target.size());
             }
-            if (!target.allFinite())
-                glb.fail(join("morph target ", t, " has a coordinate that is not finite"));
-            coordinates[t + 1].insert(coordinates[t + 1].end(), target.data(),
-                                      target.data() + target.size());
-        }
+        };
+        if (is_new)
+            add_vertices();
         const auto corners = [&]() -> Eigen::Matrix<double, Eigen::Dynamic, 1> {
             if (primitive.contains("indices"))
                 return glb.values(glb.integer(primitive, "indices"), 1);

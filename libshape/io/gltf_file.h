@@ -38,7 +38,7 @@ struct GlbAnimation
 /// glTF is single precision: positions are stored relative to the centre of the first frame's
 /// bounding box, where the node puts them. Normals are those of smooth shading, area-weighted means
 /// over the faces at a vertex, and are morphed alike. The material shows both sides of the faces if
-/// the mesh has a boundary. Written by write_file_atomically().
+/// the mesh has a boundary. The file appears whole or not at all: it is written beside, synced and renamed.
 ///
 /// @param frames  At least two of one size.
 /// @throws InvalidInput if a rule is broken, a coordinate is not finite or beyond single precision,

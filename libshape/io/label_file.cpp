@@ -15,6 +15,7 @@
 #include "libshape/base/letter_case.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
+#include "libshape/io/mesh_endings.h"
 #include "libshape/io/table_file.h"
 
 namespace shape {
@@ -63,13 +64,7 @@ std::string composed(std::string_view text)
 /// What names of one mesh have in common.
 std::string key_of(std::string_view name)
 {
-    name = without_outer_blanks(name);
-    const std::string lower = lower_case(name);
-    for (const std::string_view ending : {".ply", ".obj", ".off", ".stl", ".vtk", ".vtp", ".glb"})
-        if (lower.size() > ending.size() && lower.ends_with(ending)) {
-            name.remove_suffix(ending.size());
-            break;
-        }
+    name = without_mesh_ending(without_outer_blanks(name));
     return composed(without_outer_blanks(name));
 }
 

@@ -7,12 +7,16 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/input_file.h"
+#include "libshape/io/file/json_fault.h"
+#include "libshape/io/mesh_endings.h"
 #include "libshape/io/table_file.h"
 
 namespace shape {
@@ -32,6 +36,32 @@ Vector3d to_lps(const Vector3d& position, const std::string& system, const std::
         return {-position[0], -position[1], position[2]};
     throw InvalidInput(
         join(path, ": coordinate system '", system, "'; LPS and RAS are understood"));
+}
+
+/// A table without `scan` is of one mesh; that it is of several shows by a column of their names, or by a
+/// landmark that occurs twice.
+void check_is_of_one_mesh(const std::vector<std::string>& columns,
+                          const std::vector<Landmark>& landmarks, const std::string& path)
+{
+    constexpr std::array<std::string_view, 8> other_names = {
+        "scan", "mesh", "file", "filename", "specimen", "subject", "id", "template"};
+    const auto other = std::ranges::find_if(columns, [&](const std::string& column) {
+        return std::ranges::find(other_names, lower_case(column)) != other_names.end();
+    });
+    const std::string hint =
+        other == columns.end()
+            ? "; give one with the names of the meshes"
+            : join("; rename '", *other, "' to 'scan' if it has the names of the meshes");
+    std::set<std::string> names;
+    for (const Landmark& landmark : landmarks)
+        if (!names.insert(landmark.name).second) {
+            std::string list;
+            for (const std::string& column : columns)
+                list += (list.empty() ? "" : ", ") + column;
+            throw InvalidInput(
+                join(path, ": landmark '", landmark.name,
+                     "' occurs twice, and there is no column 'scan' (columns: ", list, ")", hint));
+        }
 }
 
 std::vector<Landmark> read_csv(const std::string& path)
@@ -58,7 +88,7 @@ std::vector<Landmark> read_csv(const std::string& path)
         Landmark landmark;
         landmark.name = cells[name];
         if (scan >= 0)
-            landmark.scan = cells[to_size(scan)];
+            landmark.scan = without_mesh_ending(cells[to_size(scan)]);
         if (vertex >= 0 && !cells[to_size(vertex)].empty()) {
             const double number = parse_number(cells[to_size(vertex)], place);
             if (!(number >= 0.0 && number < 1e9 && number == std::floor(number)))
@@ -71,6 +101,8 @@ std::vector<Landmark> read_csv(const std::string& path)
             landmark.position[k] = parse_number(cells[axes[k]], place);
         landmarks.push_back(std::move(landmark));
     }
+    if (scan < 0)
+        check_is_of_one_mesh(table.columns, landmarks, path);
     return landmarks;
 }
 
@@ -129,7 +161,7 @@ try {
     }
     return landmarks;
 } catch (const nlohmann::json::exception& error) {
-    throw InvalidInput(join(path, ": not a markups file of 3D Slicer: ", error.what()));
+    throw InvalidInput(join(path, ": not a markups file of 3D Slicer: ", json_fault(error.what())));
 }
 
 } // namespace

@@ -20,14 +20,16 @@ struct Landmark
 
 /// Reads landmarks by the ending of the path:
 ///
-///     .csv        columns name, x, y, z and, if there, scan and vertex (docs/correspondence.md)
+///     .csv        columns name, x, y, z and, if there, scan and vertex (docs/correspondence.md); a
+///                 scan may be named with the ending of its mesh file (.ply, .stl, ...)
 ///     .fcsv       3D Slicer, up to 4.11
 ///     .mrk.json   3D Slicer
 ///
 /// Slicer's files say whether they count in LPS or RAS; positions come out in LPS, as Slicer writes
 /// meshes. Points of Slicer that are not defined are left out.
 /// @throws FileError if it cannot be read; InvalidInput naming file, row and rule for another ending,
-///     a missing column, a number that is none, an unknown coordinate system, or no landmark.
+///     a missing column, a landmark twice in a table without scan, a number that is none, an unknown
+///     coordinate system, or no landmark.
 [[nodiscard]] std::vector<Landmark> read_landmarks(const std::filesystem::path& path);
 
 /// Whether a path ends like one of these files.

@@ -11,6 +11,7 @@ namespace shape {
 
 /// write_table() of rows that are made one after the other and need not fit into memory.
 /// @param make_rows  Called once with a function that takes a row of as many cells as columns.
+/// @throws as write_table(), and what make_rows() throws.
 void write_long_table(
     const std::filesystem::path& path, const std::vector<std::string>& columns,
     const std::function<

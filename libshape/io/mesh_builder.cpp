@@ -66,9 +66,10 @@ void MeshBuilder::add_polygon(std::span<const std::int64_t> corners)
     if (corners.size() < 3)
         fail_(join("a face has ", corners.size(), " corners; it needs at least 3"));
     if (corners.size() > 3 && !options_.triangulate)
-        fail_(join("a face has ", corners.size(),
-                   " corners; polygons are refused unless they are to be split (--triangulate); "
-                   "or export triangles (`Triangulate Faces`)"));
+        fail_(
+            join("a face has ", corners.size(),
+                 " corners; polygons are refused unless they are to be split (option triangulate); "
+                 "or export triangles (`Triangulate Faces`)"));
     const std::int64_t count = std::max(vertex_count(), expected_);
     for (const std::int64_t v : corners)
         if (v < 0 || v >= count)

@@ -172,7 +172,10 @@ MeshFormat mesh_format(const std::filesystem::path& path)
             return format.format;
     throw InvalidInput(join(path.string(),
                             ": the ending of a mesh file must be .obj, .ply, .off, .stl, .vtk, "
-                            ".vtp or .glb"));
+                            ".vtp or .glb",
+                            ending == ".hdf5" || ending == ".hdf" || ending == ".he5"
+                                ? "; that of a collection or model of libshape is .h5"
+                                : ""));
 }
 
 std::string file_ending(MeshFormat format)

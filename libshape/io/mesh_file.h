@@ -59,7 +59,7 @@ struct MeshFileContent
 [[nodiscard]] MeshFileContent read_mesh_members(const std::filesystem::path& path,
                                                 const MeshReadOptions& options = {});
 
-/// Writes a mesh by write_file_atomically(); read_mesh() gives every bit of it back, except of STL and
+/// Writes a mesh: the file appears whole or not at all: it is written beside, synced and renamed. read_mesh() gives every bit of it back, except of STL and
 /// GLB, which are single precision. mesh_write_options.h has further ways to write.
 /// @throws InvalidInput if a coordinate is not finite or a face names a missing vertex.
 /// @throws FileError if it cannot be written.

@@ -38,7 +38,7 @@ struct MeshWriteOptions
     std::shared_ptr<const ObjTemplate> obj_template = nullptr;
 };
 
-/// Writes a mesh by write_file_atomically(), with what the options add.
+/// Writes a mesh as write_mesh() of mesh_file.h does, with what the options add.
 /// @throws InvalidInput as write_mesh(); if the format cannot hold what an option asks for; a scalar
 ///     breaks a rule of VertexScalar, is named twice, or a name is `quality` and so is asked for twice;
 ///     colours are not of #V rows; the template has other faces; or a coordinate is beyond float32

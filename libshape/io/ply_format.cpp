@@ -158,6 +158,11 @@ void check_header(const LineReader& reader, const Header& header)
     }
     if (coordinates != 3)
         reader.fail("the header declares no element 'vertex' with x, y and z");
+    const auto is_of_faces = [](const Element& element) { return element.is_face(); };
+    if (std::ranges::none_of(header.elements, is_of_faces))
+        reader.fail(
+            "the file is a point cloud, its header declares no element 'face'; export the "
+            "mesh with its faces");
     if (corner_lists != 1)
         reader.fail("the header must declare an element 'face' with one list 'vertex_indices'");
 }
@@ -215,6 +220,16 @@ public:
             fail(join("the file ends before ", element.name, " ", index, " of ", element.count));
     }
     double number(ScalarType) { return reader_.number("coordinate"); }
+    /// @param name  Gives what the value is, for messages.
+    template <class Name>
+    double scalar(ScalarType, const Name& name)
+    {
+        const std::string_view text = reader_.word("a property");
+        const std::optional<double> value = spelled_number(text);
+        if (!value)
+            fail(join(name(), " is ", in_quotes(text), ", must be a finite number"));
+        return *value;
+    }
     std::int64_t integer(ScalarType) { return reader_.integer("entry of a list"); }
     void skip(ScalarType, std::int64_t count)
     {
@@ -259,6 +274,14 @@ public:
         const char* bytes = next(type);
         offset_ += to_size(size_of(type));
         return number_at(bytes, type, swap_);
+    }
+    template <class Name>
+    double scalar(ScalarType type, const Name& name)
+    {
+        const double value = number(type);
+        if (!std::isfinite(value))
+            fail(join(name(), " is not finite"));
+        return value;
     }
     std::int64_t integer(ScalarType type)
     {
@@ -355,10 +378,10 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScala
                 if (property.coordinate >= 0) {
                     point[to_size(property.coordinate)] = body.number(property.type);
                 } else if (scalar != nullptr && scalar->is(element, property)) {
-                    value = body.number(property.type);
-                    if (!std::isfinite(*value))
-                        body.fail(join("property ", in_quotes(property.name), " of ", element.name,
-                                       " ", i, " is not finite"));
+                    value = body.scalar(property.type, [&] {
+                        return join("property ", in_quotes(property.name), " of ", element.name,
+                                    " ", i);
+                    });
                 } else if (property.is_corners) {
                     if (count > MeshBuilder::corner_limit)
                         body.fail(join("a face has ", count, " corners; the limit is ",

@@ -7,6 +7,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
 #include "libshape/io/hdf5/writer.h"
@@ -29,7 +30,7 @@ auto span_of(const Matrix& matrix)
 void write_statismo(const std::filesystem::path& path, const Topology& topology,
                     const LinearisedModel& model, const std::vector<std::string>& names)
 {
-    if (path.extension() != ".h5")
+    if (lower_case(path.extension().string()) != ".h5")
         throw InvalidInput(join(path.string(), ": a model for Statismo must end in .h5"));
     const Eigen::Index modes = model.variances.size();
     if (model.mean.rows() != topology.vertex_count() || model.basis.rows() != model.mean.size() ||

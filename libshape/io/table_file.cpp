@@ -108,6 +108,19 @@ private:
     std::size_t next_line_ = 1;
 };
 
+/// Whether all rows that are left have so many cells.
+bool rows_have(std::size_t cells, CsvParser parser)
+{
+    try {
+        while (!parser.done())
+            if (parser.row().size() != cells)
+                return false;
+    } catch (const InvalidInput&) {
+        return false; // of a later line; the first one is to be told of
+    }
+    return true;
+}
+
 void check_columns(const Row& columns, const std::string& place)
 {
     std::set<std::string> seen;
@@ -182,7 +195,13 @@ Table read_table(const std::filesystem::path& path)
         Row row = parser.row();
         if (row.size() != table.columns.size())
             parser.fail(join("has ", counted(row.size(), "cell"), ", the header has ",
-                             table.columns.size()));
+                             table.columns.size(),
+                             table.rows.empty() && row.size() == table.columns.size() + 1 &&
+                                     rows_have(row.size(), parser)
+                                 ? ", as have all rows; if their first cells number or name them, "
+                                   "write the table without these (R: row.names = FALSE, pandas: "
+                                   "index=False)"
+                                 : ""));
         table.rows.push_back(std::move(row));
     }
     drop_blank_columns(table);

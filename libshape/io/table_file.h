@@ -22,7 +22,9 @@ struct Table
 ///     column names, or cells separated by semicolons or tabs.
 [[nodiscard]] Table read_table(const std::filesystem::path& path);
 
-/// RFC 4180 with LF line ends; cells are quoted where they must be. Written as write_file_atomically.
+/// RFC 4180 with LF line ends; cells are quoted where they must be. The file appears whole or not at all: it is written beside, synced and renamed.
+/// @throws InvalidInput if a column name is empty or repeated, or a row has another number of cells.
+/// @throws FileError if it cannot be written.
 void write_table(const std::filesystem::path& path, const Table& table);
 
 /// The shortest digits that give the double back.

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <sstream>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/rounded.h"
 #include "libshape/base/order_statistics.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/congruent_meshes.h"
@@ -21,15 +21,6 @@
 namespace shape {
 using namespace internal;
 namespace {
-
-std::string rounded(double value)
-{
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text.precision(3);
-    text << value;
-    return text.str();
-}
 
 /// 1.4826 times the median deviation from the median of the own part, which is the standard deviation
 /// where logarithms of sizes are normally distributed.

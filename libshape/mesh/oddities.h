@@ -16,7 +16,7 @@ enum class OddityKind
     Mirrored,  ///< Some meshes are mirror images of the others (compare_handedness()).
     InsideOut, ///< All meshes, or all but those, are inside out.
     Size,      ///< Some meshes are far larger or smaller than the others (odd_sizes()).
-    Copies,    ///< Some meshes are the same one, in place or moved (congruent_meshes()).
+    Copies,    ///< Some meshes are the same one, in place or moved (to 1e-6 of the diagonal).
 };
 
 /// One oddity: the kind, the meshes concerned, and a sentence with what, where and what to do.

@@ -19,13 +19,14 @@ struct CovariateEffect
 {
     ShapeSpace space;
     BlockDesign design = BlockDesign::Crossed; ///< How the blocks were taken.
-    Regression regression;                ///< D coordinates on C covariates.
-    Eigen::VectorXd mean_dihedral_angles; ///< #E [rad]; or empty.
-    RowMatrix slope_dihedral_angles;      ///< C by #E [rad per unit of the covariate]; or C by 0.
-    Eigen::VectorXd scores;               ///< N: regression_scores() along the first slope.
-    Eigen::MatrixXd products;             ///< N by N inner products about the mean.
+    Regression regression;                     ///< D coordinates on C covariates.
+    Eigen::VectorXd mean_dihedral_angles;      ///< #E [rad]; or empty.
+    RowMatrix slope_dihedral_angles; ///< C by #E [rad per unit of the covariate]; or C by 0.
+    Eigen::VectorXd scores;          ///< N: regression_scores() along the first slope.
+    Eigen::MatrixXd products;        ///< N by N inner products about the mean.
 };
 
+/// Regresses the shapes of a collection on covariates.
 /// @param covariates  N by C.
 /// @param blocks  Crossed with the covariates, each has an effect of its own, and slopes are those
 ///     within them; nested, their means are regressed, so that each counts once (covariate_blocks.h).

@@ -122,6 +122,8 @@ void check(const DifferenceOptions& options)
 {
     require(!options.from_label.empty(), "DifferenceOptions.from_label", "empty", "a label");
     require(!options.to_label.empty(), "DifferenceOptions.to_label", "empty", "a label");
+    require(options.from_label != options.to_label || options.from_value != options.to_value,
+            "DifferenceOptions.to_value", options.to_value, "another group than that of the start");
 }
 
 DifferenceVector mean_difference(const Collection& collection, const DifferenceOptions& options)

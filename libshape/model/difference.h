@@ -34,13 +34,13 @@ struct DifferenceOptions
     /// Two meshes with the same value of this label are a pair, those without a value are not. Empty:
     /// the groups are not paired, all meshes of both count.
     std::string pair_by = {};
-    /// The start is the mean of the meshes whose label of this name, not empty, ...
+    /// The label that chooses the meshes of the start; not empty.
     std::string from_label = {};
-    /// ... has this value; ...
+    /// The start is the mean of the meshes with this value of from_label.
     std::string from_value = {};
-    /// ... the end that of those whose label of this name, not empty, ...
+    /// The label that chooses the meshes of the end; not empty.
     std::string to_label = {};
-    /// ... of this value the end of the difference.
+    /// The end is the mean of the meshes with this value of to_label.
     std::string to_value = {};
     /// Unit: every mesh is brought to one size first. None: size is a part of shape.
     Scale scale = Scale::Unit;

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <sstream>
 
 #include "libshape/base/format.h"
+#include "libshape/base/rounded.h"
 #include "libshape/base/order_statistics.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
@@ -139,15 +139,6 @@ std::vector<double> gaps_of(const std::vector<Place>& places)
     for (const Place& place : places)
         gaps.push_back(place.gap);
     return gaps;
-}
-
-std::string rounded(double value)
-{
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text.precision(3);
-    text << value;
-    return text.str();
 }
 
 } // namespace

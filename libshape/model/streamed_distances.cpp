@@ -76,7 +76,7 @@ ShapeSpace for_each_distance_row(
         throw LimitExceeded(join(tile, " meshes and their distances take ",
                                  (to_size(tile) * row >> 20) + 1,
                                  " MiB, which is more than half of the ", passes.memory() >> 20,
-                                 " MiB allowed; allow more (--memory)"));
+                                 " MiB allowed; allow more memory"));
     const Index step = std::min(count, static_cast<Index>(fit) / tile * tile);
     Eigen::VectorXd origin; // about which inner products are small
     const auto encode = [&](const Collection& block, RowMatrix& rows) {
@@ -116,6 +116,8 @@ ClassicalScaling classical_scaling(const MeshStream& meshes, int dimensions,
                                    const StreamedDistancesOptions& options)
 {
     check(options);
+    if (meshes.size() < 2)
+        throw InvalidInput(join("distances need at least 2 meshes, there are ", meshes.size()));
     require(dimensions >= 1 && dimensions <= meshes.size(), "dimensions", dimensions,
             join("in [1, ", meshes.size(), "]"));
     const auto modes = std::min<Index>(dimensions, meshes.size() - 1);

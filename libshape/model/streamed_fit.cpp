@@ -113,9 +113,7 @@ private:
     [[noreturn]] void fail_for_memory(const std::string& what, std::uint64_t wanted) const
     {
         throw LimitExceeded(join(what, " need ", (wanted >> 20) + 1, " MiB, the memory allowed is ",
-                                 memory_ >> 20,
-                                 " MiB; keep fewer modes (--modes) or allow more "
-                                 "(--memory)"));
+                                 memory_ >> 20, " MiB; keep fewer modes or allow more memory"));
     }
 
     /// Both ways cost about N E times N, or times 4 s for each of some 6 passes, multiplications.
@@ -283,7 +281,7 @@ private:
         }
     }
 
-    /// All inner products by one pass, if the disc has room for all coordinates and all meshes are this process's.
+    /// All inner products by one pass, if the disk has room for all coordinates and all meshes are this process's.
     bool measure_once(TiledGram& gram, Index tile)
     {
         if (stream_.scratch.empty() || stream_.ranks.lots > 1 ||
@@ -366,7 +364,9 @@ private:
     {
         if (options.modes == 0 && options.variance == 1.0)
             throw InvalidInput("Krylov finds some modes, not all: choose a number or a share");
-        const Index block = BlockKrylov::tile_rows(dimension_);
+        Index block = BlockKrylov::tile_rows(dimension_);
+        while (block > 4 && static_cast<std::uint64_t>(block) * bytes_of_mesh() > memory_ / 4)
+            block /= 2; // what little memory there is belongs to the basis
         const std::uint64_t busy = static_cast<std::uint64_t>(block) * bytes_of_mesh() +
                                    bytes(options.modes, meshes_.topology.edge_count());
         BlockKrylov krylov(meshes_.size(), dimension_,
@@ -523,6 +523,7 @@ void check(const StreamOptions& options)
 {
     require(options.tolerance > 0.0 && options.tolerance < 1.0, "StreamOptions.tolerance",
             options.tolerance, "in (0, 1)");
+    check(options.ranks);
 }
 
 std::uint64_t usual_memory()

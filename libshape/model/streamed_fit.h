@@ -41,9 +41,9 @@ struct StreamOptions
     Ranks ranks = {};
     /// Such a state, of the same meshes and options.
     std::optional<PassState> state = {};
-    /// A folder where Gram may keep all coordinates, 8 N D bytes in a file without a name, so that one pass
-    /// gives all inner products; empty, or where the disc has not twice as much free: N / (2 h).
-    /// Changes no bit.
+    /// A folder where Gram may keep all coordinates, 8 N D bytes in a file without a name, so that one pass gives all
+    /// inner products. Empty, or where the disk has less than twice that free, it takes about N / (2 h) passes, as h
+    /// meshes are held at a time. Changes no bit; Krylov makes no use of it.
     std::filesystem::path scratch = {};
 };
 

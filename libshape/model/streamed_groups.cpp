@@ -48,8 +48,7 @@ public:
         if (means > passes_.memory() / 2)
             throw LimitExceeded(join("the means of ", groups.group_count(), " groups take ",
                                      (means >> 20) + 1, " MiB, which is more than half of the ",
-                                     passes_.memory() >> 20,
-                                     " MiB allowed; allow more (--memory)"));
+                                     passes_.memory() >> 20, " MiB allowed; allow more memory"));
         result_.shapes.sizes.resize(meshes.size());
     }
 

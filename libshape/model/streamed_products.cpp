@@ -30,10 +30,10 @@ StreamedProducts measure_products(const MeshStream& meshes, const StreamedProduc
     MeshPasses passes(meshes, options.space, options.memory, options.progress);
     const std::uint64_t matrices = 4 * sizeof(double) * to_size(count) * to_size(count);
     if (matrices > passes.memory() / 2)
-        throw LimitExceeded(
-            join("the inner products of ", count, " meshes take ", (matrices >> 20) + 1,
-                 " MiB, which is more than half of the ", passes.memory() >> 20,
-                 " MiB allowed; allow more (--memory) or choose some meshes (--only)"));
+        throw LimitExceeded(join("the inner products of ", count, " meshes take ",
+                                 (matrices >> 20) + 1, " MiB, which is more than half of the ",
+                                 passes.memory() >> 20,
+                                 " MiB allowed; allow more memory or choose fewer meshes"));
     StreamedProducts result;
     result.sizes.resize(count);
     const std::uint64_t row = sizeof(double) * to_size(passes.dimension());

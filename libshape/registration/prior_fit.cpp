@@ -66,7 +66,8 @@ GroupRound fit_group_again(const ScanFitter& fitter, const Topology& topology,
             members.push_back(i);
             group.points.push_back(fits[i].points);
         }
-    constexpr std::size_t least_fits = 4;
+    constexpr std::size_t least_fits =
+        4; // what two others span is a line: it would expect little of a third
     if (members.size() < least_fits)
         throw InvalidInput(join("a group needs ", least_fits, " fits, there are ", members.size()));
     const ShapeVectors vectors = shape_vectors(group, Scale::Unit);

@@ -20,7 +20,8 @@ struct Scan
 
 /// Leaves out what says nothing about the surface: vertices with a coordinate that is not finite and
 /// their faces, faces without area, faces that occur twice, vertices without a face; vertices at one
-/// place become one.
+/// place become one. A face is without area as find_degenerate_geometry() has it (mesh/defects.h):
+/// area <= 1e-14 times the square of its longest edge.
 /// @throws InvalidInput if a face names a vertex that there is not, or no face is left.
 /// Cost: O(#F log #F).
 [[nodiscard]] Scan clean_scan(const Points& points, const Faces& faces);

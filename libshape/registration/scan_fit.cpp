@@ -6,23 +6,18 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <optional>
 #include <utility>
 
-#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/order_statistics.h"
 #include "libshape/base/require.h"
-#include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
-#include "libshape/mesh/face_crossings.h"
 #include "libshape/mesh/nearest_in_triangle.h"
 #include "libshape/mesh/vertex_normals.h"
+#include "libshape/registration/fit_verdict.h"
 #include "libshape/registration/growth_energy.h"
 #include "libshape/registration/rigid_start.h"
 #include "libshape/registration/scan_surface.h"
@@ -77,31 +72,23 @@ constexpr LevelRounds held_rounds{12, finer_steps, 0.7, 1.0, false, 100.0, false
 /// The facets of two triangulations of a surface do not agree: pulls as strong as those of the first fit make up
 /// for that by sliding.
 constexpr LevelRounds free_rounds{12, 2 * finer_steps, 0.3, 0.5, false, 100.0, true};
+/// The preconditioner is factorised anew every so many rounds, as the pulls have grown meanwhile. Set with the schedule
+/// above.
 constexpr int rounds_between_factors = 5;
 /// ChosenStart::score. Right starts of faces stay below the first, wrong ones of faces and bodies are above 0.08;
 /// above the second a person should look (docs/correspondence.md).
 constexpr double sure_start = 0.015, doubtful_start = 0.04;
+/// So many rigid starts are tried, each by so many rounds of the coarsest level, before the best of them goes on. Set by
+/// hand.
 constexpr int tried_starts = 4, trial_rounds = 12;
 constexpr int landmark_rounds = 12; // by landmarks alone, before the surface pulls
-
-// Shares of the diagonal.
-constexpr double counterpart_within = 0.01; // a finished fit lies nearer by far
-constexpr double hand_placed = 0.003;       // what a landmark placed by hand is off by
-
-/// What a report's figures may be before a person should look, and before the fit is not one: set by hand, well above
-/// those of sound fits of faces, bodies and arms (docs/correspondence.md).
-struct Bound
-{
-    double check, failed;
-};
-constexpr Bound unseen_share{0.15, 0.8};    // of the vertices; half a face leaves half of them
-constexpr Bound scan_distance{0.005, 0.02}; // mean, over the diagonal
-constexpr Bound strain_bound{0.15, 0.25};   // RMS
-constexpr Bound landmark_miss{0.002, 0.03}; // over the diagonal
-constexpr double landmark_off_scan = 0.01;  // over the diagonal
-constexpr double growth_range = 3.0; // between parts of one shape, which no person's differ by
-constexpr double odd_faces = 0.02;   // share that may cross or fold
-constexpr double folded_angle = 120.0 * std::numbers::pi / 180.0; // no pose bends an edge so far
+/// How strongly one landmark without a tolerance pulls, beside a vertex that the surface pulls. Set by hand.
+constexpr double landmark_strength = 30.0;
+/// Landmarks pull as if the surface's weight were never below this, which it is in early rounds where edges are short
+/// against the diagonal. Set by hand.
+constexpr double least_landmark_base = 0.1;
+/// So many rounds bring landmarks that are to be met exactly home. Set by hand.
+constexpr int finishing_rounds = 4;
 
 /// Landmarks of the template as points of a level's faces.
 std::vector<SurfacePoint> on_level(const TemplateLevel& level, const Points& landmarks)
@@ -140,27 +127,10 @@ int loop_at(const Rims& rims, const Points& points, const Vector3d& landmark)
     return loop;
 }
 
-DistanceSummary summary_of(const std::vector<double>& distances)
-{
-    DistanceSummary summary;
-    if (distances.empty())
-        return summary;
-    for (const double d : distances)
-        summary.mean += d / static_cast<double>(distances.size());
-    summary.p95 = quantile_of(distances, 0.95);
-    summary.max = *std::max_element(distances.begin(), distances.end());
-    return summary;
-}
-
 /// Lengths and angles of a level at rest.
 ShapePoint shape_of(const TemplateLevel& level)
 {
     return {edge_lengths(level.topology, level.rest), dihedral_angles(level.topology, level.rest)};
-}
-
-std::string percent(double share)
-{
-    return join(std::round(share * 1000.0) / 10.0, " %");
 }
 
 } // namespace
@@ -177,19 +147,15 @@ struct ScanFitter::State
     FitOptions options;
     std::vector<TemplateLevel> levels;
     Surface surface; // of the template
-    VectorXd dihedral_angles_at_rest;
     double own_diagonal;
-    FaceTree face_tree;
-    int own_crossings; // of the template
+    TemplateFigures own_figures;
 
     State(const Topology& topology, const Points& points, const FitOptions& with)
         : options(with),
           levels(template_levels(topology, points, least_vertices)),
           surface(points, topology.faces()),
-          dihedral_angles_at_rest(dihedral_angles(topology, points)),
           own_diagonal(bounding_box_diagonal(points)),
-          face_tree(topology, points),
-          own_crossings(static_cast<int>(face_tree.crossings(points).size()))
+          own_figures(topology, points)
     {
     }
 
@@ -224,9 +190,6 @@ struct ScanFitter::State
     [[nodiscard]] ChosenStart choose_start(const std::vector<Similarity>& starts,
                                            const Target& target) const;
     void finish_landmarks(const Target& target, const ShapePoint& rest, LevelMesh& mesh) const;
-    void judge(const Target& target, const ShapePoint& rest, const LevelMesh& mesh,
-               ScanFit& fit) const;
-    void set_status(const Target& target, ScanFit& fit) const;
 };
 
 void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
@@ -272,12 +235,12 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
         const int mine = loop_at(rims, level.rest, target.landmarks_here.row(i));
         const int other =
             loop_at(target.scan.rims, target.scan.points, target.landmarks_there.row(i));
-        if (mine >= 0 && other >= 0)
+        if (mine >= 0 && other >= 0) // else no loop at all is left on this level
             named.emplace_back(mine, other);
     }
     // A landmark is one vertex against all those that the surface pulls; a tolerance weakens it.
     const double blur = target.landmark_tolerance / (hand_placed * target.diagonal);
-    const double landmark_weight = 30.0 / (1.0 + blur * blur);
+    const double landmark_weight = landmark_strength / (1.0 + blur * blur);
 
     if (schedule.landmarks_first && !marks.empty())
         // Nothing pulls against them yet: a tenth moves the mesh as a whole and does not dent it.
@@ -302,7 +265,7 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
         add_rim_pulls(target.scan, rims, mesh.points, named,
                       {.weight = rim_weight * rule.weight, .scale = rule.scale}, energy);
         add_landmark_pulls(level, marks, target, mesh.points,
-                           landmark_weight * std::max(rule.weight, 0.1), energy);
+                           landmark_weight * std::max(rule.weight, least_landmark_base), energy);
         if (round % rounds_between_factors == 0)
             energy.prepare();
         (void)energy.step(mesh.points, mesh.growth, schedule.linear_steps);
@@ -357,120 +320,6 @@ ScanFitter::State::ChosenStart ScanFitter::State::choose_start(
     return {starts[best], least};
 }
 
-void ScanFitter::State::judge(const Target& target, const ShapePoint& rest, const LevelMesh& mesh,
-                              ScanFit& fit) const
-{
-    const Topology& topology = levels.front().topology;
-    const Points normals = vertex_normals(mesh.points, topology.faces());
-    const double near = counterpart_within * target.diagonal;
-    const auto count = to_size(mesh.points.rows());
-    fit.distance.resize(mesh.points.rows());
-    fit.seen.assign(count, 0);
-    parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) {
-            const auto row = static_cast<Index>(v);
-            const SurfacePoint any = target.scan.tree.nearest(mesh.points.row(row));
-            fit.distance[row] = any.distance;
-            NearestRule rule;
-            rule.normal = normals.row(row);
-            rule.least_cosine = 0.0;
-            rule.within = near;
-            const SurfacePoint pair = target.scan.tree.nearest(mesh.points.row(row), rule);
-            // At a rim, what lies a little beyond it is not seen; a template's own rim may lie on it.
-            const bool is_end = pair.face >= 0 && target.scan.ends_at(pair) &&
-                                pair.distance > hand_placed * target.diagonal;
-            fit.seen[v] = pair.face >= 0 && !is_end ? 1 : 0;
-        }
-    });
-    std::vector<double> of_seen;
-    for (std::size_t v = 0; v < count; ++v)
-        if (fit.seen[v] != 0)
-            of_seen.push_back(fit.distance[static_cast<Index>(v)]);
-    fit.unseen_vertices = static_cast<int>(count - of_seen.size());
-    fit.fit_to_scan = summary_of(of_seen);
-
-    constexpr Index most_samples = 20000; // the mean of so many is right to a percent
-    const ClosestPoints tree(mesh.points, topology.faces());
-    const Points samples = target.scan.points(
-        Eigen::seq(0, target.scan.points.rows() - 1,
-                   (target.scan.points.rows() + most_samples - 1) / most_samples),
-        Eigen::all);
-    std::vector<double> distances(to_size(samples.rows()));
-    parallel_for(distances.size(), 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            distances[i] = tree.nearest(samples.row(static_cast<Index>(i))).distance;
-    });
-    fit.scan_to_fit = summary_of(distances);
-
-    const GrowthEnergy energy = energy_of(target.levels.front(), rest);
-    const VectorXd strains = energy.strains(mesh.points, mesh.growth);
-    fit.strain_rms = std::sqrt(strains.squaredNorm() / static_cast<double>(strains.size()));
-    fit.growth = mesh.growth.array().exp();
-    const std::vector<double> growth(fit.growth.begin(), fit.growth.end());
-    fit.growth_low = quantile_of(growth, 0.01);
-    fit.growth_high = quantile_of(growth, 0.99);
-    const VectorXd angles = dihedral_angles(topology, mesh.points);
-    std::vector<char> folded(to_size(topology.face_count()), 0);
-    for (int e = 0; e < topology.edge_count(); ++e)
-        if (std::abs(wrapped_angle(angles[e] - dihedral_angles_at_rest[e])) > folded_angle)
-            for (const int h : topology.edge_halfedges().row(e))
-                if (h >= 0)
-                    folded[to_size(Topology::face(h))] = 1;
-    fit.folded_faces = static_cast<int>(std::count(folded.begin(), folded.end(), 1));
-    fit.crossing_pairs =
-        std::max(0, static_cast<int>(face_tree.crossings(mesh.points).size()) - own_crossings);
-    fit.diagonal = bounding_box_diagonal(mesh.points);
-
-    const auto marks = on_level(target.levels.front(), target.landmarks_here);
-    fit.landmark_errors.resize(std::ssize(marks));
-    for (std::size_t i = 0; i < marks.size(); ++i)
-        fit.landmark_errors[static_cast<Index>(i)] =
-            (position(marks[i], topology.faces(), mesh.points) -
-             target.landmarks_there.row(static_cast<Index>(i)).transpose())
-                .norm();
-
-    set_status(target, fit);
-}
-
-void ScanFitter::State::set_status(const Target& target, ScanFit& fit) const
-{
-    const auto say = [&](FitStatus status, std::string reason) {
-        fit.status = std::max(fit.status, status);
-        fit.reasons.push_back(std::move(reason));
-    };
-    const auto hold = [&](double value, const Bound& bound, const std::string& reason) {
-        if (value > bound.check)
-            say(value > bound.failed ? FitStatus::Failed : FitStatus::Check, reason);
-    };
-    const double unseen = fit.unseen_vertices / static_cast<double>(fit.seen.size());
-    hold(unseen, unseen_share, join(percent(unseen), " of the vertices have no counterpart"));
-    const double apart = fit.scan_to_fit.mean / fit.diagonal;
-    hold(apart, scan_distance, join("the scan is ", percent(apart), " of the diagonal away"));
-    hold(fit.strain_rms, strain_bound, join("edges are strained by ", percent(fit.strain_rms)));
-    if (fit.growth_high > growth_range * fit.growth_low)
-        say(FitStatus::Check,
-            join("parts grew by factors from ", fit.growth_low, " to ", fit.growth_high));
-    const double odd = odd_faces * levels.front().topology.face_count();
-    if (fit.crossing_pairs > odd)
-        say(FitStatus::Check, join(counted(fit.crossing_pairs, "pair"), " of faces cross"));
-    if (fit.folded_faces > odd)
-        say(FitStatus::Check, join(counted(fit.folded_faces, "face"), " folded"));
-    // A tolerance is a standard deviation.
-    const double tolerated = 3.0 * target.landmark_tolerance / fit.diagonal;
-    for (Index i = 0; i < fit.landmark_errors.size(); ++i) {
-        const double missed = fit.landmark_errors[i] / fit.diagonal;
-        const std::string& name = target.names[to_size(i)];
-        hold(missed,
-             {std::max(tolerated, landmark_miss.check), std::max(tolerated, landmark_miss.failed)},
-             join("landmark '", name, "' is missed by ", percent(missed), " of the diagonal"));
-        const double off =
-            target.scan.tree.nearest(target.landmarks_there.row(i)).distance / fit.diagonal;
-        if (off > std::max(tolerated, landmark_off_scan))
-            say(FitStatus::Check,
-                join("landmark '", name, "' lies ", percent(off), " of the diagonal off the scan"));
-    }
-}
-
 /// Landmarks to be met exactly are: what is still missing is spread over the mesh by a few steps in which
 /// nothing else moves far.
 void ScanFitter::State::finish_landmarks(const Target& target, const ShapePoint& rest,
@@ -482,9 +331,8 @@ void ScanFitter::State::finish_landmarks(const Target& target, const ShapePoint&
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
     GrowthEnergy energy = energy_of(level, rest);
     const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
-    constexpr int rounds = 4;
     constexpr double weight = 3e3; // some hundred times landmark_weight
-    for (int round = 0; round < rounds; ++round) {
+    for (int round = 0; round < finishing_rounds; ++round) {
         energy.clear_pulls(mesh.points);
         add_surface_pulls(target.scan, level.topology, mesh.points,
                           {.weight = last_weight * in_edges, .scale = last_scale * target.diagonal},
@@ -543,6 +391,17 @@ void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::stri
     }
 }
 
+void check_boundaries(const std::vector<std::string>& boundaries, const Surface& pattern,
+                      const Surface& scan)
+{
+    for (const std::string& name : boundaries) {
+        if (pattern.rims.edges.empty())
+            throw InvalidInput(join("boundary '", name, "': the template has no boundary"));
+        if (scan.rims.edges.empty())
+            throw InvalidInput(join("boundary '", name, "': the scan has no boundary"));
+    }
+}
+
 } // namespace
 
 ScanFitter::State::Target ScanFitter::State::target_of(Surface scan, const LandmarkPairs& landmarks,
@@ -561,7 +420,23 @@ void ScanFitter::State::finish(const Target& target, const ShapePoint& rest, Lev
                                ScanFit& fit) const
 {
     finish_landmarks(target, rest, mesh);
-    judge(target, rest, mesh, fit);
+    const TemplateLevel& level = target.levels.front();
+    const VectorXd strains = energy_of(level, rest).strains(mesh.points, mesh.growth);
+    const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
+    Points reached(std::ssize(marks), 3);
+    for (std::size_t i = 0; i < marks.size(); ++i)
+        reached.row(static_cast<Index>(i)) =
+            position(marks[i], level.topology.faces(), mesh.points);
+    judge({.topology = level.topology,
+           .mesh = mesh,
+           .strains = strains,
+           .scan = target.scan,
+           .diagonal = target.diagonal,
+           .names = target.names,
+           .landmarks = target.landmarks_there,
+           .reached = reached,
+           .landmark_tolerance = target.landmark_tolerance},
+          own_figures, fit);
     fit.points = mesh.points;
 }
 
@@ -571,6 +446,7 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
     check_landmarks(landmarks, s.options.boundaries);
     const auto [faces, turned] = turned_outwards(scan, s.surface);
     Surface surface(scan.points, faces);
+    check_boundaries(s.options.boundaries, s.surface, surface);
     std::vector<Similarity> starts{Similarity{}};
     if (landmarks.names.size() >= 3)
         starts = {landmark_start(landmarks.on_template, landmarks.on_scan)};
@@ -617,7 +493,9 @@ ScanFit ScanFitter::fit_again(const Scan& scan, const LandmarkPairs& landmarks, 
                                 " vertices, the template ", topology.vertex_count()));
     const auto [faces, turned] =
         oriented_like(scan.points, scan.faces, Surface(from.points, topology.faces()));
-    const State::Target target = s.target_of(Surface(scan.points, faces), landmarks, from.scale);
+    Surface surface(scan.points, faces);
+    check_boundaries(s.options.boundaries, s.surface, surface);
+    const State::Target target = s.target_of(std::move(surface), landmarks, from.scale);
     ScanFit fit;
     fit.scale = from.scale;
     fit.turned_faces = turned;

@@ -108,7 +108,8 @@ public:
 
     /// @param landmarks  None, or >= 1; with >= 3 they give the start.
     /// @throws InvalidInput if there are three or more landmarks on a line, tables differ in size, or
-    ///     options.boundaries names a landmark that is missing.
+    ///     options.boundaries names a landmark that is missing, or is not empty where the template or the
+    ///     scan has no boundary.
     /// A scan that the template does not fit throws nothing: see ScanFit::status.
     /// Cost: about 3 s for 13,000 vertices. Same bits for any number of threads. Safe to call concurrently.
     [[nodiscard]] ScanFit fit(const Scan& scan, const LandmarkPairs& landmarks = {}) const;

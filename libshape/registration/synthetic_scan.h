@@ -35,6 +35,7 @@ void check(const SyntheticScanOptions& options);
 /// A raw scan of a surface whose vertices are known: another triangulation of it, of about equal edges,
 /// that knows nothing of the first (edges split, collapsed and flipped, vertices moved within the surface
 /// and back onto it: Botsch and Kobbelt 2004; vertices of a rim stay on it), with noise, holes and a cut.
+/// @throws InvalidInput if an option breaks its rule.
 /// Cost: about 1 s for 10,000 vertices. Deterministic.
 [[nodiscard]] Scan synthetic_scan(const Topology& topology, const Points& points,
                                   const SyntheticScanOptions& options = {});

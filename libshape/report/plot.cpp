@@ -262,55 +262,32 @@ Colour colour_of(const Plot& plot, std::size_t series)
     return plot.series[series].colour.value_or(category_colour(series));
 }
 
-} // namespace
-
-std::vector<double> round_ticks(double low, double high, int wanted)
+struct PlotExtents
 {
-    const double magnitude = std::max(std::abs(low), std::abs(high));
-    constexpr double least = 1e-300; // below, steps lose their digits
-    if (high - low <= 1e-9 * magnitude ||
-        high - low < least) { // finer steps would drown in rounding
-        const double margin = magnitude < least ? 1.0 : 0.1 * magnitude;
-        low -= margin;
-        high += margin;
-    }
-    const double rough = (high - low) / std::max(wanted - 1, 1);
-    const double power = std::pow(10.0, std::floor(std::log10(rough)));
-    const double share = rough / power;
-    const double step = power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
-    std::vector<double> ticks;
-    for (double i = std::floor(low / step); ticks.empty() || ticks.back() < high; i += 1.0)
-        ticks.push_back(i * step);
-    return ticks;
-}
+    Extent x, y;
+};
 
-void draw_plot(Svg& svg, const Box& box, const Plot& plot)
+/// Of all points, with their deviations.
+PlotExtents extents_of(const Plot& plot)
 {
-    Extent x_extent;
-    Extent y_extent;
+    PlotExtents extents;
     for (const Series& series : plot.series) {
         check_sizes(series);
         for (Eigen::Index i = 0; i < series.points.rows(); ++i)
             if (series.points.row(i).allFinite()) {
                 const double deviation = series.deviations.size() > 0 ? series.deviations[i] : 0.0;
-                x_extent.include(series.points(i, 0));
-                y_extent.include(series.points(i, 1) - deviation);
-                y_extent.include(series.points(i, 1) + deviation);
+                extents.x.include(series.points(i, 0));
+                extents.y.include(series.points(i, 1) - deviation);
+                extents.y.include(series.points(i, 1) + deviation);
             }
     }
-    const double left = box.x + 70.0;
-    const ColourScale scale = scale_of(plot);
-    const double right = box.x + box.width - 18.0 - (scale.is_used() ? scale_width : 0.0);
-    const std::vector<LegendEntry> legend = legend_of(plot, right - left);
-    const double legend_height = legend.empty() ? 0.0 : 4.0 + legend_row * (legend[0].row + 1);
-    const double top = box.y + 14.0 + (plot.title.empty() ? 0.0 : 22.0) + legend_height +
-                       (scale.is_used() ? 14.0 : 0.0);
-    Axis x = fitted_axis(x_extent, left, right);
-    Axis y = fitted_axis(y_extent, box.y + box.height - 52.0, top);
-    if (plot.equal_axes)
-        make_equal(x, y);
-    const double middle = 0.5 * (x.begin + x.end);
+    return extents;
+}
 
+/// The grid, the axes and what is written at them, and the title.
+void draw_axes(Svg& svg, const Box& box, const Plot& plot, const Axis& x, const Axis& y)
+{
+    const double middle = 0.5 * (x.begin + x.end);
     for (const double tick : x.ticks) {
         svg.line(x(tick), y.begin, x(tick), y.end, grid_colour);
         svg.text(x(tick), y.begin + 18.0, tick_text(tick, x.ticks[1] - x.ticks[0]),
@@ -329,14 +306,24 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
     if (!plot.title.empty())
         svg.text(middle, box.y + 20.0, plot.title,
                  {.size = 14.0, .anchor = TextAnchor::Middle, .bold = true});
+}
 
-    // Fewer points are drawn larger.
+/// Fewer points are drawn larger [px].
+double marker_size(const Plot& plot)
+{
     Eigen::Index total = 0;
     for (const Series& series : plot.series)
         total += series.points.rows();
-    const double size = std::clamp(
-        30.0 / std::pow(std::max<double>(1.0, static_cast<double>(total)), 0.25), 5.0, 9.0);
-    PointNames names(svg, x.begin, box.x + box.width);
+    return std::clamp(30.0 / std::pow(std::max<double>(1.0, static_cast<double>(total)), 0.25), 5.0,
+                      9.0);
+}
+
+/// Deviations, points or curves, and after all of them the names of points.
+void draw_series(Svg& svg, const Plot& plot, const Axis& x, const Axis& y, const ColourScale& scale,
+                 double names_end)
+{
+    const double size = marker_size(plot);
+    PointNames names(svg, x.begin, names_end);
     std::vector<std::pair<Eigen::RowVector2d, std::string>> named;
     for (std::size_t s = 0; s < plot.series.size(); ++s) {
         const Series& series = plot.series[s];
@@ -363,8 +350,12 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
     }
     for (const auto& [place, name] : named)
         names.write(place.x(), place.y(), name);
-    if (scale.is_used())
-        draw_scale(svg, scale, plot.scale_label, box.x + box.width - scale_width, y.end, y.begin);
+}
+
+/// @param left, top  Where the plot itself begins; the legend is above it.
+void draw_legend(Svg& svg, const Plot& plot, const std::vector<LegendEntry>& legend, double left,
+                 double top)
+{
     for (const LegendEntry& entry : legend) {
         const Series& series = plot.series[entry.series];
         const double x0 = left + entry.left;
@@ -375,6 +366,49 @@ void draw_plot(Svg& svg, const Box& box, const Plot& plot)
             svg.marker(marker_of(entry.series), x0 + 7.0, y0, 9.0, colour_of(plot, entry.series));
         svg.text(x0 + legend_mark, y0 + 4.0, series.name, {.size = legend_size});
     }
+}
+
+} // namespace
+
+std::vector<double> round_ticks(double low, double high, int wanted)
+{
+    const double magnitude = std::max(std::abs(low), std::abs(high));
+    constexpr double least = 1e-300; // below, steps lose their digits
+    if (high - low <= 1e-9 * magnitude ||
+        high - low < least) { // finer steps would drown in rounding
+        const double margin = magnitude < least ? 1.0 : 0.1 * magnitude;
+        low -= margin;
+        high += margin;
+    }
+    const double rough = (high - low) / std::max(wanted - 1, 1);
+    const double power = std::pow(10.0, std::floor(std::log10(rough)));
+    const double share = rough / power;
+    const double step = power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
+    std::vector<double> ticks;
+    for (double i = std::floor(low / step); ticks.empty() || ticks.back() < high; i += 1.0)
+        ticks.push_back(i * step);
+    return ticks;
+}
+
+void draw_plot(Svg& svg, const Box& box, const Plot& plot)
+{
+    const PlotExtents extents = extents_of(plot);
+    const double left = box.x + 70.0;
+    const ColourScale scale = scale_of(plot);
+    const double right = box.x + box.width - 18.0 - (scale.is_used() ? scale_width : 0.0);
+    const std::vector<LegendEntry> legend = legend_of(plot, right - left);
+    const double legend_height = legend.empty() ? 0.0 : 4.0 + legend_row * (legend[0].row + 1);
+    const double top = box.y + 14.0 + (plot.title.empty() ? 0.0 : 22.0) + legend_height +
+                       (scale.is_used() ? 14.0 : 0.0);
+    Axis x = fitted_axis(extents.x, left, right);
+    Axis y = fitted_axis(extents.y, box.y + box.height - 52.0, top);
+    if (plot.equal_axes)
+        make_equal(x, y);
+    draw_axes(svg, box, plot, x, y);
+    draw_series(svg, plot, x, y, scale, box.x + box.width);
+    if (scale.is_used())
+        draw_scale(svg, scale, plot.scale_label, box.x + box.width - scale_width, y.end, y.begin);
+    draw_legend(svg, plot, legend, left, top);
 }
 
 std::string plot_svg(const Plot& plot, double width, double height)

@@ -150,9 +150,12 @@ BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& op
     constexpr double most = 18.0; // more would cost more than they save
     most_blocks_ = static_cast<Index>(std::min(left / block, most)) - 2;
     if (most_blocks_ < 3)
-        throw LimitExceeded(join(size_, " vectors of ", columns_, " numbers, ", most_blocks_ + 2,
-                                 " times, are what the memory holds; at least 5 times are needed: ",
-                                 "keep fewer modes or allow more memory"));
+        throw LimitExceeded(
+            join("5 times ", size_, " vectors of ", columns_, " numbers and ", held_.rows(),
+                 " rows need ",
+                 static_cast<std::uint64_t>(least_blocks * block + held * row) / (1 << 20) + 1,
+                 " MiB, beside the meshes ", options.memory >> 20,
+                 " MiB are left; allow more memory or keep fewer modes"));
     basis_.push_back(random_block(columns_, size_, options.seed));
     orthonormalise_columns(basis_.front(), 0.0);
     product_ = RowMatrix::Zero(columns_, basis_.front().cols());

@@ -12,9 +12,9 @@
 
 namespace shape::internal {
 
-/// N rows of E numbers on disc, which come some rows at a time and go some columns at a time:
+/// N rows of E numbers on disk, which come some rows at a time and go some columns at a time:
 ///
-///     come   r0 ------------    go   c0 c1 c2 ..      on disc   all rows of c0 | all rows of c1 | ..
+///     come   r0 ------------    go   c0 c1 c2 ..      on disk   all rows of c0 | all rows of c1 | ..
 ///            r1 ------------         |  |  |
 ///            ..                      |  |  |
 ///
@@ -29,7 +29,7 @@ public:
                                                           Eigen::Index rows, Eigen::Index columns);
 
     /// Rows first, first + 1, ...
-    /// @throws FileError if the disc fails.
+    /// @throws FileError if the disk fails.
     void put(Eigen::Index first, const RowMatrix& rows) const;
 
     /// Runs visit(first, columns) for all strips in their order; it may change the array.

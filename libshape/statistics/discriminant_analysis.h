@@ -21,6 +21,7 @@ struct DiscriminantAnalysis
     Eigen::VectorXd log_priors; ///< G; shares of the points.
 };
 
+/// Canonical variates of groups: axes along which variance between groups is largest against that within them.
 /// @param points  N by K, finite.
 /// @param groups  At least 2; their covariances are pooled with divisor N - G.
 /// @throws InvalidInput if a rule is broken, or N < K + G.

@@ -19,6 +19,7 @@ struct Regression
     double r_squared = 0.0;          ///< Share of the sum of squares of the data, in [0, 1].
 };
 
+/// Fits data = mean + (covariates - covariate means) slopes by least squares.
 /// The weights give the slopes of any other quantity of the same observations: weights^T companion.
 /// What a covariate does to an observation is taken away by data.row(i) - (c_i - reference) slope.
 /// Whether it does anything: test_linear_model().

@@ -26,6 +26,8 @@ TEST(Ranks, AreAPowerOfTwoOfThemWithinTheLots)
     EXPECT_THROW(check(ranks(2, 2, 16)), InvalidInput);
     EXPECT_THROW(check(ranks(-1, 2, 16)), InvalidInput);
     EXPECT_THROW(check(ranks(0, 1, 0)), InvalidInput);
+    EXPECT_THROW(check(ranks(0, 1, 6)), InvalidInput);
+    EXPECT_THROW(check(ranks(0, 4, 6)), InvalidInput);
 }
 
 } // namespace

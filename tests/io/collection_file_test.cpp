@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <string_view>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -72,6 +76,86 @@ TEST(CollectionFile, GivesMeshesBackThatFillSeveralChunks)
     }
     write_collection(directory / "c.h5", collection);
     expect_equal(read_collection(directory / "c.h5"), collection);
+}
+
+/// The meshes [begin, end) of the bumpy collection.
+Collection some_of_them(std::size_t begin, std::size_t end)
+{
+    Collection some = bumpy_collection();
+    const auto cut = [&](auto& values) {
+        values.resize(end);
+        values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(begin));
+    };
+    cut(some.names);
+    cut(some.points);
+    for (LabelColumn& column : some.labels)
+        cut(column.values);
+    return some;
+}
+
+TEST(CollectionFile, AppendedMeshesGiveTheBytesOfAllOfThemStoredAsTheFirstOnes)
+{
+    const test::TemporaryDirectory directory;
+    const Collection added = some_of_them(3, 4);
+    for (const CollectionFileOptions stored :
+         {CollectionFileOptions{}, {.derived = true}, {.compress = true}, {true, true}})
+        for (const CollectionFileOptions wanted :
+             {CollectionFileOptions{}, {.derived = true}, {.compress = true}}) {
+            write_collection(directory / "all.h5", bumpy_collection(),
+                             {.derived = stored.derived || wanted.derived,
+                              .compress = stored.compress || wanted.compress});
+            write_collection(directory / "c.h5", some_of_them(0, 3), stored);
+            EXPECT_EQ(append_to_collection(directory / "c.h5", stream_of(added), wanted), 4);
+            EXPECT_EQ(test::read_bytes(directory / "c.h5"), test::read_bytes(directory / "all.h5"));
+        }
+    EXPECT_EQ(directory.names(), (std::vector<std::string>{"all.h5", "c.h5"}));
+}
+
+TEST(CollectionFile, OfTwoThatAppendAtOnceTheLaterOneFailsAndLosesNothing)
+{
+    const test::TemporaryDirectory directory;
+    const std::filesystem::path file = directory / "c.h5";
+    const Collection late = some_of_them(3, 4);
+    const Collection early = some_of_them(2, 3);
+    const auto message = [&](const auto& meanwhile) {
+        write_collection(file, some_of_them(0, 2));
+        return test::message_of<FileError>([&] {
+            append_to_collection(file, stream_of(late), {},
+                                 [&](std::string_view, std::size_t done, std::size_t total) {
+                                     if (done == total)
+                                         meanwhile();
+                                 });
+        });
+    };
+    const std::string changed =
+        file.string() + " changed while meshes were appended to it; run the command again";
+    EXPECT_EQ(message([&] { append_to_collection(file, stream_of(early)); }), changed);
+    expect_equal(read_collection(file), some_of_them(0, 3));
+    // Another file of the same bytes, the same file at another time, and none.
+    EXPECT_EQ(message([&] { write_collection(file, some_of_them(0, 2)); }), changed);
+    EXPECT_EQ(message([&] {
+                  std::filesystem::last_write_time(
+                      file, std::filesystem::last_write_time(file) - std::chrono::seconds(5));
+              }),
+              changed);
+    expect_equal(read_collection(file), some_of_them(0, 2));
+    EXPECT_EQ(message([&] { std::filesystem::remove(file); }), changed);
+    EXPECT_EQ(directory.names(), std::vector<std::string>{});
+}
+
+TEST(CollectionFile, NothingIsAppendedToALinkOrToWhatIsNotThere)
+{
+    const test::TemporaryDirectory directory;
+    const Collection added = some_of_them(3, 4);
+    const auto message = [&](const std::string& name) {
+        return test::message_of<FileError>(
+            [&] { append_to_collection(directory / name, stream_of(added)); });
+    };
+    EXPECT_NE(message("none.h5").find("none.h5: No such file"), std::string::npos);
+    write_collection(directory / "c.h5", some_of_them(0, 2));
+    std::filesystem::create_symlink("c.h5", directory / "link.h5");
+    EXPECT_NE(message("link.h5").find("name the file it points to"), std::string::npos);
+    expect_equal(read_collection(directory / "c.h5"), some_of_them(0, 2));
 }
 
 TEST(CollectionFile, HasTheSameBytesForTheSameCollection)

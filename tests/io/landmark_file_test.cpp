@@ -31,6 +31,7 @@ TEST_F(LandmarkFile, ReadsTables)
     EXPECT_EQ(marks[1].name, "nose");
     EXPECT_EQ(marks[1].vertex, -1);
     EXPECT_EQ(marks[1].position, Vector3d(4, 5, 6));
+    EXPECT_EQ(read("e.csv", "scan,name,x,y,z\ntemplate.PLY,nose,1,2,3\n")[0].scan, "template");
     const auto of_vertices = read("b.csv", "name,vertex,x,y,z\nnose,17,1,2,3\n");
     EXPECT_EQ(of_vertices[0].vertex, 17);
     EXPECT_EQ(of_vertices[0].scan, "");
@@ -61,6 +62,17 @@ TEST_F(LandmarkFile, RefusesWhatItCannotRead)
     EXPECT_THROW((void)read("a.csv", "name,x,y,z\nnose,1,two,3\n"), InvalidInput);
     EXPECT_THROW((void)read("a.csv", "name,vertex,x,y,z\nnose,1.5,1,2,3\n"), InvalidInput);
     EXPECT_THROW((void)read("a.csv", "name,x,y,z\n"), InvalidInput);
+    const auto message = [&](const std::string& name, const std::string& text) {
+        return message_of<InvalidInput>([&] { (void)read(name, text); });
+    };
+    const std::string of_two = message("a.csv", "mesh,name,x,y,z\na,nose,1,2,3\nb,nose,1,2,3\n");
+    for (const char* said : {"'nose' occurs twice", "no column 'scan'", "(columns: mesh, name, x",
+                             "rename 'mesh' to 'scan'"})
+        EXPECT_NE(of_two.find(said), std::string::npos) << of_two;
+    EXPECT_NE(message("a.csv", "name,x,y,z\nnose,1,2,3\nnose,1,2,3\n").find("give one with"),
+              std::string::npos);
+    EXPECT_NE(message("a.mrk.json", "{").find("3D Slicer: line 1, column 2: is not JSON (syntax"),
+              std::string::npos);
     EXPECT_THROW((void)read("a.fcsv", "1,2,3\n"), InvalidInput);
     EXPECT_THROW((void)read("a.mrk.json", "{"), InvalidInput);
     EXPECT_THROW((void)read("a.mrk.json", "{\"markups\": 3}"), InvalidInput);

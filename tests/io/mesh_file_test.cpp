@@ -561,6 +561,10 @@ std::vector<BadFile> bad_files()
          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
          "float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n",
          "line 9", "triangle strips"},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+         "float z\nend_header\n0 0 0\n",
+         "line 7", "point cloud"},
         {"a.ply", "ply\nformat ascii 2.0\n", "line 2", "'2.0'"},
         {"a.ply", "ply\nformat utf8 1.0\n", "line 2", "'utf8'"},
         {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n", "line 3", "no end_header"},

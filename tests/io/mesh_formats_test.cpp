@@ -461,6 +461,22 @@ TEST(GlbFile, ReadsNodesSmallIndicesAndSparseTargets)
     EXPECT_EQ(mirrored.meshes[0].points(2, 2), -1.0);
 }
 
+TEST(GlbFile, PrimitivesThatShareTheirVerticesAreOneSurface)
+{
+    // A triangle of each material: the same vertices, or vertices of their own.
+    const std::string triangle =
+        R"({"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":2},{}]})";
+    const std::string half = replaced(glb_json, "\"count\":6", "\"count\":3");
+    const auto of = [&](const std::string& second) {
+        return read("x.glb", glb_of(replaced(half, triangle, triangle + "," + second), glb_buffer));
+    };
+    const MeshFileContent shared = of(triangle);
+    EXPECT_EQ(shared.meshes[0].points.rows(), 4);
+    EXPECT_EQ(shared.meshes[0].faces.rows(), 2);
+    EXPECT_EQ(shared.meshes[1].points.rows(), 4);
+    EXPECT_EQ(of(replaced(triangle, "{\"POSITION\":2},{}", "{},{}")).meshes[1].points.rows(), 8);
+}
+
 TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
 {
     for (const auto& [what, by, rule] : std::vector<std::array<std::string, 3>>{

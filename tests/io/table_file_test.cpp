@@ -77,6 +77,7 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
              {"sep=,\na,b\n1,2,3\n", "line 3", "has 3 cells, the header has 2"},
              {"a,b\n1,2\n3\n", "line 3", "has 1 cell, the header has 2"},
              {"a,b\n1,2,3\n", "line 2", "has 3 cells, the header has 2"},
+             {"a,b\nx,1,2\ny,3,4\n", "line 2", "as have all rows; if their first cells"},
              {"a,b\n1,2\n\n3,4\n", "line 3", "has 1 cell,"},
              {"a,b\n\"x\ny\",2\n1\n", "line 4", "has 1 cell,"},
              {"a,b\n1,\"2\n3,4\n", "line 2", "a quote is not closed"},
@@ -96,6 +97,16 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
         EXPECT_NE(message.find("table.csv"), std::string::npos) << message;
         EXPECT_NE(message.find(c.place), std::string::npos) << message;
         EXPECT_NE(message.find(c.rule), std::string::npos) << message;
+    }
+}
+
+TEST(TableFile, AdvisesOfRowNamesOnlyIfAllRowsHaveThem)
+{
+    for (const char* text :
+         {"a,b\nx,1,2\n3,4\n", "a,b\n1,2\nx,3,4\n", "a,b\nx,y,1,2\n", "a,b\nx,1,2\ny,\"3,4\n"}) {
+        const std::string message = test::message_of<InvalidInput>([&] { (void)read(text); });
+        EXPECT_NE(message.find("the header has 2"), std::string::npos) << message;
+        EXPECT_EQ(message.find("row.names"), std::string::npos) << message;
     }
 }
 

@@ -125,6 +125,12 @@ TEST_F(VertexScalars, ThatAreNotThereAreNotRead)
     bytes.replace(heat_of_second, 8, std::string("\0\0\0\0\0\0\xf8\x7f", 8));
     test::write_bytes(directory_ / "nan.ply", bytes);
     EXPECT_NE(reading("nan.ply", "heat").find("vertex 1 is not finite"), std::string::npos);
+    std::string text = triangle;
+    text.replace(text.find("1 0 8"), 5, "1 0 nan"); // x, y, heat
+    text.replace(text.find("uchar heat"), 10, "float heat");
+    test::write_bytes(directory_ / "text.ply", text);
+    EXPECT_NE(reading("text.ply", "heat").find("property 'heat' of vertex 1 is 'nan'"),
+              std::string::npos);
     EXPECT_NO_THROW((void)read_mesh(directory_ / "nan.ply"));
 }
 

@@ -223,6 +223,9 @@ TEST(DifferenceEffects, NeedTwoPairs)
                   (void)difference_effects(collection, rest_to_bent());
               }).find("effects need two or more meshes, or pairs of them; of "),
               std::string::npos);
+    DifferenceOptions same = rest_to_bent();
+    same.to_value = same.from_value;
+    EXPECT_NE(message_for(same).find("another group"), std::string::npos) << message_for(same);
     DifferenceOptions unknown = rest_to_bent();
     unknown.pair_by = "name";
     EXPECT_THROW((void)difference_effects(collection, unknown), InvalidInput);

@@ -332,5 +332,36 @@ TEST(ScanFitter, RefusesLandmarksThatLeaveTheStartOpenAndOptionsOutOfRange)
                  InvalidInput);
 }
 
+TEST(ScanFitter, RefusesToNameABoundaryOfWhatHasNone)
+{
+    const TestMesh closed = icosphere(2), open = open_cylinder(24, 16);
+    const LandmarkPairs mark{{"rim"}, open.points.topRows(1), open.points.topRows(1)};
+    const auto refusal = [&](const TestMesh& pattern, const TestMesh& scan) {
+        const ScanFitter fitter(pattern.topology, pattern.points,
+                                {.search_start = false, .boundaries = {"rim"}});
+        return message_of<InvalidInput>([&] { (void)fitter.fit(scan_of(scan), mark); });
+    };
+    EXPECT_EQ(refusal(closed, open), "boundary 'rim': the template has no boundary");
+    EXPECT_EQ(refusal(closed, closed), "boundary 'rim': the template has no boundary");
+    EXPECT_EQ(refusal(open, closed), "boundary 'rim': the scan has no boundary");
+}
+
+TEST(ScanFitter, PairsLoopsByNameThatLieTooFarApartForTheRule)
+{
+    const TestMesh mesh = open_cylinder(24, 16); // of radius 1, from z = 0 to 4
+    TestMesh longer = open_cylinder(40, 40);     // to z = 5, farther than a tenth of 2 pi
+    longer.points.col(2) *= 1.25;
+    // A landmark nearer the upper loops, which holds its place.
+    const Points at = mesh.points.row(12 * 24);
+    const auto missing = [&](const std::vector<std::string>& boundaries) {
+        const ScanFit fit = ScanFitter(mesh.topology, mesh.points,
+                                       {.search_start = false, .boundaries = boundaries})
+                                .fit(scan_of(longer), {{"rim"}, at, at});
+        return 5.0 - fit.points.col(2).bottomRows(24).mean(); // of the upper loop
+    };
+    EXPECT_GT(missing({}), 0.9);
+    EXPECT_LT(missing({"rim"}), 0.3);
+}
+
 } // namespace
 } // namespace shape::test

@@ -363,6 +363,8 @@ TEST_F(Commands, GenerateScoresAreStandardDeviations)
     (void)run({"generate", "model.h5", "--scores", "0.5", "-o", "scores.ply"});
     (void)run({"generate", "model.h5", "--mode", "1", "--sigma", "0.5", "-o", "mode.ply"});
     EXPECT_EQ(folder_.read("scores.ply"), folder_.read("mode.ply"));
+    (void)run({"generate", "model.h5", "--scores", " 0.5, 0", "-o", "blanks.ply"});
+    EXPECT_EQ(folder_.read("blanks.ply"), folder_.read("mode.ply"));
     (void)run({"project", "model.h5", "scores.ply", "-o", "s.csv"});
     const ShapeModel model = read_model(folder_ / "model.h5");
     const Table table = read_table(folder_ / "s.csv");

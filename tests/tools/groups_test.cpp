@@ -105,6 +105,21 @@ TEST_F(Groups, AreComparedWithinSubjects)
     EXPECT_EQ(parse_number(table.rows[1][2], "distance"), figures["pairs"][0]["distance"]);
 }
 
+TEST_F(Groups, WithoutPermutationsHaveNoPValue)
+{
+    const Json figures =
+        run({"groups", "people.h5", "--by", "mood", "--permutations", "0", "-o", "g.csv"});
+    EXPECT_TRUE(figures["overall"]["p_value"].is_null());
+    EXPECT_GT(figures["overall"]["f"], 0.0);
+    const Table table = read_table(folder_ / "g.csv");
+    for (const std::vector<std::string>& row : table.rows)
+        EXPECT_EQ(row.back(), "");
+    const Outcome told = run_shape(
+        folder_.path(),
+        {"groups", "people.h5", "--by", "mood", "--permutations", "0", "-o", "g.csv", "--force"});
+    EXPECT_EQ(told.out.find("p ="), std::string::npos) << told.out;
+}
+
 TEST_F(Groups, OfSubjectsAreComparedByTheirMeans)
 {
     const Arguments by_sex{"groups", "people.h5", "--by", "sex", "--within", "subject"};
@@ -391,7 +406,7 @@ TEST_F(Groups, BadInputIsNamed)
     const Arguments regress{"regress", "people.h5", "-o", "out.csv"};
     expect_failure(3, regress + Arguments{"--on", "word"}, {"word", "s0_calm", "old", "number"});
     expect_failure(3, regress + Arguments{"--on", "gap"}, {"s5_glad", "gap"});
-    expect_failure(3, regress + Arguments{"--on", "same"}, {"constant"});
+    expect_failure(3, regress + Arguments{"--on", "same"}, {"--on same: is constant, "});
     expect_failure(3, {"regress", "a.ply", "b.ply", "--on", "size", "-o", "x.csv"},
                    {"2 observations"});
 }

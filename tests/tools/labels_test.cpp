@@ -125,9 +125,10 @@ TEST_F(LabelledMeshes, AccentsMatchInEitherSpelling)
 
 TEST_F(LabelledMeshes, RepeatedScansAreRegressedByTheirMeansAndElseWarnedOf)
 {
-    std::string text = "mesh,person,age,dose\n";
+    std::string text = "mesh,person,age,dose,grams\n";
     for (int i = 0; i < 10; ++i)
-        text += join("m", i, ",p", i / 2, ",", 20 + 3 * (i / 2) + (i / 2) % 2, ",", i % 2, "\n");
+        text += join("m", i, ",p", i / 2, ",", 20 + 3 * (i / 2) + (i / 2) % 2, ",", i % 2, ",",
+                     2 * (i % 2) + 1, "\n");
     folder_.write("l.csv", text);
     const Arguments regress{"regress", "set", "--labels", "l.csv", "-o", "r.csv", "--force"};
     const Json nested = run(regress + Arguments{"--on", "age", "--within", "person"});
@@ -137,7 +138,20 @@ TEST_F(LabelledMeshes, RepeatedScansAreRegressedByTheirMeansAndElseWarnedOf)
     const Outcome both =
         shape(regress + Arguments{"--on", "age", "--on", "dose", "--within", "person"});
     EXPECT_EQ(both.exit_code, 3);
-    EXPECT_NE(both.err.find("one of them at a time"), std::string::npos) << both.err;
+    for (const char* said : {"--on age: is the same for all meshes of a value of person, dose is "
+                             "not",
+                             "one of them at a time"})
+        EXPECT_NE(both.err.find(said), std::string::npos) << both.err;
+    (void)run({"collect", "set", "-o", "set.h5"});
+    for (const Arguments& memory : {Arguments{}, Arguments{"--memory", "100M"}}) {
+        const Outcome twice = shape(Arguments{"regress", "set.h5", "--labels", "l.csv", "--on",
+                                              "dose", "--on", "grams", "-o", "t.csv"} +
+                                    memory);
+        EXPECT_EQ(twice.exit_code, 3);
+        EXPECT_NE(twice.err.find("--on grams: is a combination of the covariates before it (dose)"),
+                  std::string::npos)
+            << twice.err;
+    }
     const Outcome plain = shape(regress + Arguments{"--on", "age"});
     EXPECT_EQ(plain.exit_code, 0) << plain.err;
     EXPECT_NE(plain.err.find("not independent"), std::string::npos) << plain.err;

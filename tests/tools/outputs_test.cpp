@@ -33,6 +33,20 @@ TEST_F(Outputs, ForceReplacesAFile)
     EXPECT_NE(folder_.read("model.h5"), "old");
 }
 
+TEST_F(Outputs, MayHaveEndingsInCapitals)
+{
+    EXPECT_EQ(run({"stats", "a.ply", "b.ply", "c.ply", "-o", "M.H5"}).exit_code, 0);
+    EXPECT_EQ(
+        run({"project", "M.H5", "a.ply", "b.ply", "-o", "S.CSV", "--plot", "S.SVG"}).exit_code, 0);
+    EXPECT_EQ(run({"export", "M.H5", "--to", "statismo", "-o", "X.H5"}).exit_code, 0);
+    EXPECT_EQ(run({"draw", "a.ply", "-o", "D.SVG"}).exit_code, 0);
+    EXPECT_TRUE(folder_.read("D.SVG").starts_with("<"));
+    EXPECT_EQ(run({"draw", "a.ply", "-o", "D.PNG"}).exit_code, 0);
+    EXPECT_TRUE(folder_.read("D.PNG").starts_with("\x89PNG"));
+    for (const char* page : {"P.HTML", "P.htm"}) // with or without the page in this build
+        EXPECT_NE(run({"explore", "M.H5", "-o", page}).exit_code, 2) << page;
+}
+
 TEST_F(Outputs, ForceReplacesOnlyItsOwnFilesOfADirectory)
 {
     folder_.write("new/frame_0000.ply", "old");

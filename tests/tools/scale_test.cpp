@@ -5,6 +5,7 @@
 
 #include "libshape/io/collection_file.h"
 #include "libshape/io/model_file.h"
+#include "libshape/io/table_file.h"
 #include "tests/support/collections.h"
 #include "tests/tools/program_test.h"
 
@@ -177,6 +178,49 @@ TEST_F(Scale, AppendedMeshesGiveTheFileOfAllOfThem)
     EXPECT_NE(outcome({"collect", "late.h5", "--append", "-o", "none.h5"}).exit_code, 0);
 }
 
+TEST_F(Scale, EqualMeshesAreAtDistanceZeroAndOneMeshAtNone)
+{
+    Collection same = subset(bumpy_spheres(3, 3), {0, 1, 2});
+    same.points[1] = same.points[2] = same.points[0];
+    write_collection(folder_ / "same.h5", same);
+    (void)run({"distance", "same.h5", "-o", "d.csv", "--memory", "64M"});
+    EXPECT_EQ(read_table(folder_ / "d.csv").rows[2][1], "0");
+    write_collection(folder_ / "one.h5", subset(same, {0}));
+    const Outcome one = outcome({"distance", "one.h5", "--mds", "m.csv", "--memory", "64M"});
+    EXPECT_EQ(one.exit_code, 3);
+    EXPECT_NE(one.err.find("at least 2 meshes"), std::string::npos) << one.err;
+}
+
+TEST_F(Scale, AppendingKeepsHowTheFileIsStored)
+{
+    const Collection all = bumpy_spheres(60, 3);
+    std::vector<std::size_t> early(40);
+    std::vector<std::size_t> late(20);
+    for (std::size_t i = 0; i < 60; ++i)
+        (i < 40 ? early[i] : late[i - 40]) = i;
+    write_collection(folder_ / "early.h5", subset(all, early));
+    write_collection(folder_ / "late.h5", subset(all, late));
+    const Arguments both{"--store-derived", "--compress"};
+    for (const Arguments& stored :
+         {Arguments{}, Arguments{"--store-derived"}, Arguments{"--compress"}, both}) {
+        (void)run(Arguments{"collect", "c.h5", "-o", "all.h5", "--force"} + stored);
+        (void)run(Arguments{"collect", "early.h5", "-o", "a.h5", "--force"} + stored);
+        (void)run({"collect", "late.h5", "--append", "-o", "a.h5"});
+        EXPECT_EQ(folder_.read("a.h5"), folder_.read("all.h5"));
+    }
+    write_collection(folder_ / "a.h5", subset(all, early));
+    (void)run(Arguments{"collect", "late.h5", "--append", "-o", "a.h5"} + both);
+    EXPECT_EQ(folder_.read("a.h5"), folder_.read("all.h5"));
+    // A disk that is full names the file that people know, and changes nothing.
+    write_collection(folder_ / "a.h5", subset(all, early));
+    const auto before = folder_.content();
+    const Outcome full = run_shape(folder_.path(), {"collect", "late.h5", "--append", "-o", "a.h5"},
+                                   {.largest_file = 20000});
+    EXPECT_EQ(full.exit_code, 5);
+    EXPECT_NE(full.err.find("cannot write a.h5"), std::string::npos) << full.err;
+    EXPECT_EQ(folder_.content(), before);
+}
+
 TEST_F(Scale, AnUpdatedModelIsThatOfAFreshRun)
 {
     const Collection all = bumpy_spheres(60, 3);
@@ -193,6 +237,11 @@ TEST_F(Scale, AnUpdatedModelIsThatOfAFreshRun)
         expect_near(read_model(folder_ / "updated.h5"), read_model(folder_ / "fresh.h5"),
                     kept.empty() ? 1e-8 : 1e-10);
     }
+    write_collection(folder_ / "other.h5", bumpy_spheres(60, 4)); // the same names
+    const Outcome other =
+        outcome({"stats", "other.h5", "--update", "early_model.h5", "-o", "u.h5"});
+    EXPECT_EQ(other.exit_code, 3);
+    EXPECT_NE(other.err.find("is another than that of the input"), std::string::npos) << other.err;
     (void)run({"stats", "early.h5", "-o", "few.h5", "--modes", "4"});
     const Outcome few = outcome({"stats", "c.h5", "--update", "few.h5", "-o", "u.h5"});
     EXPECT_EQ(few.exit_code, 3);
@@ -404,6 +453,97 @@ TEST_F(Scale, ShardsAreMergedToTheFilesOfOneRun)
     EXPECT_EQ(outcome(shard("1/6")).exit_code, 3);
 }
 
+TEST_F(Scale, ShardsThatAreNotAsTheyWereWrittenAreNotMerged)
+{
+    (void)run({"stats", "c.h5", "-o", "m.h5", "--modes", "3"});
+    const Arguments generate{"generate", "m.h5", "--sample", "5", "-o", "parts/", "--shard"};
+    for (const char* part : {"1/2", "2/2"})
+        (void)run(generate + Arguments{part});
+    const auto refused = [&](const std::vector<std::string>& said) {
+        const auto before = folder_.content();
+        const Outcome merged = outcome({"merge", "parts"});
+        EXPECT_EQ(merged.exit_code, 3);
+        for (const std::string& words : said)
+            EXPECT_NE(merged.err.find(words), std::string::npos) << merged.err;
+        EXPECT_EQ(line_count(merged.err), 1);
+        EXPECT_EQ(folder_.content(), before);
+    };
+    const std::string mesh = "parts.shard-1-of-2/sample_0000.ply";
+    ASSERT_TRUE(folder_.has(mesh));
+    const std::string whole = folder_.read(mesh);
+    std::string flipped = whole;
+    flipped[flipped.size() / 2] ^= 1;
+    for (const std::string& damaged : {std::string(), whole + "\n", flipped}) {
+        folder_.write(mesh, damaged);
+        refused({"parts.shard-1-of-2: the file sample_0000.ply is not as the shard wrote it",
+                 "run the shard again with --force"});
+    }
+    folder_.write(mesh, whole);
+
+    const std::string manifest = folder_.read("parts.shard-2-of-2/shard.json");
+    auto earlier = nlohmann::ordered_json::parse(manifest); // settings are compared in order
+    auto names = nlohmann::ordered_json::array();
+    for (const auto& file : earlier["files"])
+        names.push_back(file["name"]);
+    earlier["files"] = names;
+    earlier.erase("beside");
+    folder_.write("parts.shard-2-of-2/shard.json", earlier.dump());
+    refused({"parts.shard-2-of-2: was made by an earlier version", "again with --force"});
+    folder_.write("parts.shard-2-of-2/shard.json", manifest);
+
+    folder_.write("parts.shard-1-of-2/notes.txt", "mine");
+    folder_.write("parts.shard-2-of-2/more/fit.json", "{}");
+    refused({"parts: not written by the shards", "parts.shard-1-of-2/notes.txt, ",
+             "parts.shard-2-of-2/more/fit.json", "move it elsewhere"});
+    std::filesystem::remove(folder_ / "parts.shard-1-of-2/notes.txt");
+    std::filesystem::remove_all(folder_ / "parts.shard-2-of-2/more");
+    folder_.write("parts.shard-2-of-2/.shape-1-0.tmp", "of a run that was killed");
+    EXPECT_EQ(run({"merge", "parts"})["meshes"], 5);
+    EXPECT_FALSE(folder_.has("parts.shard-1-of-2"));
+    EXPECT_FALSE(folder_.has("parts.shard-2-of-2"));
+}
+
+TEST_F(Scale, MergeWritesIntoADirectoryThatExistsIfItIsForced)
+{
+    (void)run({"stats", "c.h5", "-o", "m.h5", "--modes", "3"});
+    const Arguments generate{"generate", "m.h5", "--sample", "4"};
+    (void)run(generate + Arguments{"-o", "whole"});
+    for (const char* part : {"1/2", "2/2"})
+        (void)run(generate + Arguments{"-o", "parts", "--shard", part});
+    folder_.write("parts/sample_0001.ply", "old");
+    folder_.write("parts/sample_0099.ply", "older");
+    folder_.write("parts/notes.txt", "mine");
+    const auto before = folder_.content();
+    const Outcome refused = outcome({"merge", "parts"});
+    EXPECT_EQ(refused.exit_code, 5);
+    EXPECT_NE(refused.err.find("parts: exists already; --force writes into it"), std::string::npos)
+        << refused.err;
+    EXPECT_EQ(folder_.content(), before);
+    const Outcome forced = outcome({"merge", "parts/", "--force"});
+    EXPECT_EQ(forced.exit_code, 0) << forced.err;
+    EXPECT_NE(forced.err.find("holds 1 other mesh, such as sample_0099.ply"), std::string::npos)
+        << forced.err;
+    for (const std::string& file : files_in(folder_ / "whole"))
+        EXPECT_EQ(folder_.read("parts/" + file), folder_.read("whole/" + file)) << file;
+    EXPECT_EQ(folder_.read("parts/notes.txt"), "mine");
+    EXPECT_EQ(files_in(folder_ / "parts").size(), files_in(folder_ / "whole").size() + 2);
+    EXPECT_FALSE(folder_.has("parts.shard-1-of-2"));
+
+    for (const char* part : {"1/2", "2/2"})
+        (void)run(generate + Arguments{"-o", "file", "--shard", part});
+    folder_.write("file", "mine");
+    EXPECT_EQ(outcome({"merge", "file", "--force"}).exit_code, 5);
+    EXPECT_EQ(folder_.read("file"), "mine");
+    std::filesystem::remove(folder_ / "file");
+    std::filesystem::create_directories(folder_ / "file/sample_0002.ply");
+    const Outcome blocked = outcome({"merge", "file", "--force"});
+    EXPECT_EQ(blocked.exit_code, 5);
+    EXPECT_NE(blocked.err.find("file/sample_0002.ply: exists and is not a regular file"),
+              std::string::npos)
+        << blocked.err;
+    EXPECT_TRUE(folder_.has("file.shard-2-of-2/sample_0001.ply"));
+}
+
 TEST_F(Scale, BlendsAndFitsComeInShardsToo)
 {
     write_bumpy_spheres(folder_);
@@ -424,7 +564,15 @@ TEST_F(Scale, BlendsAndFitsComeInShardsToo)
     (void)run(fit + Arguments{"-o", "fits"});
     for (const char* part : {"1/2", "2/2"})
         (void)run(fit + Arguments{"-o", "some", "--shard", part});
+    const std::string report = folder_.read("some.shard-2-of-2/fit.json");
+    folder_.write("some.shard-2-of-2/fit.json", report + " ");
+    const Outcome altered = outcome({"merge", "some"});
+    EXPECT_EQ(altered.exit_code, 3);
+    EXPECT_NE(altered.err.find("the file fit.json is not as the shard wrote it"), std::string::npos)
+        << altered.err;
+    folder_.write("some.shard-2-of-2/fit.json", report);
     (void)run({"merge", "some"});
+    EXPECT_FALSE(folder_.has("some.shard-1-of-2"));
     (void)run(fit + Arguments{"-o", "some", "--resume"}); // draws, and fits nothing again
     for (const char* file : {"a.ply", "b.ply"})
         EXPECT_EQ(folder_.read(std::string("some/") + file),

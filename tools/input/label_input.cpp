@@ -174,6 +174,11 @@ Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& s
     for (std::size_t c = 0; c < columns.size(); ++c) {
         const auto column = static_cast<Eigen::Index>(c);
         if (columns[c] == "size") {
+            if (std::ranges::any_of(meshes.labels,
+                                    [](const LabelColumn& l) { return l.name == "size"; }))
+                throw InvalidInput(
+                    "'size' is the size of a mesh here, and a label is called so too: rename the "
+                    "label");
             result.col(column) = sizes;
             continue;
         }

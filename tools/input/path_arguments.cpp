@@ -198,17 +198,20 @@ void refuse_extrapolation(const Blends& blends)
                                         ", outside [0, 1]; --extrapolate allows it"));
 }
 
-} // namespace
+constexpr const char* paths_group = "Paths"; // of the help
 
-void add_path_options(CLI::App& command, PathArguments& arguments)
+/// An option that is read from a text.
+CLI::Option* add_text(CLI::App& to, const std::string& name, const std::string& text,
+                      const std::string& description,
+                      const std::function<void(const std::string&)>& read)
 {
-    PathDescription& path = arguments.options;
+    return to.add_option_function<std::string>(name, read, description)->option_text(text);
+}
+
+/// Which blends: --weights, --frames, --at or --grid.
+void add_blends(CLI::App& command, PathDescription& path)
+{
     CLI::Option_group* blends = command.add_option_group("Blends", "exactly one of");
-    const auto add = [](CLI::App& group, const std::string& name, const std::string& text,
-                        const std::string& description,
-                        const std::function<void(const std::string&)>& read) {
-        return group.add_option_function<std::string>(name, read, description)->option_text(text);
-    };
     blends
         ->add_option_function<std::vector<std::string>>(
             "--weights",
@@ -220,7 +223,8 @@ void add_path_options(CLI::App& command, PathArguments& arguments)
             "the option for several blends")
         ->allow_extra_args(false)
         ->option_text("w1,w2,...");
-    add(*blends, "--frames", "INTEGER",
+    add_text(
+        *blends, "--frames", "INTEGER",
         join("N blends along the path, equally spaced, both ends included, [2, ", most_frames, "]"),
         [&path](const std::string& text) {
             path.frames = read_integer(text, "--frames", 2, most_frames);
@@ -235,7 +239,8 @@ void add_path_options(CLI::App& command, PathArguments& arguments)
             "A blend at a place of the patch or polygon. Repeat the option for several")
         ->allow_extra_args(false)
         ->option_text("x,y");
-    add(*blends, "--grid", "COLUMNS,ROWS",
+    add_text(
+        *blends, "--grid", "COLUMNS,ROWS",
         join("Blends all over the patch, row by row from (0, 0); each in [2, ", most_rows, "]"),
         [&path](const std::string& text) {
             const std::vector<std::string> sides = split(text, ',');
@@ -245,35 +250,44 @@ void add_path_options(CLI::App& command, PathArguments& arguments)
                                  read_integer(sides[1], "--grid", 2, most_rows));
         });
     blends->require_option(0, 1);
+}
 
-    const std::string group = "Paths";
+/// Which path, and what of it.
+void add_shape_of_path(CLI::App& command, PathDescription& path)
+{
     add_choice(command, "--path", path.kind,
                "line: from mesh to mesh in order, each part as long as the others (default).\n"
                "bilinear: 4 meshes at the places (0,0), (1,0), (0,1), (1,1) of a patch.\n"
                "polygon: 3 meshes or more at the corners of a polygon; mean value coordinates of\n"
                "a point in it. spline: a smooth curve through all meshes, see --spline",
                path_kinds())
-        ->group(group);
-    add(command, "--range", "A:B",
-        "The part of a line or spline that the frames cover: 0 is the first mesh, 1 the last\n"
-        "(default: 0:1). Lines go on beyond with --extrapolate",
-        [&path](const std::string& text) { path.range = read_pair(text, ':', "--range"); })
-        ->group(group);
-    add(command, "--track", "x,y:x,y:...",
-        "What the frames move along, at constant speed: a polyline in the patch (default:\n"
-        "0,0:1,1) or polygon (default: from corner to corner and back to the first)",
-        [&path](const std::string& text) { path.track = read_points(text, "--track"); })
-        ->group(group);
-    add(command, "--polygon", "x,y:x,y:...",
+        ->group(paths_group);
+    add_text(command, "--range", "A:B",
+             "The part of a line or spline that the frames cover: 0 is the first mesh, 1 the last\n"
+             "(default: 0:1). Lines go on beyond with --extrapolate",
+             [&path](const std::string& text) { path.range = read_pair(text, ':', "--range"); })
+        ->group(paths_group);
+    add_text(command, "--track", "x,y:x,y:...",
+             "What the frames move along, at constant speed: a polyline in the patch (default:\n"
+             "0,0:1,1) or polygon (default: from corner to corner and back to the first)",
+             [&path](const std::string& text) { path.track = read_points(text, "--track"); })
+        ->group(paths_group);
+    add_text(
+        command, "--polygon", "x,y:x,y:...",
         "Corners of the polygon, one a mesh, in order; it must be simple (default: regular, on\n"
         "the unit circle, counter-clockwise from 1,0)",
         [&path](const std::string& text) { path.polygon = read_points(text, "--polygon"); })
-        ->group(group);
+        ->group(paths_group);
     add_choice(command, "--spline", path.spline,
                "catmull-rom: through every mesh (default); b-spline: cubic, through the first and\n"
                "the last mesh and near the others, smoother",
                spline_kinds())
-        ->group(group);
+        ->group(paths_group);
+}
+
+/// The path file, and how far blends may leave the inputs.
+void add_file_and_ranges(CLI::App& command, PathArguments& arguments)
+{
     command
         .add_option("--path-file", arguments.file,
                     "JSON file that says the same: an object with any of the keys path, weights,\n"
@@ -281,18 +295,27 @@ void add_path_options(CLI::App& command, PathArguments& arguments)
                     "[a, b], a grid [columns, rows], weights a list of lists; e.g.\n"
                     "{\"path\": \"polygon\", \"frames\": 50, \"track\": [[0, 0], [0.5, 0.2]]}")
         ->option_text("FILE")
-        ->group(group);
+        ->group(paths_group);
     CLI::Option* extrapolate =
         command
             .add_flag("--extrapolate", arguments.extrapolate,
                       "Allow weights outside [0, 1] of lines and patches. Prints the safe range:\n"
                       "how far no triangle inequality breaks. What leaves it is refused")
-            ->group(group);
+            ->group(paths_group);
     command
         .add_flag("--force-range", arguments.force_range,
                   "Go beyond the safe range; no mesh has the lengths there, the nearest is written")
         ->needs(extrapolate)
-        ->group(group);
+        ->group(paths_group);
+}
+
+} // namespace
+
+void add_path_options(CLI::App& command, PathArguments& arguments)
+{
+    add_blends(command, arguments.options);
+    add_shape_of_path(command, arguments.options);
+    add_file_and_ranges(command, arguments);
 }
 
 Blends blends_of(const PathArguments& arguments, int meshes)

@@ -9,6 +9,7 @@
 #include "libshape/base/format.h"
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/json_depth.h"
+#include "libshape/io/file/json_fault.h"
 #include "tools/program/arguments.h"
 
 namespace shape::tools {
@@ -118,7 +119,7 @@ public:
         try {
             json = nlohmann::json::parse(text, refuse_repeats);
         } catch (const nlohmann::json::exception& error) {
-            throw InvalidInput(join(file_, ": no JSON: ", error.what()));
+            throw InvalidInput(join(file_, ": ", json_fault(error.what())));
         }
         if (!json.is_object())
             throw InvalidInput(join(file_, ": must be a JSON object"));

@@ -55,7 +55,7 @@ CLI::Option* add_effects(CLI::App& command, std::string& path)
 void check_effects(const Session& session, const fs::path& path,
                    const std::vector<fs::path>& inputs)
 {
-    if (path.extension() != ".ply" && path.extension() != ".vtk" && path.extension() != ".vtp")
+    if (!has_ending(path, ".ply") && !has_ending(path, ".vtk") && !has_ending(path, ".vtp"))
         throw UsageError(join("--effects: '", path.string(),
                               "' must end in .ply, .vtk or .vtp, which hold values at vertices"));
     check_output(session, path, inputs);

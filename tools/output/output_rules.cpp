@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -57,9 +58,14 @@ void check_different(const std::string& option, const fs::path& path,
         throw UsageError(join(option, ": '", path.string(), "' is the file of ", other_option));
 }
 
+bool has_ending(const fs::path& path, std::string_view ending)
+{
+    return lower_case(path.extension().string()) == ending;
+}
+
 void check_ending(const std::string& option, const fs::path& path, const std::string& ending)
 {
-    if (path.extension() != ending)
+    if (!has_ending(path, ending))
         throw UsageError(join(option, ": '", path.string(), "' must end in ", ending));
 }
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -30,7 +31,11 @@ void check_output(const Session& session, const std::filesystem::path& output,
 void check_different(const std::string& option, const std::filesystem::path& path,
                      const std::string& other_option, const std::filesystem::path& other_path);
 
-/// @throws UsageError if the path does not end so.
+/// Whether the path ends so, in letters of either case.
+/// @param ending  In lower case, with its dot.
+[[nodiscard]] bool has_ending(const std::filesystem::path& path, std::string_view ending);
+
+/// @throws UsageError if the path does not end so, in letters of either case.
 void check_ending(const std::string& option, const std::filesystem::path& path,
                   const std::string& ending);
 

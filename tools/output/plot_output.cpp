@@ -17,6 +17,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/io/file/output_file.h"
+#include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
 
 namespace shape::tools {
@@ -91,13 +92,13 @@ std::string png_of(const std::filesystem::path& path, const std::string& svg)
 
 void check_picture(const std::string& option, const std::filesystem::path& path)
 {
-    if (path.extension() != ".svg" && path.extension() != ".png")
+    if (!has_ending(path, ".svg") && !has_ending(path, ".png"))
         throw UsageError(join(option, " is '", path.string(), "', must end in .svg or .png"));
 }
 
 void write_picture(const std::filesystem::path& path, const std::string& svg)
 {
-    write_file_atomically(path, path.extension() == ".png" ? png_of(path, svg) : svg);
+    write_file_atomically(path, has_ending(path, ".png") ? png_of(path, svg) : svg);
 }
 
 void add_point_plot(CLI::App& command, PointPlotArguments& arguments, CLI::Option* plot)

@@ -48,7 +48,8 @@ void merge_shards_of_ranks(const Session& session, const std::filesystem::path& 
 [[nodiscard]] std::vector<std::string> relative_to(const std::filesystem::path& directory,
                                                    const std::vector<std::string>& paths);
 
-/// Writes shard.json into the directory of the shard, last of all its files: what it has made, of what.
+/// Writes shard.json into the directory of the shard, last of all its files: what it has made, of what,
+/// with size and hash of each file.
 /// @param settings  What all shards of the run must have in common.
 /// @param files  Of its directory: those that must be there.
 void write_shard_manifest(const std::filesystem::path& directory, const Shard& shard,
@@ -64,9 +65,12 @@ struct MergedShards
 };
 
 /// Puts the files of all shards of a directory into it and removes theirs. Nothing is changed before all
-/// of them are known to be there, of one run and complete; the directory appears as a whole.
-/// @throws InvalidInput naming the shards that are missing, differ, or lack a file; FileError if the
-///     directory exists already or the system refuses.
-[[nodiscard]] MergedShards merge_shards(const std::filesystem::path& output);
+/// of them are known to be there, of one run, complete, and as they were written. The directory appears
+/// as a whole; one that exists is, with --force, written into, over files of the same names.
+/// @throws InvalidInput naming the shards that are missing, differ, or lack a file, or have one that is
+///     not as it was written; or files in their directories that are not theirs.
+/// @throws FileError if the directory exists already and --force is not given, or the system refuses.
+[[nodiscard]] MergedShards merge_shards(const Session& session,
+                                        const std::filesystem::path& output);
 
 } // namespace shape::tools

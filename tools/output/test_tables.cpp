@@ -37,7 +37,7 @@ Json test_figures(const LinearModelTest& test)
             {"residual_sum_of_squares", test.residual_sum_of_squares},
             {"r_squared", test.r_squared},
             {"f", std::isfinite(test.f) ? Json(test.f) : Json()},
-            {"p_value", test.p_value},
+            {"p_value", test.permutations > 0 ? Json(test.p_value) : Json()},
             {"permutations", test.permutations}};
 }
 
@@ -65,10 +65,13 @@ std::string describe(const LinearModelTest& test)
     if (test.residual_degrees_of_freedom == 0)
         return "too few meshes for a test";
     char text[160];
-    std::snprintf(text, sizeof text, "F(%d, %d) = %.4g, R^2 = %.4g, p = %.4g",
-                  test.degrees_of_freedom, test.residual_degrees_of_freedom, test.f, test.r_squared,
-                  test.p_value);
-    return text;
+    std::snprintf(text, sizeof text, "F(%d, %d) = %.4g, R^2 = %.4g", test.degrees_of_freedom,
+                  test.residual_degrees_of_freedom, test.f, test.r_squared);
+    if (test.permutations == 0)
+        return join(text, ", not tested");
+    char p[40];
+    std::snprintf(p, sizeof p, ", p = %.4g", test.p_value);
+    return join(text, p);
 }
 
 } // namespace shape::tools

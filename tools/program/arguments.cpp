@@ -111,6 +111,10 @@ std::vector<std::string> split(const std::string& text, char separator)
             pieces.emplace_back();
         else
             pieces.back() += c;
+    for (std::string& piece : pieces) {
+        piece.erase(0, piece.find_first_not_of(" \t"));
+        piece.erase(piece.find_last_not_of(" \t") + 1);
+    }
     return pieces;
 }
 

@@ -91,7 +91,7 @@ CLI::Option* add_choice(
 /// @throws UsageError as read_number().
 [[nodiscard]] std::vector<double> read_numbers(const std::string& text, const std::string& place);
 
-/// The pieces of a text between separators; one more than there are separators.
+/// The pieces of a text between separators, without outer blanks; one more than there are separators.
 [[nodiscard]] std::vector<std::string> split(const std::string& text, char separator);
 
 } // namespace shape::tools

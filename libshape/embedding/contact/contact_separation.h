@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libshape/embedding/contact/contact_gaps.h"
+#include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/linalg/single_precision_solve.h"
 #include "libshape/mesh/face_crossings.h"
 #include "libshape/mesh/points.h"
@@ -16,7 +17,7 @@ namespace shape::internal {
 struct ContactSeparationOptions
 {
     /// Angles weigh this much against lengths: mu of length_dihedral_energy.h; > 0.
-    double smoothness = 5e-3;
+    double smoothness = usual_smoothness;
     /// Which gaps are asked for in the first round.
     ContactGapOptions gaps = {};
     /// It gives up after this many rounds; >= 0.

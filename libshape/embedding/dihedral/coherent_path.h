@@ -15,7 +15,7 @@ namespace shape::internal {
 struct CoherentPathOptions
 {
     /// Angles weigh this much against lengths: mu of length_dihedral_energy.h; > 0.
-    double smoothness = 5e-3;
+    double smoothness = usual_smoothness;
     /// Branches are held near the companions of their targets by this (hold_near()); >= 0.
     double anchor = 0.01;
     /// The path is solved at this many steps, dealt out to its parts; >= 8.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/embedding/repair/fold_regions.h"
 #include "libshape/embedding/repair/region_repair.h"
 #include "libshape/linalg/single_precision_solve.h"
@@ -20,7 +21,7 @@ struct DihedralSystem;
 struct DihedralEmbeddingOptions
 {
     /// Angles weigh this much against lengths: mu of length_dihedral_energy.h; > 0.
-    double smoothness = 5e-3;
+    double smoothness = usual_smoothness;
     /// From the second repair on a mesh whose target has turns is held near where it started by at most
     /// this (nu of hold_near()), less where transitions agree (turn_share()) or E resists; >= 0.
     double anchor = 0.05;
@@ -103,7 +104,7 @@ public:
 
     /// Lengths that break a triangle inequality are taken as they are, those <= 0 as in
     /// positive_lengths(): the nearest mesh results.
-    /// @throws InvalidInput if point has other sizes a value that is not finite or an angle beyond 1e9 rad, or options
+    /// @throws InvalidInput if point has other sizes, a value that is not finite, or an angle beyond 1e9 rad, or options
     ///     break a rule.
     [[nodiscard]] DihedralEmbedding embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options = {}) const;

@@ -58,6 +58,41 @@ constexpr double look_ahead = 0.1;
 /// Unknowns from which nested dissection, slower to find, saves more in the factorisations.
 constexpr std::size_t many_unknowns = 4000;
 
+/// What a line search has found.
+struct Taken
+{
+    VectorXd points; ///< Empty if `part` is 0.
+    double value;    ///< E there.
+    double part;     ///< Of the step; 0: E falls nowhere.
+};
+
+/// Halves a step, step_halvings times at most, until E falls by good_part of what is promised, or no further than the
+/// step before made it fall: then that is taken.
+/// @param value  E before the step.
+/// @param promised  How far its linear model lets E fall at the whole step.
+/// @param points_at  The points at a part of the step.
+/// @param value_at  E at some points.
+template <typename PointsAt, typename ValueAt>
+Taken halved_until_good(double value, double promised, const PointsAt& points_at,
+                        const ValueAt& value_at)
+{
+    Taken best{{}, value, 0.0};
+    double scale = 1.0;
+    for (int halving = 0; halving <= step_halvings; ++halving, scale *= 0.5) {
+        VectorXd tried = points_at(scale);
+        const double there = value_at(tried);
+        if (!(there < best.value)) {
+            if (best.part > 0.0)
+                break;
+            continue;
+        }
+        best = {std::move(tried), there, scale};
+        if (value - there >= good_part * promised)
+            break;
+    }
+    return best;
+}
+
 } // namespace
 
 /// Of the edges: relative errors of lengths, and of the angles [rad], 0 on the boundary.
@@ -66,6 +101,17 @@ struct GaussNewton::Residuals
     VectorXd strains;
     VectorXd bends;
     double value = 0.0; ///< E.
+
+    /// The second differences of strains and bends between those ahead and behind along a step.
+    [[nodiscard]] Residuals curving(const Residuals& ahead, const Residuals& behind) const
+    {
+        Residuals result{(ahead.strains - 2.0 * strains + behind.strains), VectorXd(bends.size()),
+                         0.0};
+        for (Eigen::Index i = 0; i < result.bends.size(); ++i)
+            result.bends[i] = wrapped_angle(ahead.bends[i] - bends[i]) +
+                              wrapped_angle(behind.bends[i] - bends[i]);
+        return result;
+    }
 };
 
 /// Their derivatives by the corners of the hinges, and weights: J and W.
@@ -336,37 +382,22 @@ GaussNewtonResult GaussNewton::minimize(const LengthDihedralEnergy& energy, Vect
         const VectorXd step = factor->solve(gradient);
         const Residuals ahead = residuals_at(moved(result.points, look_ahead, step));
         const Residuals behind = residuals_at(moved(result.points, -look_ahead, step));
-        Residuals curving{(ahead.strains - 2.0 * residuals.strains + behind.strains),
-                          VectorXd(residuals.bends.size()), 0.0};
-        for (Eigen::Index i = 0; i < curving.bends.size(); ++i)
-            curving.bends[i] = wrapped_angle(ahead.bends[i] - residuals.bends[i]) +
-                               wrapped_angle(behind.bends[i] - residuals.bends[i]);
+        const Residuals curving = residuals.curving(ahead, behind);
         const VectorXd acceleration =
             factor->solve(forces(slopes, curving)) / (look_ahead * look_ahead);
 
-        VectorXd next;
-        double value = result.value;
-        result.last_step = 0.0;
-        double scale = 1.0;
-        for (int halving = 0; halving <= step_halvings; ++halving, scale *= 0.5) {
-            VectorXd tried =
-                moved(moved(result.points, scale, step), 0.5 * scale * scale, acceleration);
-            const double there = residuals_at(tried).value;
-            if (!(there < value)) {
-                if (result.last_step > 0.0)
-                    break;
-                continue;
-            }
-            value = there;
-            next = std::move(tried);
-            result.last_step = scale;
-            if (result.value - value >= good_part * gradient.dot(step))
-                break;
-        }
+        Taken taken = halved_until_good(
+            result.value, gradient.dot(step),
+            [&](double scale) {
+                return moved(moved(result.points, scale, step), 0.5 * scale * scale, acceleration);
+            },
+            [&](const VectorXd& at) { return residuals_at(at).value; });
+        result.last_step = taken.part;
         if (result.last_step > 0.0) {
-            result.converged = result.value - value <= options.decrease_tolerance * value;
-            result.points = std::move(next);
-            result.value = value;
+            result.converged =
+                result.value - taken.value <= options.decrease_tolerance * taken.value;
+            result.points = std::move(taken.points);
+            result.value = taken.value;
             if (!result.converged && result.iterations < options.max_iterations) {
                 residuals = evaluate(energy, result.points, options.stiffness, &slopes);
                 fill(slopes, matrix);

@@ -12,6 +12,9 @@
 
 namespace shape::internal {
 
+inline constexpr double usual_smoothness =
+    5e-3; ///< mu below [1], where nobody chooses another (docs/embedding.md).
+
 /// q0 of bend_weights(): a triangle whose height is less than this part of its longest side is a sliver.
 inline constexpr double sliver_shape = 0.2;
 

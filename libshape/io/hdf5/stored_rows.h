@@ -48,7 +48,7 @@ public:
     /// Bytes as they stand in the file.
     class Fetched;
 
-    /// Reads the chunks that hold these rows; does no more than to wait for the disc.
+    /// Reads the chunks that hold these rows; does no more than to wait for the disk.
     /// @param rows  Ascending.
     /// @throws InvalidInput if they are not.
     /// @throws FileError if the file cannot be read or has changed since it was opened.

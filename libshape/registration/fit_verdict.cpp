@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/registration/fit_verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "libshape/base/counted.h"
+#include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
+#include "libshape/base/threads.h"
+#include "libshape/base/to_size.h"
+#include "libshape/mesh/dihedral_angles.h"
+#include "libshape/mesh/vertex_normals.h"
+#include "libshape/registration/closest_points.h"
+
+namespace shape::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double counterpart_within = 0.01; // over the diagonal; a finished fit lies nearer by far
+
+/// What a report's figures may be before a person should look, and before the fit is not one: set by hand, well above
+/// those of sound fits of faces, bodies and arms (docs/correspondence.md).
+struct Bound
+{
+    double check, failed;
+};
+constexpr Bound unseen_share{0.15, 0.8};    // of the vertices; half a face leaves half of them
+constexpr Bound scan_distance{0.005, 0.02}; // mean, over the diagonal
+constexpr Bound strain_bound{0.15, 0.25};   // RMS
+constexpr Bound landmark_miss{0.002, 0.03}; // over the diagonal
+constexpr double landmark_off_scan = 0.01;  // over the diagonal
+constexpr double growth_range = 3.0; // between parts of one shape, which no person's differ by
+constexpr double odd_faces = 0.02;   // share that may cross or fold
+constexpr double folded_angle = 120.0 * std::numbers::pi / 180.0; // no pose bends an edge so far
+
+DistanceSummary summary_of(const std::vector<double>& distances)
+{
+    DistanceSummary summary;
+    if (distances.empty())
+        return summary;
+    for (const double d : distances)
+        summary.mean += d / static_cast<double>(distances.size());
+    summary.p95 = quantile_of(distances, 0.95);
+    summary.max = *std::max_element(distances.begin(), distances.end());
+    return summary;
+}
+
+std::string percent(double share)
+{
+    return join(std::round(share * 1000.0) / 10.0, " %");
+}
+
+/// Which vertices have a counterpart, and how far all of them and those are from the scan.
+void measure_fit_to_scan(const FitEvidence& evidence, ScanFit& fit)
+{
+    const Points& points = evidence.mesh.points;
+    const Surface& scan = evidence.scan;
+    const Points normals = vertex_normals(points, evidence.topology.faces());
+    const double near = counterpart_within * evidence.diagonal;
+    const auto count = to_size(points.rows());
+    fit.distance.resize(points.rows());
+    fit.seen.assign(count, 0);
+    parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const auto row = static_cast<Index>(v);
+            const SurfacePoint any = scan.tree.nearest(points.row(row));
+            fit.distance[row] = any.distance;
+            NearestRule rule;
+            rule.normal = normals.row(row);
+            rule.least_cosine = 0.0;
+            rule.within = near;
+            const SurfacePoint pair = scan.tree.nearest(points.row(row), rule);
+            // At a rim, what lies a little beyond it is not seen; a template's own rim may lie on it.
+            const bool is_end = pair.face >= 0 && scan.ends_at(pair) &&
+                                pair.distance > hand_placed * evidence.diagonal;
+            fit.seen[v] = pair.face >= 0 && !is_end ? 1 : 0;
+        }
+    });
+    std::vector<double> of_seen;
+    for (std::size_t v = 0; v < count; ++v)
+        if (fit.seen[v] != 0)
+            of_seen.push_back(fit.distance[static_cast<Index>(v)]);
+    fit.unseen_vertices = static_cast<int>(count - of_seen.size());
+    fit.fit_to_scan = summary_of(of_seen);
+}
+
+DistanceSummary scan_to_fit(const FitEvidence& evidence)
+{
+    constexpr Index most_samples = 20000; // the mean of so many is right to a percent
+    const Points& scan = evidence.scan.points;
+    const ClosestPoints tree(evidence.mesh.points, evidence.topology.faces());
+    const Points samples =
+        scan(Eigen::seq(0, scan.rows() - 1, (scan.rows() + most_samples - 1) / most_samples),
+             Eigen::all);
+    std::vector<double> distances(to_size(samples.rows()));
+    parallel_for(distances.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            distances[i] = tree.nearest(samples.row(static_cast<Index>(i))).distance;
+    });
+    return summary_of(distances);
+}
+
+/// Faces with an edge that bends much more or less than the template's.
+int folded_faces(const FitEvidence& evidence, const TemplateFigures& own)
+{
+    const Topology& topology = evidence.topology;
+    const VectorXd angles = dihedral_angles(topology, evidence.mesh.points);
+    std::vector<char> folded(to_size(topology.face_count()), 0);
+    for (int e = 0; e < topology.edge_count(); ++e)
+        if (std::abs(wrapped_angle(angles[e] - own.dihedral_angles[e])) > folded_angle)
+            for (const int h : topology.edge_halfedges().row(e))
+                if (h >= 0)
+                    folded[to_size(Topology::face(h))] = 1;
+    return static_cast<int>(std::count(folded.begin(), folded.end(), 1));
+}
+
+/// Strains, growth, folds and crossings: how the template was bent.
+void measure_shape(const FitEvidence& evidence, const TemplateFigures& own, ScanFit& fit)
+{
+    const LevelMesh& mesh = evidence.mesh;
+    const VectorXd& strains = evidence.strains;
+    fit.strain_rms = std::sqrt(strains.squaredNorm() / static_cast<double>(strains.size()));
+    fit.growth = mesh.growth.array().exp();
+    const std::vector<double> growth(fit.growth.begin(), fit.growth.end());
+    fit.growth_low = quantile_of(growth, 0.01);
+    fit.growth_high = quantile_of(growth, 0.99);
+    fit.folded_faces = folded_faces(evidence, own);
+    fit.crossing_pairs =
+        std::max(0, static_cast<int>(own.face_tree.crossings(mesh.points).size()) - own.crossings);
+    fit.diagonal = bounding_box_diagonal(mesh.points);
+}
+
+VectorXd landmark_errors(const FitEvidence& evidence)
+{
+    VectorXd errors(evidence.reached.rows());
+    for (Index i = 0; i < errors.size(); ++i) {
+        const Vector3d reached = evidence.reached.row(i);
+        errors[i] = (reached - evidence.landmarks.row(i).transpose()).norm();
+    }
+    return errors;
+}
+
+/// The worst status that any figure calls for, and why.
+void set_status(const FitEvidence& evidence, ScanFit& fit)
+{
+    const auto say = [&](FitStatus status, std::string reason) {
+        fit.status = std::max(fit.status, status);
+        fit.reasons.push_back(std::move(reason));
+    };
+    const auto hold = [&](double value, const Bound& bound, const std::string& reason) {
+        if (value > bound.check)
+            say(value > bound.failed ? FitStatus::Failed : FitStatus::Check, reason);
+    };
+    const double unseen = fit.unseen_vertices / static_cast<double>(fit.seen.size());
+    hold(unseen, unseen_share, join(percent(unseen), " of the vertices have no counterpart"));
+    const double apart = fit.scan_to_fit.mean / fit.diagonal;
+    hold(apart, scan_distance, join("the scan is ", percent(apart), " of the diagonal away"));
+    hold(fit.strain_rms, strain_bound, join("edges are strained by ", percent(fit.strain_rms)));
+    if (fit.growth_high > growth_range * fit.growth_low)
+        say(FitStatus::Check,
+            join("parts grew by factors from ", fit.growth_low, " to ", fit.growth_high));
+    const double odd = odd_faces * evidence.topology.face_count();
+    if (fit.crossing_pairs > odd)
+        say(FitStatus::Check, join(counted(fit.crossing_pairs, "pair"), " of faces cross"));
+    if (fit.folded_faces > odd)
+        say(FitStatus::Check, join(counted(fit.folded_faces, "face"), " folded"));
+    // A tolerance is a standard deviation.
+    const double tolerated = 3.0 * evidence.landmark_tolerance / fit.diagonal;
+    for (Index i = 0; i < fit.landmark_errors.size(); ++i) {
+        const double missed = fit.landmark_errors[i] / fit.diagonal;
+        const std::string& name = evidence.names[to_size(i)];
+        hold(missed,
+             {std::max(tolerated, landmark_miss.check), std::max(tolerated, landmark_miss.failed)},
+             join("landmark '", name, "' is missed by ", percent(missed), " of the diagonal"));
+        const double off =
+            evidence.scan.tree.nearest(evidence.landmarks.row(i)).distance / fit.diagonal;
+        if (off > std::max(tolerated, landmark_off_scan))
+            say(FitStatus::Check,
+                join("landmark '", name, "' lies ", percent(off), " of the diagonal off the scan"));
+    }
+}
+
+} // namespace
+
+TemplateFigures::TemplateFigures(const Topology& topology, const Points& points)
+    : dihedral_angles(shape::dihedral_angles(topology, points)),
+      face_tree(topology, points),
+      crossings(static_cast<int>(face_tree.crossings(points).size()))
+{
+}
+
+void judge(const FitEvidence& evidence, const TemplateFigures& own, ScanFit& fit)
+{
+    measure_fit_to_scan(evidence, fit);
+    fit.scan_to_fit = scan_to_fit(evidence);
+    measure_shape(evidence, own, fit);
+    fit.landmark_errors = landmark_errors(evidence);
+    set_status(evidence, fit);
+}
+
+} // namespace shape::internal

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "libshape/mesh/face_crossings.h"
+#include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
+#include "libshape/registration/scan_fit.h"
+#include "libshape/registration/scan_surface.h"
+#include "libshape/registration/template_levels.h"
+
+namespace shape::internal {
+
+/// What a landmark placed by hand is off by, over the diagonal.
+constexpr double hand_placed = 0.003;
+
+/// The template's own figures, which those of its fits are held against.
+struct TemplateFigures
+{
+    Eigen::VectorXd dihedral_angles; ///< #E [rad].
+    FaceTree face_tree;
+    int crossings; ///< Pairs of its faces that pass through each other.
+
+    TemplateFigures(const Topology& topology, const Points& points);
+};
+
+/// A finished fit and what it was made to meet. Lengths are [length of the scan].
+struct FitEvidence
+{
+    const Topology& topology;       ///< Of the template.
+    const LevelMesh& mesh;          ///< The fit.
+    const Eigen::VectorXd& strains; ///< #E, relative, growth taken off: GrowthEnergy::strains().
+    const Surface& scan;
+    double diagonal;                       ///< Of the template's bounding box, in the scan's unit.
+    const std::vector<std::string>& names; ///< Of the landmarks.
+    const Points& landmarks;               ///< Where they are on the scan, one a name,
+    const Points& reached;                 ///< and on the fit.
+    double landmark_tolerance;             ///< Standard deviation.
+};
+
+/// Fills what ScanFit reports beside points, scale and turned_faces: a figure for all that can go wrong, and from
+/// those its status, the worst that any calls for, with a reason for each.
+///
+/// A vertex is seen if a point of the scan lies within a hundredth of the diagonal of it, its normal no more than
+/// 90 degrees from the vertex's, and that point is not on the scan's rim farther than hand_placed. Each figure has a
+/// bound above which the fit is to be looked at and, most of them, one above which it is Failed; they stand in
+/// fit_verdict.cpp, and docs/correspondence.md says what sound fits have.
+/// Cost: O(#V log #V), and as much for at most 20,000 vertices of the scan. Same bits for any number of threads.
+void judge(const FitEvidence& evidence, const TemplateFigures& own, ScanFit& fit);
+
+} // namespace shape::internal
