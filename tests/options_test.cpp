@@ -333,10 +333,12 @@ TEST(Options, OfStatisticsAndModelsNameWhatBreaksARule)
                  InvalidInput);
     EXPECT_THROW(check(QualityOptions{.modes = {1}, .embedding = {.smoothness = 0.0}}),
                  InvalidInput);
-    const DifferenceOptions difference{.pair_by = "id", .from_label = "a", .to_label = "a"};
+    const DifferenceOptions difference{
+        .pair_by = "id", .from_label = "a", .from_value = "x", .to_label = "a", .to_value = "y"};
     Fields<DifferenceOptions>("DifferenceOptions", difference)
         .refuse<std::string>("from_label", &DifferenceOptions::from_label, {""})
-        .refuse<std::string>("to_label", &DifferenceOptions::to_label, {""});
+        .refuse<std::string>("to_label", &DifferenceOptions::to_label, {""})
+        .refuse<std::string>("to_value", &DifferenceOptions::to_value, {"x"});
 }
 
 TEST(Options, OfPicturesFilesAndDatasetsNameWhatBreaksARule)

@@ -90,7 +90,6 @@ void check_outputs(const Session& session, const Arguments& arguments)
         return;
     check_picture("--plot", arguments.plot);
     check_output(session, arguments.plot, inputs);
-    check_different("--plot", arguments.plot, "-o", arguments.output);
 }
 
 /// Scores, and what else is unlike the model's meshes (unlike_meshes()).

@@ -188,7 +188,6 @@ void check_outputs(const Session& session, const Arguments& arguments)
     if (arguments.plot.empty())
         return;
     check_picture("--plot", arguments.plot);
-    check_different("--plot", arguments.plot, "-o", arguments.output);
     check_output(session, arguments.plot, inputs);
 }
 

@@ -8,7 +8,7 @@
 
 #include "libshape/base/bytes.h"
 #include "libshape/edge_space/shape_space.h"
-#include "libshape/embedding/energy/length_dihedral_energy.h"
+#include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/linalg/dense.h"
 #include "libshape/linalg/single_precision_solve.h"
 #include "libshape/mesh/points.h"
