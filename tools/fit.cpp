@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -18,12 +19,14 @@
 #include "libshape/io/landmark_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
+#include "libshape/mesh/oddities.h"
 #include "libshape/model/model_prior.h"
 #include "libshape/registration/prior_fit.h"
 #include "libshape/registration/scan_fit.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
 #include "tools/output/fit_report.h"
+#include "tools/output/output_rules.h"
 #include "tools/output/shard.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
@@ -201,7 +204,7 @@ Task task_of(const Session& session, const Arguments& given)
             throw UsageError(
                 "--rounds compares all scans with each other: it and --shard or mpirun exclude "
                 "each other");
-        if (fs::path(arguments.output).extension() == ".h5")
+        if (has_ending(arguments.output, ".h5"))
             throw UsageError(
                 "--shard and mpirun need a directory as -o; `shape collect` makes a collection of "
                 "what `shape merge` has put together");
@@ -259,12 +262,36 @@ public:
         std::vector<fs::path> inputs = task_.scans;
         inputs.emplace_back(arguments_.pattern);
         places_ = fit_places(session, arguments_.output, arguments_.resume, inputs, names_);
+        if (!landmarks_.empty())
+            warn_of_scans_without_landmarks();
         settings_ = settings_of(arguments_, topology_);
         if (arguments_.resume) {
             const Json earlier = earlier_fit_report(places_, settings_);
             earlier_rows_ = earlier["scans"];
             rounds_ = earlier["rounds"];
         }
+    }
+
+    /// They are fitted all the same, with those names of the table that may be theirs, spelt otherwise.
+    void warn_of_scans_without_landmarks() const
+    {
+        std::set<std::string> marked;
+        for (const Landmark& mark : landmarks_)
+            marked.insert(mark.scan);
+        std::vector<std::size_t> bare;
+        for (std::size_t i = 0; i < names_.size(); ++i)
+            if (marked.erase(names_[i]) == 0)
+                bare.push_back(i);
+        if (bare.empty())
+            return;
+        marked.erase(pattern_.name);
+        const std::vector<std::string> unused(marked.begin(), marked.end());
+        std::vector<std::size_t> all(unused.size());
+        std::iota(all.begin(), all.end(), std::size_t{0});
+        session_.warn(
+            join(bare.size() == 1 ? "a scan has" : "scans have",
+                 " no landmarks: ", list_names(names_, bare),
+                 unused.empty() ? "" : join("; landmarks of no scan: ", list_names(unused, all))));
     }
 
     void run()

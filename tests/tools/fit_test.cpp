@@ -63,6 +63,23 @@ TEST_F(Fit, WritesMeshesReportAndPicture)
         3);
 }
 
+TEST_F(Fit, ScansWithoutLandmarksAreNamedWithThoseOfNoScan)
+{
+    const Points scan = points("scans/s0.ply");
+    std::string marks = "scan,name,x,y,z,vertex\n";
+    for (const char* name : {"s0.ply", "S1"})
+        for (const int v : {0, 100, 300, 500})
+            marks += std::string(name) + ",l" + std::to_string(v) + "," +
+                     std::to_string(scan(v, 0)) + "," + std::to_string(scan(v, 1)) + "," +
+                     std::to_string(scan(v, 2)) + "," + std::to_string(v) + "\n";
+    folder_.write("marks.csv", marks);
+    const Outcome told = outcome({"fit", "pattern.ply", "scans", "-o", "marked", "--landmarks",
+                                  "marks.csv", "--keep-failed"});
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    EXPECT_NE(told.err.find("no landmarks: s1; landmarks of no scan: S1"), std::string::npos)
+        << told.err;
+}
+
 TEST_F(Fit, WritesACollectionWithoutWhatFailed)
 {
     Points corners(3, 3);

@@ -124,7 +124,7 @@ FitPlaces fit_places(const Session& session, const std::string& given, bool resu
 {
     FitPlaces places;
     const fs::path output = given;
-    if (output.extension() == ".h5") {
+    if (has_ending(output, ".h5")) {
         places.collection = output;
         places.directory = output.parent_path() / (output.stem().string() + "_fit");
         if (!resume)
