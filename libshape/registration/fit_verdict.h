@@ -16,7 +16,7 @@
 namespace shape::internal {
 
 /// What a landmark placed by hand is off by, over the diagonal.
-constexpr double hand_placed = 0.003;
+inline constexpr double hand_placed = 0.003;
 
 /// The template's own figures, which those of its fits are held against.
 struct TemplateFigures

@@ -31,6 +31,18 @@ protected:
         folder_.write("l.csv", labels);
     }
 
+    /// The meshes of c.h5 in two files: the first 40 in `early`, the others in late.h5.
+    void write_early_and_late(const std::string& early) const
+    {
+        const Collection all = bumpy_spheres(60, 3);
+        std::vector<std::size_t> first(40);
+        std::vector<std::size_t> others(20);
+        for (std::size_t i = 0; i < 60; ++i)
+            (i < 40 ? first[i] : others[i - 40]) = i;
+        write_collection(folder_ / early, subset(all, first));
+        write_collection(folder_ / "late.h5", subset(all, others));
+    }
+
     [[nodiscard]] Outcome outcome(const Arguments& arguments) const
     {
         return run_shape(folder_.path(), arguments);
@@ -155,13 +167,7 @@ TEST_F(Scale, MemoryIsABoundThatIsRefusedWhereNothingFits)
 
 TEST_F(Scale, AppendedMeshesGiveTheFileOfAllOfThem)
 {
-    const Collection all = bumpy_spheres(60, 3);
-    std::vector<std::size_t> early(40);
-    std::vector<std::size_t> late(20);
-    for (std::size_t i = 0; i < 60; ++i)
-        (i < 40 ? early[i] : late[i - 40]) = i;
-    write_collection(folder_ / "a.h5", subset(all, early));
-    write_collection(folder_ / "late.h5", subset(all, late));
+    write_early_and_late("a.h5");
     EXPECT_EQ(run({"collect", "late.h5", "--append", "-o", "a.h5"})["meshes"], 60);
     EXPECT_EQ(folder_.read("a.h5"), folder_.read("c.h5"));
     const std::string before = folder_.read("a.h5");
@@ -193,13 +199,7 @@ TEST_F(Scale, EqualMeshesAreAtDistanceZeroAndOneMeshAtNone)
 
 TEST_F(Scale, AppendingKeepsHowTheFileIsStored)
 {
-    const Collection all = bumpy_spheres(60, 3);
-    std::vector<std::size_t> early(40);
-    std::vector<std::size_t> late(20);
-    for (std::size_t i = 0; i < 60; ++i)
-        (i < 40 ? early[i] : late[i - 40]) = i;
-    write_collection(folder_ / "early.h5", subset(all, early));
-    write_collection(folder_ / "late.h5", subset(all, late));
+    write_early_and_late("early.h5");
     const Arguments both{"--store-derived", "--compress"};
     for (const Arguments& stored :
          {Arguments{}, Arguments{"--store-derived"}, Arguments{"--compress"}, both}) {
@@ -208,11 +208,11 @@ TEST_F(Scale, AppendingKeepsHowTheFileIsStored)
         (void)run({"collect", "late.h5", "--append", "-o", "a.h5"});
         EXPECT_EQ(folder_.read("a.h5"), folder_.read("all.h5"));
     }
-    write_collection(folder_ / "a.h5", subset(all, early));
+    write_early_and_late("a.h5");
     (void)run(Arguments{"collect", "late.h5", "--append", "-o", "a.h5"} + both);
     EXPECT_EQ(folder_.read("a.h5"), folder_.read("all.h5"));
     // A disk that is full names the file that people know, and changes nothing.
-    write_collection(folder_ / "a.h5", subset(all, early));
+    write_early_and_late("a.h5");
     const auto before = folder_.content();
     const Outcome full = run_shape(folder_.path(), {"collect", "late.h5", "--append", "-o", "a.h5"},
                                    {.largest_file = 20000});
