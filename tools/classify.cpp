@@ -23,6 +23,7 @@
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
+#include "tools/input/repeated_rows.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/output_rules.h"
 #include "tools/output/pass_store.h"
@@ -167,10 +168,16 @@ void classify_and_write(const Session& session, const Arguments& arguments,
 {
     const Grouping groups = group_by_label(meshes, arguments.by);
     const Grouping folds = group_by_label_or_each(meshes, arguments.leave_out);
-    if (arguments.leave_out.empty())
-        warn_of_repeated_rows(session, meshes, codes(groups), {arguments.by},
-                              "then chance looks significant. Give --leave-out");
+    const RowQuestion rows{.covariates = codes(groups),
+                           .columns = {arguments.by},
+                           .are_groups = true,
+                           .remedy = "then chance looks significant. Give --leave-out",
+                           .unnamed = "a label that names them"};
+    const bool are_rows_told =
+        !arguments.leave_out.empty() || warn_of_repeated_rows(session, meshes, rows);
     const Observations observed = observe();
+    if (!are_rows_told)
+        warn_of_close_rows(session, meshes, rows, observed.products);
     throw_if_stop_requested();
     const int modes = chosen_modes(session, arguments, groups, folds);
     const CrossValidation result = cross_validate(observed.products, groups, folds, modes);

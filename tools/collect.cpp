@@ -83,6 +83,7 @@ void append(const Session& session, const Arguments& arguments)
 void run(const Session& session, const Arguments& arguments)
 {
     check_ending("-o", arguments.output, ".h5");
+    check_stored_labels(arguments.input.meshes);
     if (arguments.append)
         return append(session, arguments);
     check_output(session, arguments.output, input_files(arguments.input.meshes));

@@ -8,16 +8,19 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/stop.h"
+#include "libshape/edge_space/shape_space.h"
 #include "libshape/io/model_file.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/handedness.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/model/difference.h"
+#include "libshape/statistics/inner_products.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_choice.h"
 #include "tools/input/mesh_input.h"
+#include "tools/input/repeated_rows.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/effects_output.h"
 #include "tools/output/embedding_run.h"
@@ -73,11 +76,18 @@ void warn_of_repeated_members(const Session& session, const DifferenceOptions& o
             members.push_back(i);
             side.push_back(from[i] == options.from_value ? 0.0 : 1.0);
         }
-    warn_of_repeated_rows(
-        session, subset(collection, members),
-        Eigen::Map<const Eigen::VectorXd>(side.data(), static_cast<Eigen::Index>(side.size())),
-        {options.from_label, options.to_label},
-        "then chance looks significant. Take one mesh, or the mean, of each");
+    const Collection compared = subset(collection, members);
+    const RowQuestion rows{
+        .covariates =
+            Eigen::Map<const Eigen::VectorXd>(side.data(), static_cast<Eigen::Index>(side.size())),
+        .columns = {options.from_label, options.to_label},
+        .are_groups = true,
+        .remedy = "then chance looks significant. Take one mesh, or the mean, of each",
+        .unnamed = "set"};
+    if (warn_of_repeated_rows(session, compared, rows))
+        return;
+    const ShapeSpace space = make_space(compared, {.scale = options.scale});
+    warn_of_close_rows(session, compared, rows, centred_inner_products(encode(space, compared)));
 }
 
 /// One number for each difference; 1 where nothing is said.

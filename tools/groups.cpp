@@ -16,6 +16,7 @@
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
+#include "tools/input/repeated_rows.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
 #include "tools/output/output_rules.h"
@@ -153,22 +154,28 @@ BootstrapOptions bootstrap_options(const Session& session, const Arguments& argu
 /// The groups, the blocks, and where the means go if they are asked for.
 struct Setting
 {
-    Grouping groups;
-    Grouping blocks;
-    std::unique_ptr<MeshOutput> means;
+    Grouping groups = {};
+    Grouping blocks = {};
+    std::unique_ptr<MeshOutput> means = nullptr;
+    RowQuestion rows = {};
+    bool are_rows_told = false; ///< Blocks are given, or labels have told that they are wanted.
 };
 
 Setting prepare(const Session& session, const Arguments& arguments, const MeshLabels& meshes,
                 const std::vector<std::filesystem::path>& inputs)
 {
-    Setting setting{group_by_label(meshes, arguments.by),
-                    group_by_label_or_each(meshes, arguments.within), nullptr};
+    Setting setting{.groups = group_by_label(meshes, arguments.by),
+                    .blocks = group_by_label_or_each(meshes, arguments.within)};
     if (!arguments.means.path.empty())
         setting.means =
             std::make_unique<MeshOutput>(session, arguments.means, setting.groups.names, inputs);
-    if (arguments.within.empty())
-        warn_of_repeated_rows(session, meshes, codes(setting.groups), {arguments.by},
-                              "then chance looks significant. Give --within");
+    setting.rows = {.covariates = codes(setting.groups),
+                    .columns = {arguments.by},
+                    .are_groups = true,
+                    .remedy = "then chance looks significant. Give --within",
+                    .unnamed = "a label that names them"};
+    setting.are_rows_told =
+        !arguments.within.empty() || warn_of_repeated_rows(session, meshes, setting.rows);
     return setting;
 }
 
@@ -198,6 +205,8 @@ void compare_in_memory(const Session& session, const Arguments& arguments,
         groups, members(groups), group_shapes(collection, groups, arguments.space), {}, {}, {}};
     const Eigen::MatrixXd products = std::move(findings.shapes.products);
     warn_of_alignment(session, findings.shapes.space);
+    if (!setting.are_rows_told)
+        warn_of_close_rows(session, collection, setting.rows, products);
     throw_if_stop_requested();
     const PermutationOptions permutations = permutation_options(session, arguments);
     findings.comparison = compare_groups(

@@ -16,6 +16,8 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/version.h"
 #include "libshape/io/hdf5/untrusted_files.h"
+#include "libshape/io/model_file.h"
+#include "libshape/mesh/coincident_vertices.h"
 #include "tools/commands.h"
 #include "tools/program/arguments.h"
 #include "tools/program/help.h"
@@ -294,6 +296,22 @@ std::string explain(const std::filesystem::filesystem_error& error)
                 from.empty() && to.empty() ? "" : ": ", error.code().message());
 }
 
+/// The commands that make the files that are wanted: the library knows none.
+std::string makers_of(std::optional<FileKind> wanted)
+{
+    if (!wanted)
+        return " (`shape collect` makes a collection, `shape stats` a model)";
+    switch (*wanted) {
+        case FileKind::Collection:
+            return " (`shape collect` makes a collection)";
+        case FileKind::Model:
+            return " (`shape stats` makes a model)";
+        case FileKind::Difference:
+            return " (`shape difference` makes a difference)";
+    }
+    return {};
+}
+
 /// What the work throws as one of the exit codes.
 template <class Work>
 std::optional<Failure> failure_of(const Work& work)
@@ -305,6 +323,10 @@ std::optional<Failure> failure_of(const Work& work)
         return Failure{UsageFailure, error.what()};
     } catch (const CLI::ParseError& error) {
         return Failure{UsageFailure, error.what()};
+    } catch (const SplitSurface& error) {
+        return Failure{BadInput, join(error.what(), " `shape check --fix DIR` welds them")};
+    } catch (const WrongFileKind& error) {
+        return Failure{BadInput, join(error.what(), makers_of(error.wanted))};
     } catch (const InvalidInput& error) {
         return Failure{BadInput, error.what()};
     } catch (const NumericalError& error) {

@@ -17,6 +17,7 @@
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
+#include "tools/input/repeated_rows.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
 #include "tools/output/output_rules.h"
@@ -70,8 +71,9 @@ Grouping folds_of(const Session& session, const Arguments& arguments, const Mesh
     if (meshes < 3)
         throw InvalidInput(join("the quality of a model needs at least 3 meshes, not ", meshes,
                                 ": two that make it when one is left out"));
-    warn_of_repeated_rows(session, labels, Eigen::MatrixXd(meshes, 0), {},
-                          "then the model looks better than it is. Give --leave-out");
+    warn_of_repeated_rows(session, labels,
+                          {.covariates = Eigen::MatrixXd(meshes, 0),
+                           .remedy = "then the model looks better than it is. Give --leave-out"});
     const int usual = meshes <= most_left_out_one_by_one ? static_cast<int>(meshes) : usual_folds;
     return random_folds(meshes, arguments.folds > 0 ? static_cast<int>(arguments.folds) : usual,
                         static_cast<std::uint64_t>(session.seed));

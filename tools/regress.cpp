@@ -23,6 +23,7 @@
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
+#include "tools/input/repeated_rows.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
 #include "tools/output/mesh_table.h"
@@ -102,14 +103,18 @@ void check_covariates(const Arguments& arguments, const Eigen::MatrixXd& covaria
     }
 }
 
-/// What may be exchanged.
-Grouping blocks_of(const Session& session, const Arguments& arguments, const MeshLabels& meshes,
-                   const Eigen::MatrixXd& covariates)
+/// Of meshes that are not given as blocks.
+void warn_of_dependent_rows(const Session& session, const Arguments& arguments,
+                            const MeshLabels& meshes, const Findings& findings)
 {
-    if (arguments.within.empty())
-        warn_of_repeated_rows(session, meshes, covariates, arguments.on,
-                              "then chance looks significant. Give --within");
-    return group_by_label_or_all(meshes, arguments.within);
+    if (!arguments.within.empty())
+        return;
+    const RowQuestion rows{.covariates = findings.covariates,
+                           .columns = arguments.on,
+                           .remedy = "then chance looks significant. Give --within",
+                           .unnamed = "a label that names them"};
+    if (!warn_of_repeated_rows(session, meshes, rows))
+        warn_of_close_rows(session, meshes, rows, findings.effect.products);
 }
 
 /// The tests, from inner products.
@@ -144,10 +149,11 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     warn_of_alignment(session, space);
     findings.sizes = sizes(space, collection);
     findings.covariates = covariates_of(collection, findings.sizes, arguments.on);
-    const Grouping blocks = blocks_of(session, arguments, collection, findings.covariates);
+    const Grouping blocks = group_by_label_or_all(collection, arguments.within);
     check_covariates(arguments, findings.covariates, blocks);
     findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
     findings.slope_norms = findings.effect.regression.slopes.rowwise().norm();
+    warn_of_dependent_rows(session, arguments, collection, findings);
     throw_if_stop_requested();
     test(session, arguments, blocks, findings);
     return findings;
@@ -173,10 +179,10 @@ Findings find_in_passes(const Session& session, const Arguments& arguments,
     options.with_shapes = !arguments.expected.path.empty();
     StreamedEffect found = covariate_effect(meshes, blocks, options);
     findings.covariates = std::move(found.covariates);
-    (void)blocks_of(session, arguments, meshes, findings.covariates);
     findings.sizes = std::move(found.sizes);
     findings.effect = std::move(found.effect);
     findings.slope_norms = std::move(found.slope_norms);
+    warn_of_dependent_rows(session, arguments, meshes, findings);
     findings.passes = found.passes;
     reference = std::move(found.reference_points);
     throw_if_stop_requested();

@@ -10,8 +10,8 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/to_size.h"
 #include "libshape/base/stop.h"
+#include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/shape_model.h"
@@ -22,6 +22,7 @@
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
+#include "tools/input/repeated_rows.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/model_tables.h"
 #include "tools/output/output_rules.h"
@@ -102,8 +103,9 @@ Json figures_of_modes(const Session& session, const Arguments& arguments,
     if (arguments.replicates == 0)
         return modes;
     if (arguments.within.empty())
-        warn_of_repeated_rows(session, collection, Eigen::MatrixXd(model.scores.rows(), 0), {},
-                              "then the intervals are too narrow. Give --within");
+        warn_of_repeated_rows(session, collection,
+                              {.covariates = Eigen::MatrixXd(model.scores.rows(), 0),
+                               .remedy = "then the intervals are too narrow. Give --within"});
     const std::vector<Interval> intervals = variance_intervals(
         wide_scores(collection, model), model.mode_count(),
         {group_by_label_or_each(collection, arguments.within), one_group(model.scores.rows())},
@@ -317,6 +319,7 @@ void run(const Session& session, const Arguments& arguments)
     if (!arguments.update.empty())
         inputs.emplace_back(arguments.update);
     check_output(session, arguments.output, inputs);
+    check_stored_labels(arguments.input.meshes);
     const Findings found = fit_and_write(session, arguments);
     const ShapeModel& model = found.fit.model;
     session.message(join(arguments.output, ": ", counted(model.mode_count(), "mode"), " of ",

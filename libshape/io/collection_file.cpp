@@ -2,16 +2,8 @@
 
 #include "libshape/io/collection_file.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <numeric>
 #include <utility>
@@ -21,8 +13,8 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/collection_stream.h"
+#include "libshape/io/file/watched_file.h"
 #include "libshape/io/file_parts.h"
-#include "libshape/io/hdf5/handles.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 
@@ -38,10 +30,6 @@ void for_each_mesh(std::size_t count, const std::function<void(Eigen::Index)>& b
             body(static_cast<Eigen::Index>(i));
     });
 }
-
-} // namespace
-
-namespace {
 
 /// The meshes of a stream one after the other, fetched some at a time.
 class InOrder
@@ -75,20 +63,10 @@ private:
     std::vector<Points> points_;
 };
 
-} // namespace
-
-void write_collection(const std::filesystem::path& path, const Collection& collection,
-                      const CollectionFileOptions& options)
-{
-    const MeshStream meshes = stream_of(collection);
-    if (meshes.names.size() != collection.size())
-        throw InvalidInput(join("/names: has ", meshes.names.size(), " values, must have ",
-                                collection.size(), " and at least 1"));
-    write_collection(path, meshes, options);
-}
-
-void write_collection(const std::filesystem::path& path, const MeshStream& meshes,
-                      const CollectionFileOptions& options, const Progress& progress)
+/// @param before_renaming  As of write_hdf5().
+void write_stream(const std::filesystem::path& path, const MeshStream& meshes,
+                  const CollectionFileOptions& options, const Progress& progress,
+                  const std::function<void()>& before_renaming)
 {
     const Topology& topology = meshes.topology;
     const Eigen::Index count = meshes.size();
@@ -122,127 +100,35 @@ void write_collection(const std::filesystem::path& path, const MeshStream& meshe
     }
     add_names(content, count, meshes.names);
     add_labels(content, count, meshes.labels);
-    write_hdf5(path, content);
+    write_hdf5(path, content, before_renaming);
+}
+
+} // namespace
+
+void write_collection(const std::filesystem::path& path, const Collection& collection,
+                      const CollectionFileOptions& options)
+{
+    const MeshStream meshes = stream_of(collection);
+    if (meshes.names.size() != collection.size())
+        throw InvalidInput(join("/names: has ", meshes.names.size(), " values, must have ",
+                                collection.size(), " and at least 1"));
+    write_collection(path, meshes, options);
+}
+
+void write_collection(const std::filesystem::path& path, const MeshStream& meshes,
+                      const CollectionFileOptions& options, const Progress& progress)
+{
+    write_stream(path, meshes, options, progress, {});
 }
 
 namespace {
-
-/// The file that is appended to, as it was when it was opened, and where the new one is written.
-class ReplacedFile
-{
-public:
-    explicit ReplacedFile(const std::filesystem::path& path)
-        : path_(path), folder_(path.has_parent_path() ? path.parent_path() : ".")
-    {
-        static std::atomic<unsigned> counter{0};
-        beside_ = path.parent_path() / join(".shape-", ::getpid(), "-append-", counter++, ".tmp");
-        // While it is open, no other file gets its inode.
-        descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
-        if (descriptor_ < 0)
-            fail(errno == ELOOP ? "is a symbolic link; name the file it points to"
-                                : std::strerror(errno));
-        if (::fstat(descriptor_, &status_) != 0) {
-            const int error = errno;
-            ::close(descriptor_);
-            fail(std::strerror(error));
-        }
-    }
-    ~ReplacedFile()
-    {
-        if (!is_replaced_)
-            ::unlink(beside_.c_str());
-        ::close(descriptor_);
-    }
-    ReplacedFile(const ReplacedFile&) = delete;
-    ReplacedFile& operator=(const ReplacedFile&) = delete;
-
-    [[nodiscard]] const std::filesystem::path& beside() const { return beside_; }
-
-    /// Renames the new file into place, unless the old one has been replaced or written to.
-    void replace()
-    {
-        const Lock lock(folder_);
-        struct stat now = {};
-        if (::lstat(path_.c_str(), &now) != 0 || !is_as_it_was(now))
-            throw FileError(
-                join(path_.string(),
-                     " changed while meshes were appended to it; run the command again"));
-        if (::rename(beside_.c_str(), path_.c_str()) != 0)
-            fail(std::strerror(errno));
-        is_replaced_ = true;
-    }
-
-private:
-    /// Of two that look and rename at once one waits, and then finds another file. A lock of the folder,
-    /// for other programs lock HDF5 files while they read them. Where the file system has no locks, or a
-    /// stranger has this one, the moment between looking and renaming is left.
-    class Lock
-    {
-    public:
-        explicit Lock(const std::filesystem::path& folder)
-            : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC))
-        {
-            for (int attempt = 0; attempt < 100; ++attempt) {
-                if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
-                    break;
-                ::usleep(10000);
-            }
-        }
-        ~Lock()
-        {
-            (void)::fsync(descriptor_); // some file systems cannot; the new file is in place
-            ::close(descriptor_);
-        }
-        Lock(const Lock&) = delete;
-        Lock& operator=(const Lock&) = delete;
-
-    private:
-        int descriptor_;
-    };
-
-    [[noreturn]] void fail(const std::string& cause) const
-    {
-        throw FileError(join("cannot write ", path_.string(), ": ", cause));
-    }
-
-    [[nodiscard]] bool is_as_it_was(const struct stat& now) const
-    {
-        return now.st_dev == status_.st_dev && now.st_ino == status_.st_ino &&
-               now.st_size == status_.st_size && now.st_mtim.tv_sec == status_.st_mtim.tv_sec &&
-               now.st_mtim.tv_nsec == status_.st_mtim.tv_nsec;
-    }
-
-    std::filesystem::path path_;
-    std::filesystem::path folder_;
-    std::filesystem::path beside_;
-    struct stat status_ = {};
-    int descriptor_ = -1;
-    bool is_replaced_ = false;
-};
 
 /// With which options a file was written that has been read without an error.
 CollectionFileOptions options_of(const std::filesystem::path& path)
 {
     const Hdf5File file(path);
-    const Silence silence;
-    try {
-        const Id opened = open_file(path);
-        const Id points(H5Dopen2(opened, "/points", H5P_DEFAULT), H5Dclose);
-        const Id creation(H5Dget_create_plist(points), H5Pclose);
-        bool is_packed = false;
-        for (int i = 0; i < checked(H5Pget_nfilters(creation)); ++i) {
-            unsigned flags = 0;
-            std::size_t none = 0;
-            is_packed = is_packed ||
-                        checked(H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &none,
-                                               nullptr, 0, nullptr, nullptr)) == H5Z_FILTER_DEFLATE;
-        }
-        return {.derived = file.has("/edge_lengths") || file.has("/dihedral_angles"),
-                .compress = is_packed};
-    } catch (const Hdf5Failure& failure) {
-        throw InvalidInput(
-            join(path.string(), ": the HDF5 file is truncated or damaged (", failure.what(), ")"));
-    }
+    return {.derived = file.has("/edge_lengths") || file.has("/dihedral_angles"),
+            .compress = file.is_compressed("/points")};
 }
 
 } // namespace
@@ -250,22 +136,17 @@ CollectionFileOptions options_of(const std::filesystem::path& path)
 Eigen::Index append_to_collection(const std::filesystem::path& path, const MeshStream& added,
                                   const CollectionFileOptions& options, const Progress& progress)
 {
-    ReplacedFile file(path);
+    WatchedFile file(path);
     const MeshStream all = joined(open_collection(path), added);
     CollectionFileOptions kept = options_of(path);
     kept.derived = kept.derived || options.derived;
     kept.compress = kept.compress || options.compress;
-    try {
-        write_collection(file.beside(), all, kept, progress);
-    } catch (const FileError& error) {
-        // People know nothing of the file beside.
-        std::string said = error.what();
-        const std::string name = file.beside().string();
-        if (const std::size_t place = said.find(name); place != std::string::npos)
-            said.replace(place, name.size(), path.string());
-        throw FileError(said);
-    }
-    file.replace();
+    write_stream(path, all, kept, progress, [&] {
+        file.lock_folder();
+        if (!file.is_as_it_was())
+            throw FileError(join(
+                path.string(), " changed while meshes were appended to it; run the command again"));
+    });
     return all.size();
 }
 

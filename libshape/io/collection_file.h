@@ -45,8 +45,8 @@ Eigen::Index append_to_collection(const std::filesystem::path& path, const MeshS
                                   const Progress& progress = {});
 
 /// @throws FileError if the file cannot be read; LimitExceeded if it is larger than the limits.
-/// @throws InvalidInput naming the dataset and the rule if it is not a collection of libshape, is
-///     truncated or damaged, or has wrong shapes, types or values.
+/// @throws InvalidInput naming the dataset and the rule if it is not a collection of libshape
+///     (WrongFileKind, model_file.h), is truncated or damaged, or has wrong shapes, types or values.
 [[nodiscard]] Collection read_collection(const std::filesystem::path& path);
 
 } // namespace shape

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <set>
 
 #include "libshape/base/error.h"
@@ -21,30 +22,33 @@ constexpr std::int64_t format_version = 1;
 constexpr std::array<const char*, 3> format_names = {"libshape collection", "libshape model",
                                                      "libshape difference"};
 
-/// The commands that make them.
-constexpr std::array<const char*, 3> maker_names = {"collect", "stats", "difference"};
-
 const char* format_name(FileKind kind)
 {
     return format_names[to_size(static_cast<int>(kind))];
 }
 
-FileKind read_kind(const Hdf5File& file)
+[[noreturn]] void refuse_kind(const Hdf5File& file, std::optional<FileKind> wanted,
+                              const std::string& rule)
+{
+    throw WrongFileKind(join(file.path(), ": attribute format: ", rule), wanted);
+}
+
+/// @param wanted  For the exception alone.
+FileKind read_kind(const Hdf5File& file, std::optional<FileKind> wanted)
 {
     if (!file.has_attribute("format"))
-        file.fail("attribute format",
-                  file.has("/representer") && file.has("/model")
-                      ? "is missing: the file is a model for Statismo, such as `shape export --to "
-                        "statismo` writes, which cannot be read back; give the model that `shape "
-                        "stats` has made"
-                      : "is missing: the file is not one of libshape; `shape collect` makes a "
-                        "collection, `shape stats` a model");
+        refuse_kind(file, wanted,
+                    file.has("/representer") && file.has("/model")
+                        ? "is missing: the file is a model for Statismo, which cannot be read "
+                          "back; give the model of libshape that it was made from"
+                        : "is missing: the file is not one of libshape");
     const std::string format = file.text_attribute("format");
     for (std::size_t i = 0; i < format_names.size(); ++i)
         if (format == format_names[i])
             return static_cast<FileKind>(i);
-    file.fail("attribute format", join("is '", format, "', must be '", format_names[0], "', '",
-                                       format_names[1], "' or '", format_names[2], "'"));
+    refuse_kind(file, wanted,
+                join("is '", format, "', must be '", format_names[0], "', '", format_names[1],
+                     "' or '", format_names[2], "'"));
 }
 
 } // namespace
@@ -59,11 +63,10 @@ Hdf5Content begin_content(FileKind kind)
 
 void check_kind(const Hdf5File& file, FileKind kind)
 {
-    const FileKind found = read_kind(file);
+    const FileKind found = read_kind(file, kind);
     if (found != kind)
-        file.fail("attribute format",
-                  join("is '", format_name(found), "', must be '", format_name(kind), "' (`shape ",
-                       maker_names[to_size(static_cast<int>(kind))], "` makes one)"));
+        refuse_kind(file, kind,
+                    join("is '", format_name(found), "', must be '", format_name(kind), "'"));
     const std::int64_t version = file.integer_attribute("format_version");
     if (version != format_version)
         file.fail("attribute format_version",
@@ -213,5 +216,5 @@ Scale read_scale(const Hdf5File& file)
 
 shape::FileKind shape::file_kind(const std::filesystem::path& path)
 {
-    return internal::read_kind(internal::Hdf5File(path));
+    return internal::read_kind(internal::Hdf5File(path), std::nullopt);
 }

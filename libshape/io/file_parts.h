@@ -22,7 +22,7 @@ namespace shape::internal {
 /// A content with the attributes that say what the file is.
 [[nodiscard]] Hdf5Content begin_content(FileKind kind);
 
-/// @throws InvalidInput if the file is of another kind or of a version that is not known.
+/// @throws WrongFileKind if the file is of another kind; InvalidInput if of a version that is not known.
 void check_kind(const Hdf5File& file, FileKind kind);
 
 void add_topology(Hdf5Content& content, const Topology& topology);

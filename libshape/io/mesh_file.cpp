@@ -112,7 +112,7 @@ NamedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& op
     if (content.meshes.size() > 1)
         throw InvalidInput(join(path.string(), ": holds ", content.meshes.size(), " meshes, '",
                                 content.meshes[0].name, "', '", content.meshes[1].name,
-                                "', ...; one is wanted here (`shape collect` takes all of them)"));
+                                "', ...; one is wanted here"));
     return std::move(content.meshes.front());
 }
 

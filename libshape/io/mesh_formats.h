@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -10,7 +11,7 @@
 #include "libshape/io/mesh_write_options.h"
 
 // Readers and writers of the formats, from and to memory. Internal to mesh_file.cpp: the writers
-// trust their arguments.
+// trust their arguments, but for names that only their own format has taken.
 
 namespace shape::internal {
 
@@ -55,8 +56,13 @@ namespace shape::internal {
 /// @throws InvalidInput if a coordinate is not finite or a face names a missing vertex.
 void check_mesh(const Points& points, const Faces& faces);
 
-/// @throws InvalidInput if the scalars or `quality` break a rule.
+/// @throws InvalidInput if the scalars or `quality` break a rule that all formats have.
 void check_scalars(const MeshWriteOptions& options, Eigen::Index vertices);
+
+/// @param taken  What the format calls the colours.
+/// @throws InvalidInput if there are colours and a scalar has one of these names.
+void check_colour_names(const MeshWriteOptions& options,
+                        std::initializer_list<std::string_view> taken);
 
 /// Appends the shortest digits that give the number back.
 void append_number(std::string& text, double value);

@@ -40,8 +40,8 @@ struct MeshWriteOptions
 
 /// Writes a mesh as write_mesh() of mesh_file.h does, with what the options add.
 /// @throws InvalidInput as write_mesh(); if the format cannot hold what an option asks for; a scalar
-///     breaks a rule of VertexScalar, is named twice, or a name is `quality` and so is asked for twice;
-///     colours are not of #V rows; the template has other faces; or a coordinate is beyond float32
+///     breaks a rule of VertexScalar, is named twice or as the colours are, or a name is `quality` and so
+///     is asked for twice; colours are not of #V rows; the template has other faces; or a coordinate is beyond float32
 ///     where that is written.
 /// @throws FileError if it cannot be written.
 void write_mesh(const std::filesystem::path& path, const Points& points, const Faces& faces,

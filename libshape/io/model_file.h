@@ -4,7 +4,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
+#include "libshape/base/error.h"
 #include "libshape/model/difference.h"
 #include "libshape/model/shape_model.h"
 
@@ -18,7 +20,19 @@ enum class FileKind
     Difference,
 };
 
-/// @throws as read_collection() if the file is not written by libshape.
+/// An HDF5 file of another kind than the one to be read, or not of libshape at all.
+class WrongFileKind : public InvalidInput
+{
+public:
+    WrongFileKind(const std::string& message, std::optional<FileKind> kind)
+        : InvalidInput(message), wanted(kind)
+    {
+    }
+
+    std::optional<FileKind> wanted; ///< None where all kinds are read.
+};
+
+/// @throws as read_collection(); WrongFileKind if the file is not written by libshape.
 [[nodiscard]] FileKind file_kind(const std::filesystem::path& path);
 
 /// Writes and checks a model as write_collection() does a collection; likewise a difference, below.

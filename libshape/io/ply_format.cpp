@@ -526,15 +526,11 @@ bool is_property_name(std::string_view name)
 void internal::check_scalars(const MeshWriteOptions& options, Eigen::Index vertices)
 {
     std::set<std::string> names;
-    if (options.colours.rows() > 0)
-        names = {"red", "green", "blue", "colours"}; // of the formats that have them
     for (const VertexScalar& scalar : options.scalars) {
         const std::string place = join("scalar ", in_quotes(scalar.name));
         if (!is_property_name(scalar.name) || !names.insert(scalar.name).second)
-            throw InvalidInput(
-                join(place, ": the name must be of letters, digits and _, start ",
-                     "with no digit, and be used once; x, y and z are taken, and with colours "
-                     "red, green, blue and colours"));
+            throw InvalidInput(join(place, ": the name must be of letters, digits and _, start ",
+                                    "with no digit, and be used once; x, y and z are taken"));
         if (scalar.values.size() != vertices)
             throw InvalidInput(join(place, " has ", counted(scalar.values.size(), "value"),
                                     ", the mesh has ", vertices, " vertices"));
@@ -550,6 +546,17 @@ void internal::check_scalars(const MeshWriteOptions& options, Eigen::Index verti
                                 ", must be one of the scalars, none of which is called quality"));
 }
 
+void internal::check_colour_names(const MeshWriteOptions& options,
+                                  std::initializer_list<std::string_view> taken)
+{
+    if (options.colours.rows() == 0)
+        return;
+    for (const VertexScalar& scalar : options.scalars)
+        if (std::find(taken.begin(), taken.end(), scalar.name) != taken.end())
+            throw InvalidInput(join("scalar ", in_quotes(scalar.name),
+                                    ": colours are written under this name; call it otherwise"));
+}
+
 NamedMesh internal::parse_ply(std::string_view content, const std::filesystem::path& path,
                               const MeshReadOptions& options)
 {
@@ -559,6 +566,7 @@ NamedMesh internal::parse_ply(std::string_view content, const std::filesystem::p
 std::string internal::print_ply(const Points& points, const Faces& faces,
                                 const MeshWriteOptions& options)
 {
+    check_colour_names(options, {"red", "green", "blue"});
     return options.single_precision ? print<float>(points, faces, options)
                                     : print<double>(points, faces, options);
 }

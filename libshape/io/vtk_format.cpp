@@ -362,6 +362,7 @@ void append_values(std::string& text, const auto& values, const MeshWriteOptions
 
 std::string print_vtk(const Points& points, const Faces& faces, const MeshWriteOptions& options)
 {
+    check_colour_names(options, {"colours"});
     const char* const type = options.single_precision ? "float" : "double";
     std::string text =
         join("# vtk DataFile Version 3.0\nlibshape\n", options.ascii ? "ASCII" : "BINARY",

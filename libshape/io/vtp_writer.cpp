@@ -62,6 +62,7 @@ private:
 
 std::string print_vtp(const Points& points, const Faces& faces, const MeshWriteOptions& options)
 {
+    check_colour_names(options, {"colours"});
     VtpArrays arrays(options.ascii);
     arrays.xml = join(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "

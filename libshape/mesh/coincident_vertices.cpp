@@ -115,7 +115,7 @@ std::string describe_coincident(const Points& points)
                ? std::string()
                : join("; ", vertices, " of ", points.rows(),
                       " vertices lie on others: were they split along seams or sharp edges "
-                      "by an exporter? `shape check --fix DIR` welds them");
+                      "by an exporter?");
 }
 
 VertexChoice weld(const Faces& faces, int vertex_count, const std::vector<VertexGroup>& groups)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "libshape/base/error.h"
 #include "libshape/mesh/points.h"
 
 namespace shape {
@@ -34,6 +35,14 @@ inline constexpr double coincidence = 1e-7;
 /// "; 24 of 24 vertices lie on others: ..." if any do, else empty (also if a coordinate is not finite):
 /// what may have broken a surface into components.
 [[nodiscard]] std::string describe_coincident(const Points& points);
+
+/// Thrown by collect(): a surface that may be broken because vertices lie on one another, which weld()
+/// makes one.
+class SplitSurface : public InvalidInput
+{
+public:
+    using InvalidInput::InvalidInput;
+};
 
 /// The faces with some vertices made one, or with some left out.
 struct VertexChoice

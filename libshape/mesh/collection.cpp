@@ -155,8 +155,11 @@ Collection collect(std::vector<NamedMesh> meshes)
         try {
             return Topology(reference.faces, static_cast<int>(reference.points.rows()));
         } catch (const InvalidInput& error) {
-            throw InvalidInput(reference.path + ": " + error.what() +
-                               describe_coincident(reference.points));
+            const std::string said = join(reference.path, ": ", error.what());
+            const std::string coincident = describe_coincident(reference.points);
+            if (!coincident.empty())
+                throw SplitSurface(said + coincident);
+            throw InvalidInput(said);
         }
     }();
     Collection collection{topology, {}, {}, {}};

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
-#include "libshape/base/rounded.h"
 #include "libshape/base/order_statistics.h"
+#include "libshape/base/rounded.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/congruent_meshes.h"
 #include "libshape/mesh/edge_lengths.h"
@@ -22,17 +23,41 @@ namespace shape {
 using namespace internal;
 namespace {
 
-/// 1.4826 times the median deviation from the median of the own part, which is the standard deviation
-/// where logarithms of sizes are normally distributed.
-double spread_within(const std::vector<std::vector<double>>& parts)
+/// 1.4826 times the median deviation from the median, which is the standard deviation where logarithms of
+/// sizes are normally distributed.
+double spread_of(const std::vector<double>& logarithms)
 {
+    const double centre = median(logarithms);
     std::vector<double> deviations;
-    for (const std::vector<double>& part : parts) {
-        const double centre = median(part);
-        for (const double value : part)
-            deviations.push_back(std::abs(value - centre));
-    }
+    for (const double value : logarithms)
+        deviations.push_back(std::abs(value - centre));
     return 1.4826 * median(deviations);
+}
+
+/// Whether the first `count` logarithms of sizes and the others differ as inches and centimetres do: each part
+/// spreads little, the gap between them is wide for that, and their geometric means have the ratio 2.54 as nearly
+/// as so few can show. Two kinds may differ by it too, but seldom so closely.
+bool are_inches(const std::vector<double>& sorted, std::size_t count)
+{
+    constexpr double largest_spread = 0.1; // bones of adults: 0.065; faces 0.05
+    constexpr double least_gap = 6.0;      // spreads
+    constexpr double least_tolerance = 0.05;
+    const std::span<const double> low(sorted.data(), count);
+    const std::span<const double> high(sorted.data() + count, sorted.size() - count);
+    double squares = 0.0;
+    const auto mean_of = [&](std::span<const double> part) {
+        const double mean =
+            std::accumulate(part.begin(), part.end(), 0.0) / static_cast<double>(part.size());
+        for (const double value : part)
+            squares += (value - mean) * (value - mean);
+        return mean;
+    };
+    const double ratio = -mean_of(low) + mean_of(high);
+    const double spread = std::sqrt(squares / static_cast<double>(sorted.size() - 2));
+    const double error = spread * std::sqrt(1.0 / static_cast<double>(low.size()) +
+                                            1.0 / static_cast<double>(high.size()));
+    return spread <= largest_spread && high.front() - low.back() >= least_gap * spread &&
+           std::abs(ratio - std::log(2.54)) <= std::max(least_tolerance, 2.0 * error);
 }
 
 void find_seams(const Collection& collection, std::vector<Oddity>& oddities)
@@ -163,26 +188,18 @@ std::vector<std::size_t> odd_sizes(const std::vector<double>& sizes)
     for (const std::size_t i : order)
         logarithms.push_back(std::log(sizes[i]));
     // Of fewer than five, two strange sizes would decide what the spread is.
+    const bool has_spread = sizes.size() >= 5;
     const double spread =
-        sizes.size() >= 5 ? spread_within({logarithms}) : std::numeric_limits<double>::infinity();
-    // Where many are strange the spread of all is the gap. Two kinds may differ so; at the ratio of
-    // inches and centimetres, to the spread within the parts, they are units.
-    const auto are_inches = [&](std::size_t end) {
-        const auto middle = logarithms.begin() + static_cast<std::ptrdiff_t>(end);
-        const std::vector<double> low(logarithms.begin(), middle);
-        const std::vector<double> high(middle, logarithms.end());
-        const double within = spread_within({low, high});
-        return sizes.size() >= 5 && high.front() - low.back() >= 10.0 * within &&
-               std::abs(median(high) - median(low) - std::log(2.54)) <= 2.0 * within;
-    };
+        has_spread ? spread_of(logarithms) : std::numeric_limits<double>::infinity();
     // Units differ by 10 at least, but for inches and centimetres (2.54); shapes of one kind seldom by 5, or
-    // by 2 with nothing between where the others are much alike.
+    // by 2 with nothing between where the others are much alike. Where many are strange the spread of all is
+    // the gap, and the parts tell.
     const auto splits = [&](std::size_t end) {
         const double before = sizes[order[end - 1]];
         const double after = sizes[order[end]];
         return after >= 5.0 * before ||
-               (after >= 2.0 * before &&
-                (std::log(after / before) >= 10.0 * spread || are_inches(end)));
+               (after >= 2.0 * before && std::log(after / before) >= 10.0 * spread) ||
+               (has_spread && are_inches(logarithms, end));
     };
     std::size_t best_begin = 0;
     std::size_t best_end = 0;

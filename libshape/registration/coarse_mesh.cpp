@@ -2,7 +2,6 @@
 
 #include "libshape/registration/coarse_mesh.h"
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModAspectRatioT.hh>
 #include <OpenMesh/Tools/Decimater/ModEdgeLengthT.hh>
@@ -10,40 +9,19 @@
 #include <cstdint>
 
 #include "libshape/base/to_size.h"
+#include "libshape/registration/editable_mesh.h"
 
 namespace shape::internal {
-namespace {
-
-struct Traits : OpenMesh::DefaultTraits
-{
-    using Point = OpenMesh::Vec3d;
-    using Normal = OpenMesh::Vec3d;
-};
-using Mesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
-using Decimater = OpenMesh::Decimater::DecimaterT<Mesh>;
-
-} // namespace
 
 CoarseMesh coarsened(const Topology& topology, const Points& points, int vertex_count)
 {
-    Mesh mesh;
-    mesh.request_vertex_status();
-    mesh.request_edge_status();
-    mesh.request_halfedge_status();
-    mesh.request_face_status();
-    mesh.request_face_normals();
-    for (int v = 0; v < topology.vertex_count(); ++v)
-        mesh.add_vertex({points(v, 0), points(v, 1), points(v, 2)});
-    for (const auto& face : topology.faces().rowwise())
-        mesh.add_face(mesh.vertex_handle(static_cast<unsigned>(face[0])),
-                      mesh.vertex_handle(static_cast<unsigned>(face[1])),
-                      mesh.vertex_handle(static_cast<unsigned>(face[2])));
+    EditableMesh mesh = editable_mesh(topology, points);
     mesh.update_face_normals();
 
-    Decimater decimater(mesh);
-    OpenMesh::Decimater::ModEdgeLengthT<Mesh>::Handle by_length;
-    OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle no_flips;
-    OpenMesh::Decimater::ModAspectRatioT<Mesh>::Handle no_slivers;
+    OpenMesh::Decimater::DecimaterT<EditableMesh> decimater(mesh);
+    OpenMesh::Decimater::ModEdgeLengthT<EditableMesh>::Handle by_length;
+    OpenMesh::Decimater::ModNormalFlippingT<EditableMesh>::Handle no_flips;
+    OpenMesh::Decimater::ModAspectRatioT<EditableMesh>::Handle no_slivers;
     decimater.add(by_length);
     decimater.add(no_flips);
     decimater.add(no_slivers);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "libshape/base/counted.h"
@@ -15,6 +16,7 @@
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/vertex_normals.h"
 #include "libshape/registration/closest_points.h"
+#include "libshape/registration/landmark_units.h"
 
 namespace shape::internal {
 namespace {
@@ -35,7 +37,6 @@ constexpr Bound unseen_share{0.15, 0.8};    // of the vertices; half a face leav
 constexpr Bound scan_distance{0.005, 0.02}; // mean, over the diagonal
 constexpr Bound strain_bound{0.15, 0.25};   // RMS
 constexpr Bound landmark_miss{0.002, 0.03}; // over the diagonal
-constexpr double landmark_off_scan = 0.01;  // over the diagonal
 constexpr double growth_range = 3.0; // between parts of one shape, which no person's differ by
 constexpr double odd_faces = 0.02;   // share that may cross or fold
 constexpr double folded_angle = 120.0 * std::numbers::pi / 180.0; // no pose bends an edge so far
@@ -173,6 +174,13 @@ void set_status(const FitEvidence& evidence, ScanFit& fit)
         say(FitStatus::Check, join(counted(fit.folded_faces, "face"), " folded"));
     // A tolerance is a standard deviation.
     const double tolerated = 3.0 * evidence.landmark_tolerance / fit.diagonal;
+    // A fit to landmarks of another unit has a size of its own: the scan's counts.
+    const double near = std::max(3.0 * evidence.landmark_tolerance,
+                                 landmark_off * bounding_box_diagonal(evidence.scan.points));
+    const std::optional<std::string> other_unit =
+        other_unit_of(evidence.landmarks, evidence.scan, near, "the scan");
+    if (other_unit)
+        say(FitStatus::Check, *other_unit);
     for (Index i = 0; i < fit.landmark_errors.size(); ++i) {
         const double missed = fit.landmark_errors[i] / fit.diagonal;
         const std::string& name = evidence.names[to_size(i)];
@@ -181,7 +189,7 @@ void set_status(const FitEvidence& evidence, ScanFit& fit)
              join("landmark '", name, "' is missed by ", percent(missed), " of the diagonal"));
         const double off =
             evidence.scan.tree.nearest(evidence.landmarks.row(i)).distance / fit.diagonal;
-        if (off > std::max(tolerated, landmark_off_scan))
+        if (!other_unit && off > std::max(tolerated, landmark_off))
             say(FitStatus::Check,
                 join("landmark '", name, "' lies ", percent(off), " of the diagonal off the scan"));
     }

@@ -17,6 +17,8 @@ namespace shape::internal {
 
 /// What a landmark placed by hand is off by, over the diagonal.
 inline constexpr double hand_placed = 0.003;
+/// What is farther from a surface than this is not on it, over the diagonal.
+inline constexpr double landmark_off = 0.01;
 
 /// The template's own figures, which those of its fits are held against.
 struct TemplateFigures

@@ -19,6 +19,7 @@
 #include "libshape/mesh/vertex_normals.h"
 #include "libshape/registration/fit_verdict.h"
 #include "libshape/registration/growth_energy.h"
+#include "libshape/registration/landmark_units.h"
 #include "libshape/registration/rigid_start.h"
 #include "libshape/registration/scan_surface.h"
 #include "libshape/registration/surface_pulls.h"
@@ -444,6 +445,9 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
 {
     const State& s = *state_;
     check_landmarks(landmarks, s.options.boundaries);
+    if (const auto said = other_unit_of(landmarks.on_template, s.surface,
+                                        landmark_off * s.own_diagonal, "the template"))
+        throw InvalidInput(*said);
     const auto [faces, turned] = turned_outwards(scan, s.surface);
     Surface surface(scan.points, faces);
     check_boundaries(s.options.boundaries, s.surface, surface);

@@ -107,9 +107,9 @@ public:
     ScanFitter& operator=(ScanFitter&&) noexcept;
 
     /// @param landmarks  None, or >= 1; with >= 3 they give the start.
-    /// @throws InvalidInput if there are three or more landmarks on a line, tables differ in size, or
-    ///     options.boundaries names a landmark that is missing, or is not empty where the template or the
-    ///     scan has no boundary.
+    /// @throws InvalidInput if there are three or more landmarks on a line, those of the template lie on it
+    ///     in another unit alone (1,000 times as large, ...), tables differ in size, or options.boundaries
+    ///     names a landmark that is missing, or is not empty where the template or the scan has no boundary.
     /// A scan that the template does not fit throws nothing: see ScanFit::status.
     /// Cost: about 3 s for 13,000 vertices. Same bits for any number of threads. Safe to call concurrently.
     [[nodiscard]] ScanFit fit(const Scan& scan, const LandmarkPairs& landmarks = {}) const;

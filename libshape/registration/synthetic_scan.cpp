@@ -3,7 +3,6 @@
 #include "libshape/registration/synthetic_scan.h"
 
 #include <Eigen/Geometry>
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -21,6 +20,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/vertex_normals.h"
 #include "libshape/registration/closest_points.h"
+#include "libshape/registration/editable_mesh.h"
 #include "libshape/registration/scan_surface.h"
 
 namespace shape {
@@ -28,7 +28,7 @@ using namespace internal;
 namespace {
 
 using Eigen::Vector3d;
-using Mesh = OpenMesh::TriMesh_ArrayKernelT<OpenMesh::DefaultTraitsDouble>;
+using Mesh = EditableMesh;
 using Vertex = Mesh::VertexHandle;
 
 Vector3d at(const Mesh& mesh, Vertex v)
@@ -170,21 +170,12 @@ void relax(Mesh& mesh, const ClosestPoints& surface, double edge, double jitter,
 /// The surface with about so many vertices.
 Scan remeshed(const Topology& topology, const Points& points, int vertex_count, Random& random)
 {
-    Mesh mesh;
-    mesh.request_vertex_status();
-    mesh.request_edge_status();
-    mesh.request_halfedge_status();
-    mesh.request_face_status();
-    mesh.request_face_normals();
+    Mesh mesh = editable_mesh(topology, points);
     mesh.request_vertex_normals();
-    for (const auto& p : points.rowwise())
-        mesh.add_vertex({p[0], p[1], p[2]});
     double area = 0.0;
-    for (const auto& face : topology.faces().rowwise()) {
-        mesh.add_face(Vertex(face[0]), Vertex(face[1]), Vertex(face[2]));
+    for (const auto& face : topology.faces().rowwise())
         area +=
             0.5 * normal_of(points.row(face[0]), points.row(face[1]), points.row(face[2])).norm();
-    }
     const ClosestPoints surface(points, topology.faces());
     // 2 V faces of side h, sqrt(3) / 4 h^2 each; splitting at 4/3 and collapsing at 4/5 (Botsch, Kobbelt 2004) leave
     // edges shorter than h on average, by as much as 1.07 makes up for.

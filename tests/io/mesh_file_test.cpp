@@ -232,6 +232,30 @@ TEST(OffFile, ReadsCountsOnEitherLineCommentsAndColours)
     }
 }
 
+TEST(OffFile, ReadsNumbersThatRunOnOverTheLines)
+{
+    for (const char* text :
+         {"OFF 3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2", // all on one line
+          "OFF\n3\n1\n0\n0\n0\n0\n1\n0\n0\n0\n1\n0\n3\n0\n1\n2\n",
+          "OFF\n3 1 0 0 0 0 1 0 0 0 1 0\n3 0 1 2 255 0 0\n",
+          "OFF\n3 1 0\n0 0 0 1 0 0\n0 1 0\n3 0 1 2\n",
+          "OFF\n3 1 0\n0 0\n0 1 0 0 0\n1 0\n3 0 1\n2\n",
+          "OFF # c\n3 # c\n1 # c\n0\n0 0 0 # c\n# c\n1 0 0 0 1 0\n3 0 # c\n1 2\n",
+          "OFF 3\n1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+          "OFF\n3 1\n0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", // edges alone
+          "COFF\n3 1 0\n0 0 0 9 9 9 9 1 0 0 9 9 9 9 0 1 0 9 9 9 9\n3 0 1 2\n",
+          "COFF\n3 1 0\n0 0 0\n9 9 9 9\n1 0 0\n9 9 9 9\n0 1 0\n9 9 9 9\n3 0 1 2\n",
+          "NOFF 3 1 0 0 0 0 0 0 1 1 0 0 nan nan nan 0 1 0 0 0 1 3 0 1 2\n"}) {
+        SCOPED_TRACE(text);
+        expect_unit_triangle(read("m.off", text));
+    }
+    // A line of very many vertices is looked at once for each, not once for each pair.
+    std::string line = "COFF 60000 1 0";
+    for (int v = 0; v < 60000; ++v)
+        line += v % 3 == 0 ? " 0 0 0 1 1 1 1" : v % 3 == 1 ? " 1 0 0 1 1 1 1" : " 0 1 0 1 1 1 1";
+    EXPECT_EQ(read("m.off", line + "\n3 0 1 2\n").points.rows(), 60000);
+}
+
 TEST(PlyFile, ReadsFacesThatStandBeforeTheirVertices)
 {
     expect_unit_triangle(
@@ -481,6 +505,16 @@ std::vector<BadFile> bad_files()
         {"a.off", "OFF\n3 1 0\n0.00 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 4",
          "coordinate z is missing"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0 0\n0 1 0\n3 0 1 2\n", "line 4", "unexpected '0'"},
+        {"a.off", "OFF\n3 1 0\n0 0 0 red\n1 0 0\n0 1 0\n3 0 1 2\n", "line 3", "unexpected 'red'"},
+        {"a.off", "OFF\n3 1 0\n0 0 0 1 0 0\n0 1\n3 0 1 2 9\n", "line 3",
+         "run on over the lines, the last vertex does not end with its line"},
+        {"a.off", "OFF\n3 1 0\n0 0 0 1.0000 0.0000 0.0000\n0 1\n", "line 3", "the file ends there"},
+        {"a.off", "OFF\n3 1 0\n0 0 0 1 0 0 0 1 0 3 0 1 2 9\n", "line 3", "unexpected '1'"},
+        {"a.off", "NOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line 3", "has 0 numbers"},
+        {"a.off", "OFF\n3 2 0\n0.0 0 0\n1.0 0 0\n0 1 0\n3 0 1\n3 0 2 1\n", "line 6",
+         "vertex index is missing"},
+        {"a.off", "OFF\n3 1 0\n0.0 0 0\n1.0 0 0\n0 1 0\n3 0 1\n", "line 6",
+         "vertex index is missing"},
         {"a.ply", ascii_ply("0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), "line 11", "'nan'"},
         {"a.ply", ascii_ply("0 0 0\n1 0\n0 1 0\n3 0 1 2\n"), "line 11", "is missing"},
         {"a.ply", ascii_ply("0 0 0\n1 0 0 0\n0 1 0\n3 0 1 2\n"), "line 11", "unexpected '0'"},
@@ -504,6 +538,7 @@ std::vector<BadFile> bad_files()
         {"a.off", off_counts("-4 1 0"), "line 2", "vertex count is -4"},
         {"a.off", off_counts("3 -1 0"), "line 2", "face count is -1"},
         {"a.off", off_counts("3"), "line 2", "face count is missing"},
+        {"a.off", off_counts("3\n0.5"), "line 2", "face count is missing"},
         {"a.off", off_counts("3 1 0 0"), "line 2", "unexpected '0'"},
         {"a.off", off_counts("0 0 0"), "line 3", "more lines"},
         {"a.off", "OFF\n0 0 0\n", "a.off", "0 vertices"},

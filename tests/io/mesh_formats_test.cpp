@@ -281,16 +281,28 @@ TEST(MeshWriteOptions, ScalarsAreNotCalledAsColoursAre)
     const test::TestMesh mesh = test::tetrahedron();
     const test::TemporaryDirectory directory;
     const Eigen::VectorXd values = Eigen::VectorXd::Zero(mesh.points.rows());
-    const auto write = [&](const std::string& name, const VertexColours& colours) {
-        write_mesh(directory / "m.ply", mesh.points, mesh.topology.faces(), MeshFormat::Ply,
-                   {.scalars = {{name, values}}, .colours = colours});
-    };
     const VertexColours colours = VertexColours::Zero(mesh.points.rows(), 3);
-    for (const char* name : {"red", "green", "blue", "colours"}) {
-        EXPECT_NO_THROW(write(name, {}));
-        EXPECT_NE(test::message_of<InvalidInput>([&] { write(name, colours); }).find("are taken"),
-                  std::string::npos);
-    }
+    const auto write = [&](const std::string& name, MeshFormat format, const VertexColours& with) {
+        write_mesh(directory / join(name, file_ending(format)), mesh.points, mesh.topology.faces(),
+                   format, {.scalars = {{name, values}}, .colours = with});
+    };
+    for (const MeshFormat format : {MeshFormat::Ply, MeshFormat::Vtk, MeshFormat::Vtp})
+        for (const std::string name : {"red", "green", "blue", "colours"}) {
+            SCOPED_TRACE(name + file_ending(format));
+            EXPECT_NO_THROW(write(name, format, {}));
+            std::filesystem::remove(directory / join(name, file_ending(format)));
+            // PLY has three properties for them, VTK an array.
+            if ((name == "colours") == (format == MeshFormat::Ply)) {
+                EXPECT_NO_THROW(write(name, format, colours));
+                continue;
+            }
+            const std::string message =
+                test::message_of<InvalidInput>([&] { write(name, format, colours); });
+            EXPECT_NE(message.find(join("'", name, "': colours are written under this name")),
+                      std::string::npos)
+                << message;
+            EXPECT_FALSE(std::filesystem::exists(directory / join(name, file_ending(format))));
+        }
 }
 
 TEST(MeshWriteOptions, RoundTripInEveryFormThatHasDoubles)

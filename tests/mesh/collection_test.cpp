@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/mesh/coincident_vertices.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
@@ -168,6 +169,28 @@ TEST(Collect, NamesTheDefectOfTheFirstMesh)
     } catch (const InvalidInput& error) {
         expect_says(error.what(), {"second.ply: ", "flip one"});
     }
+}
+
+TEST(Collect, SaysThatASurfaceIsSplitWhereVerticesLieOnOneAnother)
+{
+    NamedMesh mesh = changed_copy();
+    mesh.points = (Points(6, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0).finished();
+    mesh.faces = (Faces(2, 3) << 0, 1, 2, 3, 5, 4).finished();
+    const auto is_split = [&] {
+        try {
+            (void)collect({mesh});
+        } catch (const SplitSurface& error) {
+            expect_says(error.what(), {"second.ply: ", "4 of 6 vertices lie on others"});
+            return true;
+        } catch (const InvalidInput&) {
+            return false;
+        }
+        ADD_FAILURE() << "nothing was thrown";
+        return false;
+    };
+    EXPECT_TRUE(is_split());
+    mesh.points.bottomRows(3).array() += 0.5;
+    EXPECT_FALSE(is_split());
 }
 
 TEST(Collect, RefusesNoMesh)

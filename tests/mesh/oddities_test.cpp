@@ -106,6 +106,28 @@ TEST(Oddities, OddSizesStandApartFromTheLargestPart)
     EXPECT_EQ(odd_sizes({}), Indices{});
 }
 
+TEST(Oddities, InchesAreToldFromSizesThatVary)
+{
+    // Eight vertebrae of adults, 6.5 % of standard deviation, as they are and three of them in inches.
+    const std::vector<double> bones{26.66, 24.92, 27.31, 29.23, 25.40, 28.12, 23.81, 26.05};
+    EXPECT_EQ(odd_sizes(bones), Indices{});
+    std::vector<double> mixed = bones;
+    for (const std::size_t i : {0U, 4U, 5U})
+        mixed[i] /= 2.54;
+    EXPECT_EQ(odd_sizes(mixed), (Indices{0, 4, 5}));
+    mixed[3] /= 2.54; // the first of equal parts, the smaller ones, counts as usual
+    EXPECT_EQ(odd_sizes(mixed), (Indices{1, 2, 6, 7}));
+    // Children and adults, smoothly and in two kinds; a ratio near 2.54 of sizes that spread widely.
+    EXPECT_EQ(odd_sizes({10.0, 11.2, 13.1, 14.0, 16.2, 18.1, 20.5, 24.0, 25.4, 26.1}), Indices{});
+    for (const double ratio : {1.6, 1.8, 2.0, 2.9, 3.2}) {
+        std::vector<double> kinds = bones;
+        for (const std::size_t i : {1U, 4U, 6U, 7U})
+            kinds[i] /= ratio;
+        EXPECT_EQ(odd_sizes(kinds), Indices{}) << ratio;
+    }
+    EXPECT_EQ(odd_sizes({1.0, 1.3, 0.8, 1.1, 2.54, 2.9, 2.2, 3.1}), Indices{});
+}
+
 TEST(Oddities, LongListsOfNamesAreCutShort)
 {
     std::vector<std::string> names;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "libshape/base/error.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "tests/support/files.h"
@@ -92,6 +94,31 @@ TEST(ScanFitter, MeetsLandmarks)
     ASSERT_EQ(fit.landmark_errors.size(), 5);
     EXPECT_LT(fit.landmark_errors.maxCoeff(), 1e-3 * fit.diagonal);
     EXPECT_EQ(fit.status, FitStatus::Good);
+}
+
+TEST(ScanFitter, SaysThatLandmarksLookLikeAnotherUnit)
+{
+    const TestMesh mesh = pattern();
+    const Points truth = widened(mesh.points);
+    const std::vector<int> vertices{0, 100, 200, 300, 400};
+    LandmarkPairs marks;
+    marks.names = {"a", "b", "c", "d", "e"};
+    marks.on_template = mesh.points(vertices, Eigen::all);
+    marks.on_scan = 0.1 * truth(vertices, Eigen::all);
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    const ScanFit fit = fitter.fit(scan_of(wide_scan()), marks);
+    EXPECT_NE(fit.status, FitStatus::Good);
+    const auto is_said = [](const std::string& reason) {
+        return reason.find(
+                   "of the scan look as if they were in another unit than the mesh "
+                   "(millimetres and centimetres?): times 10 all") != std::string::npos;
+    };
+    EXPECT_EQ(std::count_if(fit.reasons.begin(), fit.reasons.end(), is_said), 1);
+    marks.on_template *= 1000.0;
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)fitter.fit(scan_of(wide_scan()), marks);
+              }).find("the landmarks of the template look as if"),
+              std::string::npos);
 }
 
 TEST(ScanFitter, SaysWhereAHalfHasNoCounterpart)

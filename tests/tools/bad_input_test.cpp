@@ -385,10 +385,13 @@ std::vector<BadInput> bad_hdf5()
          3,
          {"x.h5", "/mean/dihedral_angles", "boundary"},
          with_a_face_less("model.h5", true, {"generate", "x.h5", "--mean", "-o", "x.ply"})},
-        {"ModelAsCollection", 3, {"model.h5"}, running({"stats", "model.h5", "-o", "out.h5"})},
+        {"ModelAsCollection",
+         3,
+         {"model.h5: attribute format: is 'libshape model'", "`shape collect`"},
+         running({"stats", "model.h5", "-o", "out.h5"})},
         {"CollectionAsModel",
          3,
-         {"good.h5"},
+         {"good.h5: attribute format: is 'libshape collection'", "`shape stats`"},
          running({"generate", "good.h5", "--mean", "-o", "x.ply"})},
         {"ModelForStatismo",
          3,
@@ -796,6 +799,44 @@ INSTANTIATE_TEST_SUITE_P(Hdf5, BadInputTest, testing::ValuesIn(bad_hdf5()), case
 INSTANTIATE_TEST_SUITE_P(Requests, BadInputTest, testing::ValuesIn(bad_requests()), case_name);
 INSTANTIATE_TEST_SUITE_P(Paths, BadInputTest, testing::ValuesIn(bad_paths()), case_name);
 INSTANTIATE_TEST_SUITE_P(Outputs, BadInputTest, testing::ValuesIn(bad_outputs()), case_name);
+
+TEST(UnreadableInput, IsNamedInOneLineWithItsCause)
+{
+    const Folder folder;
+    fill(folder);
+    folder.write("closed/a.ply", folder.read("a.ply"));
+    folder.write("open/a.ply", folder.read("a.ply"));
+    const auto set = [&](std::filesystem::perms permissions) {
+        for (const char* name : {"closed", "open/a.ply", "model.h5", "labels.csv"})
+            std::filesystem::permissions(folder / name, permissions);
+    };
+    struct Reading
+    {
+        Arguments arguments;
+        std::string said;
+    };
+    const std::vector<Reading> readings = {
+        {{"collect", "closed", "-o", "out.h5"}, "closed"},
+        {{"collect", "closed/a.ply", "-o", "out.h5"}, "closed/a.ply"},
+        {{"collect", "open", "-o", "out.h5"}, "cannot read open/a.ply"},
+        {{"check", "open"}, "cannot read open/a.ply"},
+        {{"fit", "a.ply", "closed", "-o", "fitted"}, "closed"},
+        {{"generate", "model.h5", "--mean", "-o", "x.ply"}, "cannot read model.h5"},
+        {{"stats", "good.h5", "--labels", "labels.csv", "-o", "out.h5"}, "cannot read labels.csv"},
+    };
+    set(std::filesystem::perms::none);
+    std::vector<Outcome> outcomes;
+    for (const Reading& reading : readings)
+        outcomes.push_back(run_shape(folder.path(), reading.arguments, {.as_ordinary_user = true}));
+    set(std::filesystem::perms::owner_all);
+    if (outcomes.front().exit_code == 127)
+        GTEST_SKIP() << "root cannot give up reading everything here";
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        EXPECT_EQ(outcomes[i].exit_code, 5) << readings[i].said;
+        EXPECT_EQ(outcomes[i].err, "shape: error: " + readings[i].said + ": Permission denied\n");
+    }
+    EXPECT_FALSE(folder.has("out.h5"));
+}
 
 } // namespace
 } // namespace shape::test

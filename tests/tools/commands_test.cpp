@@ -79,6 +79,47 @@ TEST_F(Commands, MeshFilesOfOtherFormatsAreNotPassedOverInSilence)
     }
 }
 
+TEST_F(Commands, MeshesInSubfoldersAreNotPassedOverInSilence)
+{
+    folder_.write("set/x.ply", folder_.read("a.ply"));
+    const auto collect = [&](const Arguments& paths) {
+        const Outcome outcome = run_shape(
+            folder_.path(), Arguments{"collect"} + paths + Arguments{"-o", "f.h5", "--force"});
+        EXPECT_EQ(outcome.exit_code, outcome.err.find("itself") == std::string::npos ? 0 : 3);
+        return outcome.err;
+    };
+    const auto mentions = [](const std::string& text, const std::string& part) {
+        return text.find(part) != std::string::npos;
+    };
+    // What libshape writes, what is hidden, and what is no mesh.
+    for (const char* other : {"residuals/x_residuals.ply", ".git/x.ply", "unfinished/x.ply",
+                              "out.shard-1-of-2/x.ply", "notes/x.txt", "notes/._x.ply"})
+        folder_.write(join("set/", other), folder_.read("b.ply"));
+    EXPECT_FALSE(mentions(collect({"set"}), "subfolder"));
+    folder_.write("set/s2/y.ply", folder_.read("b.ply"));
+    EXPECT_TRUE(mentions(collect({"set"}),
+                         "set: 1 mesh file in 1 subfolder (s2) not taken; to "
+                         "take them too, name it: set/s2"));
+    folder_.write("set/s10/deep/z.OBJ", "v 0 0 0\n");
+    folder_.write("set/s2/w.ply", folder_.read("c.ply"));
+    const std::string both = collect({"set/"});
+    EXPECT_TRUE(mentions(both, "3 mesh files in 2 subfolders (s2 and s10/deep) not taken")) << both;
+    EXPECT_TRUE(mentions(both, "each of them, such as set/s2\n")) << both;
+    // Those that are named beside it are taken.
+    std::filesystem::remove_all(folder_ / "set/s10");
+    EXPECT_FALSE(mentions(collect({"set", "set/s2"}), "subfolder"));
+    EXPECT_FALSE(mentions(collect({"set", "set/s2/y.ply", "set/s2/w.ply"}), "subfolder"));
+    // Nothing in the directory itself.
+    std::filesystem::remove(folder_ / "set/x.ply");
+    const std::string none = collect({"set"});
+    EXPECT_TRUE(mentions(none,
+                         ".glb) itself, but 2 mesh files in 1 subfolder (s2): name it: "
+                         "set/s2"))
+        << none;
+    std::filesystem::remove_all(folder_ / "set/s2");
+    EXPECT_TRUE(mentions(collect({"set"}), "itself; other formats must be exported"));
+}
+
 TEST_F(Commands, NaturalOrderReadsSignedDecimals)
 {
     const auto order = [&](const Arguments& names) {

@@ -93,6 +93,13 @@ TEST_F(Fit, WritesACollectionWithoutWhatFailed)
     EXPECT_EQ(run({"info", "c.h5"})["meshes"], 2);
 }
 
+TEST_F(Fit, WritesACollectionWhoseEndingIsInCapitals)
+{
+    (void)run({"fit", "pattern.ply", "scans/s0.ply", "-o", "M.H5", "--no-search"});
+    EXPECT_EQ(run({"info", "M.H5"})["kind"], "collection");
+    EXPECT_EQ(read_table(folder_ / "M_fit/fit.csv").rows.size(), 1U);
+}
+
 TEST_F(Fit, FitsAGroupAgainAndAModelWithItsScores)
 {
     const TestMesh scan = bumpy_sphere(4, 0.3, 5);

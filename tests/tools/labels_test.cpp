@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 
+#include <algorithm>
+#include <functional>
+
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/table_file.h"
+#include "tests/support/matrices.h"
 #include "tests/support/meshes.h"
 #include "tests/tools/program_test.h"
 
@@ -189,6 +193,118 @@ TEST_F(LabelledMeshes, RepeatedScansAreWarnedOfWhereverTheyCount)
                        ""));
 }
 
+/// Twelve scans under scans/ of four people, three of each: two of either sex (sex.csv), each of another age
+/// (age.csv).
+class FewPeople : public LabelledMeshes
+{
+protected:
+    /// @param name  Of a scan, by its number and that of its person.
+    /// @param noise  Standard deviation of a scan's positions.
+    /// @param column  A further label that is the same for all scans of a person.
+    void scan(const std::function<std::string(int, int)>& name, double noise,
+              const std::string& column = "") const
+    {
+        std::filesystem::remove_all(folder_ / "scans");
+        std::filesystem::create_directory(folder_ / "scans");
+        const std::string end = column.empty() ? "" : "," + column;
+        std::string sexes = "mesh,sex" + end + "\n";
+        std::string ages = "mesh,age" + end + "\n";
+        for (int i = 0; i < 12; ++i) {
+            const int person = i / 3;
+            TestMesh mesh = bumpy_sphere(1, 0.2, static_cast<unsigned>(person));
+            mesh.points += noise * random_matrix(mesh.points.rows(), 3, static_cast<unsigned>(i));
+            write_mesh(folder_ / join("scans/", name(i, person), ".ply"), mesh.points,
+                       mesh.topology.faces(), MeshFormat::Ply);
+            const std::string value = column.empty() ? "" : join(",w", person);
+            sexes += join(name(i, person), person < 2 ? ",f" : ",m", value, "\n");
+            ages += join(name(i, person), ",", 20 + 5 * person, value, "\n");
+        }
+        folder_.write("sex.csv", sexes);
+        folder_.write("age.csv", ages);
+    }
+
+    /// The warning that rows are not independent, or nothing.
+    [[nodiscard]] std::string said(const Arguments& question) const
+    {
+        const bool is_of_age = std::find(question.begin(), question.end(), "age") != question.end();
+        const Outcome outcome =
+            shape(question +
+                  Arguments{"scans", "--labels", is_of_age ? "age.csv" : "sex.csv", "--force"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        const std::size_t begin = outcome.err.find("the 12 meshes are not independent");
+        return begin == std::string::npos
+                   ? std::string()
+                   : outcome.err.substr(begin, outcome.err.find('\n', begin) - begin);
+    }
+
+    const Arguments groups_{"groups",         "--by", "sex",         "-o", "x.csv",
+                            "--permutations", "9",    "--bootstrap", "9"};
+    const Arguments classify_{"classify", "--by", "sex", "-o", "x.csv"};
+    const Arguments difference_{"difference", "--from", "sex=f",     "--to", "sex=m",
+                                "-o",         "x.h5",   "--effects", "x.ply"};
+    const Arguments regress_{"regress", "--on", "age", "-o", "x.csv", "--permutations", "9"};
+    const std::function<std::string(int, int)> numbered_ = [](int i, int) { return join("m", i); };
+    const std::function<std::string(int, int)> named_ = [](int i, int person) {
+        return join("w", person, "_", i);
+    };
+};
+
+TEST_F(FewPeople, AreToldByTheNameOfALabelWhateverTheirShapes)
+{
+    scan(numbered_, 0.12, "Patient_ID");
+    for (const Arguments& question : {groups_, classify_, difference_, regress_})
+        EXPECT_TRUE(
+            said(question).starts_with("the 12 meshes are not independent if those of one "
+                                       "Patient_ID (4 of them) are repeated"))
+            << question.front() << said(question);
+    EXPECT_TRUE(said(groups_).ends_with("Give --within Patient_ID"));
+    EXPECT_EQ(said(regress_ + Arguments{"--within", "Patient_ID"}), "");
+    EXPECT_EQ(said(classify_ + Arguments{"--leave-out", "Patient_ID"}), "");
+    // Four values of something else, and shapes that say nothing.
+    for (const char* column : {"room", "patient_group", "idle"}) {
+        scan(numbered_, 0.12, column);
+        for (const Arguments& question : {groups_, classify_, difference_, regress_})
+            EXPECT_EQ(said(question), "") << column << question.front();
+    }
+}
+
+TEST_F(FewPeople, AreToldByScansThatAreMuchAlike)
+{
+    const auto expect = [&](const std::string& which, const std::string& advice) {
+        for (const Arguments& question : {groups_, regress_}) {
+            EXPECT_TRUE(
+                said(question).starts_with("the 12 meshes are not independent if those " + which))
+                << said(question);
+            EXPECT_TRUE(said(question).ends_with("Give --within " + advice)) << said(question);
+        }
+        EXPECT_TRUE(said(classify_).find("Give --leave-out " + advice) != std::string::npos)
+            << said(classify_);
+        EXPECT_TRUE(said(difference_).find("or the mean, of each ") != std::string::npos)
+            << said(difference_);
+    };
+    scan(numbered_, 0.002, "room");
+    expect("of one room (4 of them), whose shapes are much alike, are repeated", "room");
+    scan(named_, 0.002);
+    expect(
+        "whose names begin alike and whose shapes are much alike, such as w0_0, w0_1 and w0_2 (4 "
+        "such sets), are",
+        "a label that names them");
+    scan(numbered_, 0.002);
+    expect("whose shapes are much alike, such as m0, m1 and m2 (4 such sets), are",
+           "a label that names them");
+}
+
+TEST_F(FewPeople, AreNoGroupsThatDifferMuch)
+{
+    scan(named_, 0.002, "room");
+    const Arguments by_age{"groups",         "--by", "age",         "-o", "x.csv",
+                           "--permutations", "9",    "--bootstrap", "9"};
+    EXPECT_EQ(said(by_age), ""); // of each group one person: it may be what a group is
+    scan(named_, 0.12, "room");
+    for (const Arguments& question : {groups_, classify_, difference_, regress_})
+        EXPECT_EQ(said(question), "") << question.front();
+}
+
 TEST_F(LabelledMeshes, ValuesThatDifferInSpellingAloneAreWarnedOf)
 {
     write_labels("g", {"f", "F", "m", "m", "f", "m", "f", "m", "f", "m"});
@@ -200,6 +316,22 @@ TEST_F(LabelledMeshes, ValuesThatDifferInSpellingAloneAreWarnedOf)
     EXPECT_EQ(none.exit_code, 3);
     EXPECT_NE(none.err.find("no mesh has g = 'M', there are F, f and m"), std::string::npos)
         << none.err;
+}
+
+TEST_F(LabelledMeshes, ColumnsThatNoFileKeepsAreRefusedBeforeMeshesAreRead)
+{
+    write_labels("sex/age", {"f", "f", "m", "m", "f", "m", "f", "m", "f", "m"});
+    EXPECT_EQ(
+        run({"groups", "set", "--labels", "l.csv", "--by", "sex/age", "-o", "g.csv"})["groups"]
+            .size(),
+        2U); // which keeps none
+    folder_.write("set/m0.ply", "not a mesh");
+    for (const Arguments& command : {Arguments{"collect", "set"}, Arguments{"stats", "set"}}) {
+        const Outcome outcome = shape(command + Arguments{"--labels", "l.csv", "-o", "x.h5"});
+        EXPECT_EQ(outcome.exit_code, 3);
+        EXPECT_NE(outcome.err.find("l.csv: label column 'sex/age'"), std::string::npos)
+            << outcome.err;
+    }
 }
 
 TEST_F(LabelledMeshes, GroupsOfAnyNameBecomeFiles)

@@ -3,6 +3,8 @@
 #include "tests/tools/program.h"
 
 #include <fcntl.h>
+#include <linux/capability.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -67,6 +69,10 @@ void redirect_to_closed_pipe(int descriptor)
         const rlimit limit{launch.address_space, launch.address_space};
         setrlimit(RLIMIT_AS, &limit);
     }
+    if (launch.as_ordinary_user && geteuid() == 0)
+        for (const int right : {CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH})
+            if (prctl(PR_CAPBSET_DROP, right, 0, 0, 0) != 0) // that of what is executed
+                _exit(127);
     if (chdir(folder.c_str()) != 0)
         _exit(127);
     if (!launch.input_file.empty()) {

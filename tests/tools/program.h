@@ -43,6 +43,8 @@ struct Launch
     std::size_t largest_file = 0;                 ///< > 0: writing beyond this many bytes fails.
     std::size_t address_space = 0;                ///< > 0: no more bytes can be mapped.
     std::string input_file = {};                  ///< Of the folder: stdin reads it.
+    /// Permissions hold for root too; exit code 127 where root cannot give up what it may.
+    bool as_ordinary_user = false;
 };
 
 /// Runs the program in a folder; ends it after a minute.

@@ -198,38 +198,4 @@ Eigen::MatrixXd codes(const Grouping& groups)
     return column;
 }
 
-void warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
-                           const Eigen::MatrixXd& covariates,
-                           const std::vector<std::string>& columns, const std::string& remedy)
-{
-    const bool is_constant = covariates.cols() > 0 && covariates.rows() > 0 &&
-                             (covariates.rowwise() - covariates.row(0)).isZero(0.0);
-    if (is_constant) // refused later, by its name
-        return;
-    constexpr std::size_t least_blocks = 5;
-    constexpr std::size_t largest_blocks = 20;
-    for (const LabelColumn& column : meshes.labels) {
-        if (std::find(columns.begin(), columns.end(), column.name) != columns.end() ||
-            std::find(column.values.begin(), column.values.end(), "") != column.values.end())
-            continue;
-        const Grouping blocks = group_by(column.values);
-        const auto count = to_size(blocks.group_count());
-        if (count < least_blocks || 2 * count > meshes.size() ||
-            count * largest_blocks < meshes.size())
-            continue;
-        const std::vector<std::vector<int>> lists = members(blocks);
-        const bool is_nested = std::all_of(lists.begin(), lists.end(), [&](const auto& block) {
-            return std::all_of(block.begin(), block.end(), [&](int i) {
-                return covariates.row(i) == covariates.row(block.front());
-            });
-        });
-        if (!is_nested)
-            continue;
-        session.warn(join("the ", meshes.size(), " meshes are not independent if those of one ",
-                          column.name, " (", count, " of them) are repeated measurements: ", remedy,
-                          " ", column.name));
-        return;
-    }
-}
-
 } // namespace shape::tools

@@ -80,13 +80,4 @@ struct MeshLabels
 /// The number of the group of each observation, as a covariate.
 [[nodiscard]] Eigen::MatrixXd codes(const Grouping& groups);
 
-/// Warns if the meshes look like repeated measurements: a label has blocks of 2 to 20 meshes on
-/// average, at least 5 of them, within which all the covariates are the same.
-/// @param covariates  May have no columns: then every such label counts.
-/// @param columns  Labels that the covariates come from.
-/// @param remedy  What follows and what to do, up to the name of the label, such as "Give --within".
-void warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
-                           const Eigen::MatrixXd& covariates,
-                           const std::vector<std::string>& columns, const std::string& remedy);
-
 } // namespace shape::tools

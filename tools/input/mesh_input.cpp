@@ -5,7 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <set>
+#include <system_error>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -14,6 +16,7 @@
 #include "libshape/io/collection_file.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/mesh_file.h"
+#include "libshape/io/table_file.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/joined_labels.h"
 #include "libshape/mesh/oddities.h"
@@ -38,18 +41,104 @@ bool is_mesh_file(const fs::path& path)
     return std::find(endings.begin(), endings.end(), lower_extension(path)) != endings.end();
 }
 
-std::vector<fs::path> mesh_files_of_directory(const fs::path& directory)
+bool is_hidden(const fs::path& path)
+{
+    return path.filename().string().starts_with('.');
+}
+
+/// The path as the system has it, without links and a slash at its end; empty if it cannot be known.
+fs::path place_of(const fs::path& path)
+{
+    std::error_code error;
+    const fs::path place = fs::weakly_canonical(path, error);
+    return place.has_filename() ? place : place.parent_path();
+}
+
+/// Mesh files in the subfolders of a directory, which are not taken with it.
+struct MeshesBelow
+{
+    std::vector<std::string> folders; ///< That hold some: from the directory on, in natural order.
+    std::size_t count = 0;
+    bool is_all = true; ///< Whether everything below was looked at.
+};
+
+/// Left out are hidden folders, links to folders, what is named beside the directory, what libshape itself writes beside
+/// meshes (residuals/, unfinished/, shards), and what cannot be read, since nobody asked for it.
+MeshesBelow meshes_below(const fs::path& directory, const MeshInput& input)
+{
+    constexpr int deepest = 4;
+    constexpr std::size_t most_entries = 20'000; // some 50 ms
+    const std::set<fs::path> named = [&] {
+        std::set<fs::path> places;
+        for (const std::string& path : input.paths)
+            places.insert(place_of(path));
+        return places;
+    }();
+    const auto is_passed_by = [&](const fs::path& folder) {
+        const std::string name = folder.filename().string();
+        return is_hidden(folder) || name == "residuals" || name == "unfinished" ||
+               name.find(".shard-") != std::string::npos || named.contains(folder);
+    };
+    const fs::path root = place_of(directory);
+    MeshesBelow below;
+    std::set<std::string> folders;
+    std::size_t looked_at = 0;
+    std::error_code error;
+    constexpr auto options = fs::directory_options::skip_permission_denied;
+    for (fs::recursive_directory_iterator entry(root, options, error), end; !error && entry != end;
+         entry.increment(error)) {
+        const fs::path& path = entry->path();
+        if (entry.depth() > 0 && ++looked_at > most_entries) {
+            below.is_all = false;
+            break;
+        }
+        std::error_code unknown;
+        if (entry->is_directory(unknown)) {
+            if (entry.depth() >= deepest || is_passed_by(path))
+                entry.disable_recursion_pending();
+        } else if (entry.depth() > 0 && is_mesh_file(path) && !is_hidden(path) &&
+                   !named.contains(path)) {
+            ++below.count;
+            folders.insert(path.parent_path().lexically_relative(root).string());
+        }
+    }
+    below.folders.assign(folders.begin(), folders.end());
+    std::sort(below.folders.begin(), below.folders.end(), natural_less);
+    return below;
+}
+
+/// "at least 12 mesh files in 3 subfolders (a, b and c/d)".
+std::string describe(const MeshesBelow& below)
+{
+    std::vector<std::size_t> all(below.folders.size());
+    std::iota(all.begin(), all.end(), 0);
+    return join(below.is_all ? "" : "at least ", counted(below.count, "mesh file"), " in ",
+                counted(below.folders.size(), "subfolder"), " (", list_names(below.folders, all),
+                ")");
+}
+
+/// How the meshes of subfolders are named.
+std::string way_to_take(const fs::path& directory, const MeshesBelow& below)
+{
+    const std::string first = (directory / below.folders.front()).string();
+    return below.folders.size() == 1 ? join("name it: ", first)
+                                     : join("name each of them, such as ", first);
+}
+
+std::vector<fs::path> mesh_files_of_directory(const fs::path& directory, const MeshInput& input)
 {
     std::vector<fs::path> files;
     for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-        if (!entry.is_directory() && is_mesh_file(entry.path()) &&
-            entry.path().filename().string().front() != '.')
+        if (!entry.is_directory() && is_mesh_file(entry.path()) && !is_hidden(entry.path()))
             files.push_back(entry.path());
-    if (files.empty())
-        throw InvalidInput(join(directory.string(),
-                                ": the directory holds no mesh file (.obj .ply .off .stl .vtk "
-                                ".vtp .glb); other formats must be exported as one of them, "
-                                "subfolders named"));
+    if (files.empty()) {
+        const MeshesBelow below = meshes_below(directory, input);
+        throw InvalidInput(join(
+            directory.string(),
+            ": the directory holds no mesh file (.obj .ply .off .stl .vtk .vtp .glb) itself",
+            below.count > 0 ? join(", but ", describe(below), ": ", way_to_take(directory, below))
+                            : std::string("; other formats must be exported as one of them")));
+    }
     std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
         return natural_less(a.filename().string(), b.filename().string());
     });
@@ -123,6 +212,17 @@ Labels labels_of(const MeshNotices& notices, const std::string& path,
     return std::move(file.labels);
 }
 
+void check_stored_labels(const MeshInput& input)
+{
+    if (input.labels.empty())
+        return;
+    for (const std::string& column : read_table(input.labels).columns)
+        if (column == "." || column.find('/') != std::string::npos) // as groups of HDF5 have it
+            throw InvalidInput(join(input.labels, ": label column '", column,
+                                    "': a collection or model cannot hold a name that is '.' or "
+                                    "has '/' in it; rename the column"));
+}
+
 bool is_collection_file(const fs::path& path)
 {
     return lower_extension(path) == ".h5";
@@ -135,7 +235,7 @@ std::vector<fs::path> mesh_files(const MeshInput& input)
         if (!fs::exists(path))
             throw FileError(join(path.string(), ": no such file or directory"));
         if (fs::is_directory(path)) {
-            const std::vector<fs::path> members = mesh_files_of_directory(path);
+            const std::vector<fs::path> members = mesh_files_of_directory(path, input);
             files.insert(files.end(), members.begin(), members.end());
         } else {
             files.push_back(path);
@@ -152,6 +252,11 @@ void note_passed_over(const MeshNotices& notices, const MeshInput& input)
                 notices.warn(join(path.string(), ": ", counted(names.size(), "mesh file"),
                                   " of other formats passed over, first ", names.front(),
                                   "; export as .ply or .obj"));
+    for (const fs::path path : input.paths)
+        if (fs::is_directory(path))
+            if (const MeshesBelow below = meshes_below(path, input); below.count > 0)
+                notices.message(join(path.string(), ": ", describe(below),
+                                     " not taken; to take them too, ", way_to_take(path, below)));
 }
 
 std::vector<fs::path> input_files(const MeshInput& input)

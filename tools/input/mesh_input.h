@@ -48,7 +48,8 @@ struct MeshNotices
 };
 [[nodiscard]] MeshNotices notices_of(const Session& session);
 
-/// Warns of files in the directories that hold meshes in formats that are not read.
+/// Warns of files in the directories that hold meshes in formats that are not read, and says how many
+/// mesh files lie in their subfolders and are not taken.
 void note_passed_over(const MeshNotices& notices, const MeshInput& input);
 
 /// All files that reading the input opens: mesh_files() and the file of labels.
@@ -57,6 +58,10 @@ void note_passed_over(const MeshNotices& notices, const MeshInput& input);
 /// The labels of these meshes in a file; says which of its rows are of others.
 [[nodiscard]] Labels labels_of(const MeshNotices& notices, const std::string& path,
                                const std::vector<std::string>& names);
+
+/// For commands whose output keeps the labels: reads the table's columns before any work.
+/// @throws InvalidInput if a name is one that no collection or model holds; as read_table().
+void check_stored_labels(const MeshInput& input);
 
 /// The meshes of one file: a mesh, or the members of a collection with their labels.
 struct FileContent

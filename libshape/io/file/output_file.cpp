@@ -69,11 +69,13 @@ public:
         }
     }
 
-    void commit()
+    void commit(const std::function<void()>& before_renaming = {})
     {
         // Syncs the file whoever wrote it: the pages belong to the inode.
         if (::fsync(descriptor_) != 0)
             fail(target_, std::strerror(errno));
+        if (before_renaming)
+            before_renaming();
         if (::renameat(directory_, name_.c_str(), directory_, target_.filename().c_str()) != 0)
             fail(target_, std::strerror(errno));
         committed_ = true;
@@ -129,13 +131,14 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 }
 
 void write_file_atomically(const std::filesystem::path& path, const std::function<void(int)>& write,
-                           const std::function<void(const std::filesystem::path&)>& check)
+                           const std::function<void(const std::filesystem::path&)>& check,
+                           const std::function<void()>& before_renaming)
 {
     TemporaryFile file(path);
     write(file.descriptor());
     if (check)
         check(file.path());
-    file.commit();
+    file.commit(before_renaming);
 }
 
 void write_pieces_atomically(const std::filesystem::path& path,

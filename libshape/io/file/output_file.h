@@ -21,8 +21,11 @@ void write_file_atomically(
 /// The same with content that is not held together.
 /// @param write  Called once with the new file, open for reading and writing; what it throws passes
 ///     through.
+/// @param before_renaming  Called when the new file is synced, just before it takes the place of the target;
+///     what it throws passes through.
 void write_file_atomically(
     const std::filesystem::path& path, const std::function<void(int descriptor)>& write,
-    const std::function<void(const std::filesystem::path& temporary)>& check = {});
+    const std::function<void(const std::filesystem::path& temporary)>& check = {},
+    const std::function<void()>& before_renaming = {});
 
 } // namespace shape::internal

@@ -63,6 +63,11 @@ struct StoredDataset
     Eigen::Index count;       ///< Product of the extents.
     Extents chunk;            ///< Extents of a chunk; empty if the values are not in chunks.
     std::vector<int> filters; ///< In the order of writing.
+
+    [[nodiscard]] bool is_compressed() const
+    {
+        return std::ranges::find(filters, H5Z_FILTER_DEFLATE) != filters.end();
+    }
 };
 
 /// A part of a file to be read; errors name it.
@@ -118,9 +123,7 @@ public:
         if (value_size == 0 || value_size > longest_string)
             fail(join("has values of ", value_size, " bytes; the limit is ", longest_string));
         check_storage(creation, stored);
-        const bool is_packed =
-            std::ranges::find(stored.filters, H5Z_FILTER_DEFLATE) != stored.filters.end();
-        const Eigen::Index room = file_.size * (is_packed ? best_packing : 1);
+        const Eigen::Index room = file_.size * (stored.is_compressed() ? best_packing : 1);
         for (const Eigen::Index length : stored.extents) {
             if (length < 1)
                 fail("has no values");
@@ -408,6 +411,12 @@ Extents Hdf5File::extents(const std::string& name) const
 {
     const Item item(*state_, name);
     return item.guarded([&] { return item.open().extents; });
+}
+
+bool Hdf5File::is_compressed(const std::string& name) const
+{
+    const Item item(*state_, name);
+    return item.guarded([&] { return item.open().is_compressed(); });
 }
 
 StoredRows Hdf5File::rows(const std::string& name, const Extents& expected) const

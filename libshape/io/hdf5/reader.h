@@ -33,6 +33,7 @@ public:
     [[nodiscard]] bool has(const std::string& name) const;
     [[nodiscard]] std::vector<std::string> members(const std::string& group) const;
     [[nodiscard]] Extents extents(const std::string& name) const;
+    [[nodiscard]] bool is_compressed(const std::string& name) const; ///< A dataset.
 
     /// Rows of a dataset of doubles, to be read when they are needed.
     [[nodiscard]] StoredRows rows(const std::string& name, const Extents& expected) const;

@@ -363,7 +363,8 @@ bool holds(const std::filesystem::path& path, const Hdf5Content& content,
 
 } // namespace
 
-void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content)
+void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content,
+                const std::function<void()>& before_renaming)
 {
     const Silence silence;
     const auto fail = [&](const std::string& cause) {
@@ -386,7 +387,8 @@ void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content)
             [&](const auto& temporary) {
                 if (!holds(temporary, content, hashes))
                     fail("what was read back differs");
-            });
+            },
+            before_renaming);
     } catch (const Hdf5Failure& failure) {
         fail(join("HDF5: ", failure.what()));
     }

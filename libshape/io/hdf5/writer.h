@@ -47,9 +47,11 @@ struct Hdf5Content
 /// Writes a file beside the target, reads every dataset back and compares it bit by bit (numbers that
 /// were made, by a hash of 64 bits), and renames it into place. Equal contents give equal bytes.
 /// Memory: beside the content a few MiB.
+/// @param before_renaming  As of write_file_atomically().
 /// @throws FileError if it cannot be written.
 /// @throws InvalidInput if a string is not UTF-8, holds a NUL or has more than 4096 bytes, or a
 ///     name is empty or ".".
-void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content);
+void write_hdf5(const std::filesystem::path& path, const Hdf5Content& content,
+                const std::function<void()>& before_renaming = {});
 
 } // namespace shape::internal

@@ -74,6 +74,31 @@ TEST(OutputFile, KeepsTheTargetWhenTheCheckThrows)
     EXPECT_EQ(directory.names(), std::vector<std::string>{"out.txt"});
 }
 
+TEST(OutputFile, AsksAgainJustBeforeItRenames)
+{
+    const test::TemporaryDirectory directory;
+    write_file_atomically(directory / "out.txt", "old");
+    std::string calls;
+    const auto write = [&](const auto& before_renaming) {
+        write_file_atomically(
+            directory / "out.txt",
+            [&](int descriptor) {
+                calls += 'w';
+                EXPECT_EQ(::write(descriptor, "new", 3), 3);
+            },
+            [&](const std::filesystem::path&) { calls += 'c'; }, before_renaming);
+    };
+    EXPECT_THROW(write([] { throw NumericalError("no"); }), NumericalError);
+    EXPECT_EQ(test::read_bytes(directory / "out.txt"), "old");
+    write([&] {
+        calls += 'r';
+        EXPECT_EQ(test::read_bytes(directory / "out.txt"), "old");
+    });
+    EXPECT_EQ(calls, "wcwcr");
+    EXPECT_EQ(test::read_bytes(directory / "out.txt"), "new");
+    EXPECT_EQ(directory.names(), std::vector<std::string>{"out.txt"});
+}
+
 TEST(OutputFile, KeepsTheTargetWhenTheSystemRefusesToWrite)
 {
     const test::TemporaryDirectory directory;

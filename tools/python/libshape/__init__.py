@@ -20,29 +20,15 @@ raise a TypeError that names argument and shape. Results are the same bits as th
 `progress` is None, True (a bar of tqdm, if that is installed) or a function of (stage, done, total).
 """
 from ._arrays import Array, Indices, Progress
+from ._collection import Collection, collection, read, read_mesh, synthetic
 from ._core import version as _version
+from ._difference import Difference, difference, read_difference
 from ._errors import Error, FileError, InvalidInput, LimitExceeded, NumericalError
-from ._objects import (
-    Collection,
-    Difference,
-    Mesh,
-    MeshLike,
-    Model,
-    collection,
-    difference,
-    distance,
-    edges,
-    fit,
-    groups,
-    interpolate,
-    read,
-    read_difference,
-    read_mesh,
-    read_model,
-    set_thread_count,
-    synthetic,
-    thread_count,
-)
+from ._interpolation import interpolate
+from ._measures import distance, edges, groups
+from ._mesh import Mesh, MeshLike
+from ._model import Model, read_model
+from ._registration import fit
 from ._results import (
     Distance,
     Distances,
@@ -55,6 +41,7 @@ from ._results import (
     Scores,
     Test,
 )
+from ._threads import set_thread_count, thread_count
 
 __version__ = _version()
 

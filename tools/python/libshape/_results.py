@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Tuple, Union, overload
+from typing import Any, Dict, Iterator, List, Optional, Tuple, Union, overload
 
 import numpy as np
 
 from . import _arrays, _core
 from ._arrays import Array, Columns, Indices, Path, data_frame
 from ._errors import InvalidInput
-
-if TYPE_CHECKING:
-    from ._objects import Mesh
+from ._mesh import Mesh
 
 
 @dataclass(frozen=True)
@@ -90,23 +88,23 @@ class FitReport:
 class Frames:
     """Meshes along a path, and what each is worth."""
 
-    meshes: List["Mesh"]
+    meshes: List[Mesh]
     reports: List[Report]
     weights: Array  #: (frames, inputs); each row sums to 1.
 
     def __len__(self) -> int:
         return len(self.meshes)
 
-    def __iter__(self) -> Iterator["Mesh"]:
+    def __iter__(self) -> Iterator[Mesh]:
         return iter(self.meshes)
 
     @overload
-    def __getitem__(self, index: int) -> "Mesh": ...
+    def __getitem__(self, index: int) -> Mesh: ...
 
     @overload
     def __getitem__(self, index: slice) -> "Frames": ...
 
-    def __getitem__(self, index: Union[int, slice]) -> Union["Mesh", "Frames"]:
+    def __getitem__(self, index: Union[int, slice]) -> Union[Mesh, "Frames"]:
         if isinstance(index, slice):
             return Frames(self.meshes[index], self.reports[index], self.weights[index])
         return self.meshes[_arrays.integer(index, "frames[...]")]

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+
+#include "libshape/registration/landmark_units.h"
+
+#include <algorithm>
+
+#include "libshape/base/format.h"
+#include "libshape/mesh/unit_ratio.h"
+
+namespace shape::internal {
+namespace {
+
+double largest_distance(const Points& landmarks, const Surface& surface)
+{
+    double distance = 0.0;
+    for (const auto& landmark : landmarks.rowwise())
+        distance = std::max(distance, surface.tree.nearest(landmark).distance);
+    return distance;
+}
+
+} // namespace
+
+std::optional<std::string> other_unit_of(const Points& landmarks, const Surface& surface,
+                                         double within, const std::string& what)
+{
+    constexpr double least_spread =
+        0.1; // over the diagonal; times little enough, all meet at the origin
+    if (landmarks.rows() < 3 || largest_distance(landmarks, surface) <= within)
+        return std::nullopt;
+    const double diagonal = bounding_box_diagonal(surface.points);
+    const double spread = bounding_box_diagonal(landmarks);
+    double nearest = within;
+    std::optional<std::string> said;
+    for (const UnitRatio& units : unit_ratios)
+        for (const bool is_larger : {true, false}) {
+            const double factor = is_larger ? 1.0 / units.value : units.value;
+            if (factor * spread < least_spread * diagonal)
+                continue;
+            const double distance = largest_distance(factor * landmarks, surface);
+            if (distance > nearest)
+                continue;
+            nearest = distance;
+            said = join("the landmarks of ", what,
+                        " look as if they were in another unit than the mesh (", units.units,
+                        "?): ", is_larger ? "divided by " : "times ", units.value,
+                        " all of them lie on it; give them in its unit");
+        }
+    return said;
+}
+
+} // namespace shape::internal

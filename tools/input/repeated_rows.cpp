@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/input/repeated_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
+#include "libshape/base/to_size.h"
+#include "libshape/mesh/oddities.h"
+#include "libshape/statistics/close_rows.h"
+#include "tools/program/session.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+/// Whether a label is called as those that tell people or specimens apart: "subject", "Patient_ID", "animal no".
+bool names_individuals(const std::string& label)
+{
+    constexpr std::array<std::string_view, 14> words = {
+        "subject", "subj", "sub",    "person",   "participant", "patient", "individual",
+        "id",      "pid",  "animal", "specimen", "donor",       "proband", "volunteer"};
+    constexpr std::array<std::string_view, 9> ends = {"",    "s",      "id",  "no",  "nr",
+                                                      "num", "number", "key", "code"};
+    std::string letters = lower_case(label);
+    std::erase_if(letters, [](char c) {
+        return static_cast<unsigned char>(c) < 0x80 && (c < 'a' || c > 'z');
+    });
+    return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
+        return letters.starts_with(word) &&
+               std::find(ends.begin(), ends.end(), std::string_view(letters).substr(word.size())) !=
+                   ends.end();
+    });
+}
+
+bool is_constant(const Eigen::MatrixXd& covariates)
+{
+    return covariates.cols() > 0 && covariates.rows() > 0 &&
+           (covariates.rowwise() - covariates.row(0)).isZero(0.0);
+}
+
+bool has_column(const RowQuestion& question, const std::string& label)
+{
+    return std::find(question.columns.begin(), question.columns.end(), label) !=
+           question.columns.end();
+}
+
+/// Whether the covariates are the same for all meshes of a value; those without one do not count.
+bool is_nested(const Eigen::MatrixXd& covariates, const std::vector<std::string>& values)
+{
+    std::map<std::string_view, Eigen::Index> first;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        if (!values[i].empty() &&
+            covariates.row(first.try_emplace(values[i], row).first->second) != covariates.row(row))
+            return false;
+    }
+    return true;
+}
+
+/// How many values there are, and how many meshes have one.
+struct Counts
+{
+    std::size_t values;
+    std::size_t meshes;
+};
+
+Counts counts_of(const std::vector<std::string>& values)
+{
+    std::map<std::string_view, std::size_t> meshes;
+    for (const std::string& value : values)
+        if (!value.empty())
+            ++meshes[value];
+    Counts counts{meshes.size(), 0};
+    for (const auto& [value, count] : meshes)
+        counts.meshes += count;
+    return counts;
+}
+
+/// By its name, and as many meshes as matter.
+bool tells_individuals_apart(const LabelColumn& label)
+{
+    const Counts counts = counts_of(label.values);
+    const std::size_t repeats = counts.meshes - counts.values;
+    return names_individuals(label.name) && counts.values >= 2 && repeats >= 2 &&
+           10 * repeats >= label.values.size();
+}
+
+/// By the number of its values alone.
+bool has_small_blocks(const LabelColumn& label)
+{
+    constexpr std::size_t least_values = 5;
+    constexpr std::size_t largest_blocks = 20;
+    const Counts counts = counts_of(label.values);
+    return counts.meshes == label.values.size() && counts.values >= least_values &&
+           2 * counts.values <= counts.meshes && counts.values * largest_blocks >= counts.meshes;
+}
+
+/// Meshes with the same covariates.
+Grouping strata_of(const Eigen::MatrixXd& covariates)
+{
+    std::map<std::vector<double>, std::string> names;
+    std::vector<std::string> values;
+    for (const auto& row : covariates.rowwise())
+        values.push_back(names
+                             .try_emplace(std::vector<double>(row.begin(), row.end()),
+                                          std::to_string(names.size()))
+                             .first->second);
+    return group_by(values);
+}
+
+/// What shapes are asked about.
+struct Evidence
+{
+    const RowQuestion& question;
+    const Eigen::MatrixXd& products;
+    Grouping strata = strata_of(question.covariates);
+
+    [[nodiscard]] bool is_for(const std::vector<std::string>& values) const
+    {
+        constexpr std::size_t least_blocks = 3;
+        constexpr double near = 0.5;
+        constexpr double very_near = 0.25;
+        const Counts counts = counts_of(values);
+        if (counts.meshes < values.size() || counts.values < least_blocks ||
+            2 * counts.values > counts.meshes || !is_nested(question.covariates, values))
+            return false;
+        const Grouping blocks = group_by(values);
+        const double ratio = closeness(products, blocks, strata);
+        if (std::isfinite(ratio))
+            return ratio <= near;
+        return !question.are_groups &&
+               closeness(products, blocks, one_group(blocks.size())) <= very_near;
+    }
+};
+
+/// What names have before their last separator; whole names have none.
+std::vector<std::string> beginnings(const std::vector<std::string>& names)
+{
+    std::vector<std::string> result;
+    for (const std::string& name : names) {
+        const std::size_t end = name.find_last_of("_-. ");
+        result.push_back(end == std::string::npos || end == 0 ? name : name.substr(0, end));
+    }
+    return result;
+}
+
+std::vector<std::string> in_words(const Grouping& sets)
+{
+    std::vector<std::string> values;
+    for (const int set : sets.group_of)
+        values.push_back(sets.names[to_size(set)]);
+    return values;
+}
+
+std::vector<std::size_t> first_of(const std::vector<std::string>& values)
+{
+    std::vector<std::size_t> meshes;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (values[i] == values.front())
+            meshes.push_back(i);
+    return meshes;
+}
+
+} // namespace
+
+bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
+                           const RowQuestion& question)
+{
+    if (is_constant(question.covariates)) // refused later, by its name
+        return false;
+    for (const auto& is_suspect : {tells_individuals_apart, has_small_blocks})
+        for (const LabelColumn& label : meshes.labels) {
+            if (has_column(question, label.name) || !is_suspect(label) ||
+                !is_nested(question.covariates, label.values))
+                continue;
+            session.warn(join("the ", meshes.size(), " meshes are not independent if those of one ",
+                              label.name, " (", counts_of(label.values).values,
+                              " of them) are repeated measurements: ", question.remedy, " ",
+                              label.name));
+            return true;
+        }
+    return false;
+}
+
+void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
+                        const RowQuestion& question, const Eigen::MatrixXd& products)
+{
+    if (question.covariates.cols() == 0 || is_constant(question.covariates))
+        return;
+    const Evidence evidence{question, products};
+    const auto warn = [&](const std::string& which, const std::string& what_to_give) {
+        session.warn(join("the ", meshes.size(), " meshes are not independent if those ", which,
+                          ", are repeated measurements: ", question.remedy, " ", what_to_give));
+    };
+    const auto such_as_the_first = [&](const std::vector<std::string>& values) {
+        return join(", such as ", list_names(meshes.names, first_of(values)), " (",
+                    counts_of(values).values, " such sets)");
+    };
+    for (const LabelColumn& label : meshes.labels)
+        if (!has_column(question, label.name) && evidence.is_for(label.values))
+            return warn(join("of one ", label.name, " (", counts_of(label.values).values,
+                             " of them), whose shapes are much alike"),
+                        label.name);
+    const std::vector<std::string> begun = beginnings(meshes.names);
+    if (evidence.is_for(begun))
+        return warn(
+            "whose names begin alike and whose shapes are much alike" + such_as_the_first(begun),
+            question.unnamed);
+    const std::optional<Grouping> sets = close_sets(products);
+    if (!sets)
+        return;
+    const std::vector<std::string> members = in_words(*sets);
+    if (evidence.is_for(members))
+        warn("whose shapes are much alike" + such_as_the_first(members), question.unnamed);
+}
+
+} // namespace shape::tools

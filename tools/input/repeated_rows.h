@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "tools/input/label_input.h"
+
+namespace shape::tools {
+
+/// What is asked of meshes, each of which counts as an independent observation.
+struct RowQuestion
+{
+    /// N by C; with no columns no two meshes differ in them.
+    Eigen::MatrixXd covariates = {};
+    std::vector<std::string> columns = {}; ///< Labels that the covariates come from.
+    bool are_groups = false;               ///< They are codes() of groups, not numbers.
+    /// What follows if rows are repeated and what to do, up to a label: "then chance looks significant. Give
+    /// --within".
+    std::string remedy = {};
+    std::string unnamed = {}; ///< How that ends where no label names the blocks.
+};
+
+/// Warns if labels say that meshes are repeated measurements. Within the meshes of one value all covariates are the
+/// same, and
+/// - the label is called as those of a person or a specimen are (subject, patient_id, ...), and at least two meshes
+///   and a tenth of all repeat another one's value; or
+/// - all meshes have a value, and there are at least 5 of them, of 2 to 20 meshes on average.
+/// @return Whether it warned.
+bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
+                           const RowQuestion& question);
+
+/// Warns if shapes say so, of six meshes or more: in three blocks or more, of two meshes or more on average, within
+/// which all covariates are the same, meshes differ much less from one another than from those of other blocks with
+/// the same covariates. Blocks are the values of a label, or what names have before their last separator (_, -, . or
+/// a blank), where the distances (root mean square) differ by a factor of two; or the sets of close_sets().
+/// Where all blocks differ in their covariates they may be what these do: then of groups nothing is said, and of
+/// numbers only if distances differ by a factor of four.
+/// @param products  N by N inner products of the shapes, about any point.
+void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
+                        const RowQuestion& question, const Eigen::MatrixXd& products);
+
+} // namespace shape::tools

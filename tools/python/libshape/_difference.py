@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""Differences between two groups."""
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, List, Optional, Tuple
+
+import numpy as np
+
+from . import _arrays, _core, _files, _labels
+from ._arrays import Array, Indices, Path
+from ._collection import Collection, core_of
+from ._errors import InvalidInput
+from ._mesh import Mesh, MeshLike, name_of, read_only
+from ._options import embedding_options, space_options
+from ._results import Report
+
+
+class Difference:
+    """The mean difference between two groups. ``difference()`` and ``read_difference()`` make one."""
+
+    def __init__(self, core: _core.Difference) -> None:
+        self._core = core
+
+    @cached_property
+    def F(self) -> Indices:
+        """(m, 3) faces; read-only."""
+        return read_only(self._core.faces())
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return _difference_of_bytes, (_files.bytes_of(self._core.write),)
+
+    @cached_property
+    def pairs(self) -> Tuple[str, ...]:
+        """Values of the label that pairs; none if the groups are not paired."""
+        return tuple(self._core.pairs)
+
+    @property
+    def lengths(self) -> Array:
+        """(#E,) mean of `to` minus mean of `from`; a view."""
+        return self._core.edge_lengths
+
+    @property
+    def dihedral_angles(self) -> Array:
+        """(#E,) the same of dihedral angles [rad]; a view."""
+        return self._core.dihedral_angles
+
+    def apply(
+        self,
+        onto: Optional[MeshLike] = None,
+        amount: float = 1.0,
+        *,
+        method: str = "dihedral",
+        quality: str = "",
+        smoothness: Optional[float] = None,
+        avoid_contact: bool = False,
+    ) -> Tuple[Mesh, Report]:
+        """A mesh with so much of the difference added, in its place; default: onto the mean of `from`."""
+        share = _arrays.finite_number(amount, "amount")
+        starts: List[Array] = []
+        name = "applied"
+        if onto is not None:
+            vertices, corners = _arrays.mesh(onto, "onto")
+            if not np.array_equal(corners, self.F):
+                raise InvalidInput("onto: has other faces than the difference")
+            starts = [_arrays.finite(vertices, "onto.V")]
+            name = name_of(onto, name)
+        ((points, figures),) = _core.apply(
+            self._core, starts, share, embedding_options(method, quality, smoothness, avoid_contact), None
+        )
+        return Mesh(points, self.F, name), Report(**figures)
+
+    def write(self, path: Path) -> None:
+        """Writes a difference file (.h5) that the program reads; a file that is there is replaced."""
+        self._core.write(_arrays.path_ending(path, ".h5"))
+
+    def __repr__(self) -> str:
+        of = f"{len(self.pairs)} pairs" if self.pairs else "two groups without pairs"
+        return f"Difference({of}, norm {float(np.linalg.norm(self.lengths)):.4g})"
+
+
+def difference(
+    meshes: Collection, from_: str, to: str, *, pair_by: str = "", scale: str = "unit"
+) -> Difference:
+    """The mean difference between two groups, as `shape difference`.
+
+    from_, to: "LABEL=VALUE". pair_by: meshes with the same value of this label are a pair; default: the
+    means of the groups are compared.
+    """
+    space_options("edge", scale, "plain", False, 0.0, 0.0)  # refuses an unknown scale
+    return Difference(
+        _core.difference(
+            core_of(meshes),
+            _arrays.text(pair_by, "pair_by"),
+            _labels.label_and_value(from_, "from_"),
+            _labels.label_and_value(to, "to"),
+            scale,
+        )
+    )
+
+
+def read_difference(path: Path, *, untrusted: bool = False) -> Difference:
+    """Reads a difference of `shape difference` or Difference.write(). untrusted: as of read()."""
+    file = _arrays.path(path)
+    _files.rehearse(file, untrusted)
+    return Difference(_core.read_difference(file))
+
+
+def _difference_of_bytes(content: bytes) -> Difference:
+    return Difference(_files.of_bytes(content, _core.read_difference))
