@@ -4,6 +4,7 @@
 set(SHAPE_PORTABLE_SOURCES
     libshape/base/parallel_sum.cpp
     libshape/base/random.cpp
+    libshape/base/gathered_vectors.cpp
     libshape/base/vector_math.cpp
     libshape/edge_space/admissibility.cpp
     libshape/edge_space/length_coordinates.cpp

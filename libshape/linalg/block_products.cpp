@@ -152,6 +152,130 @@ void add_inner_products(const ConstBlock& a, const ConstBlock& b, Block c)
     }
 }
 
+/// add_scaled_rows() of some number of rows of c and vectors of four columns.
+using AddScaledRows = void (*)(const double* a, Eigen::Index a_stride, const double* b,
+                               Eigen::Index b_stride, Eigen::Index depth, double* c,
+                               Eigen::Index c_stride);
+
+/// c(i, k) += a(0, i) b(0, k) + a(1, i) b(1, k) + ..,  i < rows, k < 4 vectors, `depth` terms in their order.
+///
+///     c:  row 0:  [c00 c01 c02 c03] [c04 ..        b:  row 0:  [b00 b01 b02 b03] [b04 ..
+///         rows 1 to 3, a stride apart                  the next `depth` - 1 rows, a stride apart
+///     a:  row 0:  a00 a01 a02 a03, each of them in all lanes for row 0, 1, 2, 3 of c
+///
+/// The plain loop loads and stores c for every term; here 4 rows of 3 vectors stay in registers, and three
+/// loads of b serve twelve products. As the terms of an entry are added to it one after another, bits do
+/// not depend on how rows and columns are cut into pieces.
+template <int rows, int vectors>
+void add_scaled_rows(const double* a, Eigen::Index a_stride, const double* b, Eigen::Index b_stride,
+                     Eigen::Index depth, double* c, Eigen::Index c_stride)
+{
+    for (int i = 0; i < rows; ++i)
+        for (int v = 0; v < vectors; ++v) {
+            auto& result = *reinterpret_cast<FourDoubles*>(c + i * c_stride + 4 * v);
+            for (Eigen::Index r = 0; r < depth; ++r)
+                result += a[r * a_stride + i] *
+                          *reinterpret_cast<const FourDoubles*>(b + r * b_stride + 4 * v);
+        }
+}
+
+#ifdef __x86_64__
+
+/// The same where the processor multiplies and adds at once.
+template <int rows, int vectors>
+__attribute__((target("avx2,fma"))) void add_scaled_rows_fused(
+    const double* a, Eigen::Index a_stride, const double* b, Eigen::Index b_stride,
+    Eigen::Index depth, double* c, Eigen::Index c_stride)
+{
+    __m256d sums[rows][vectors];
+#pragma GCC unroll 4
+    for (int i = 0; i < rows; ++i)
+#pragma GCC unroll 3
+        for (int v = 0; v < vectors; ++v)
+            sums[i][v] = _mm256_loadu_pd(c + i * c_stride + 4 * v);
+    for (Eigen::Index r = 0; r < depth; ++r) {
+        __m256d br[vectors];
+#pragma GCC unroll 3
+        for (int v = 0; v < vectors; ++v)
+            br[v] = _mm256_loadu_pd(b + r * b_stride + 4 * v);
+#pragma GCC unroll 4
+        for (int i = 0; i < rows; ++i) {
+            const __m256d ari = _mm256_broadcast_sd(a + r * a_stride + i);
+#pragma GCC unroll 3
+            for (int v = 0; v < vectors; ++v)
+                sums[i][v] = _mm256_fmadd_pd(ari, br[v], sums[i][v]);
+        }
+    }
+#pragma GCC unroll 4
+    for (int i = 0; i < rows; ++i)
+#pragma GCC unroll 3
+        for (int v = 0; v < vectors; ++v)
+            _mm256_storeu_pd(c + i * c_stride + 4 * v, sums[i][v]);
+}
+
+#endif
+
+constexpr Eigen::Index most_scaled_rows = 4;
+constexpr Eigen::Index most_vectors = 3;
+
+/// Of 1 to 4 rows and 1 to 3 vectors.
+using ScaledKernels = std::array<std::array<AddScaledRows, most_vectors>, most_scaled_rows>;
+
+ScaledKernels best_scaled_kernels()
+{
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        return {{{add_scaled_rows_fused<1, 1>, add_scaled_rows_fused<1, 2>,
+                  add_scaled_rows_fused<1, 3>},
+                 {add_scaled_rows_fused<2, 1>, add_scaled_rows_fused<2, 2>,
+                  add_scaled_rows_fused<2, 3>},
+                 {add_scaled_rows_fused<3, 1>, add_scaled_rows_fused<3, 2>,
+                  add_scaled_rows_fused<3, 3>},
+                 {add_scaled_rows_fused<4, 1>, add_scaled_rows_fused<4, 2>,
+                  add_scaled_rows_fused<4, 3>}}};
+#endif
+    return {{{add_scaled_rows<1, 1>, add_scaled_rows<1, 2>, add_scaled_rows<1, 3>},
+             {add_scaled_rows<2, 1>, add_scaled_rows<2, 2>, add_scaled_rows<2, 3>},
+             {add_scaled_rows<3, 1>, add_scaled_rows<3, 2>, add_scaled_rows<3, 3>},
+             {add_scaled_rows<4, 1>, add_scaled_rows<4, 2>, add_scaled_rows<4, 3>}}};
+}
+
+/// Columns `first` to the last, fewer than four, by way of whole vectors.
+void add_last_columns(AddScaledRows kernel, Eigen::Index first, const ConstBlock& a,
+                      const ConstBlock& b, Block c)
+{
+    using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+    const Eigen::Index count = b.cols() - first;
+    Vectors right = Vectors::Zero(b.rows(), 4);
+    Vectors sum = Vectors::Zero(c.rows(), 4);
+    right.leftCols(count) = b.rightCols(count);
+    sum.leftCols(count) = c.rightCols(count);
+    kernel(a.data(), a.outerStride(), right.data(), 4, a.rows(), sum.data(), 4);
+    c.rightCols(count) = sum.leftCols(count);
+}
+
+void add_scaled_rows_of(const ConstBlock& a, const ConstBlock& b, Block c)
+{
+    static const ScaledKernels kernels = best_scaled_kernels();
+    constexpr Eigen::Index width = 192; // of which few_rows rows stay in the first cache
+    for (Eigen::Index first = 0; first < b.cols(); first += width)
+        for (Eigen::Index i = 0; i < c.rows(); i += most_scaled_rows) {
+            const Eigen::Index rows = std::min(most_scaled_rows, c.rows() - i);
+            const auto& of_rows = kernels[to_size(rows - 1)];
+            const Eigen::Index end = std::min(first + width, b.cols());
+            Eigen::Index k = first;
+            while (k + 4 <= end) {
+                const Eigen::Index vectors = std::min(most_vectors, (end - k) / 4);
+                of_rows[to_size(vectors - 1)](a.data() + i, a.outerStride(), b.data() + k,
+                                              b.outerStride(), a.rows(),
+                                              c.data() + i * c.outerStride() + k, c.outerStride());
+                k += 4 * vectors;
+            }
+            if (k < end)
+                add_last_columns(of_rows[0], k, a.middleCols(i, rows), b, c.middleRows(i, rows));
+        }
+}
+
 } // namespace
 
 void add_product(const ConstBlock& a, const ConstBlock& b, Block c)
@@ -168,7 +292,10 @@ void add_product_with_rows(const ConstBlock& a, const ConstBlock& b, Block c)
 
 void add_product_of_columns(const ConstBlock& a, const ConstBlock& b, Block c)
 {
-    multiply(CblasTrans, CblasNoTrans, a.rows(), a, b, c);
+    for (Eigen::Index first = 0; first < a.rows(); first += few_rows) {
+        const Eigen::Index count = std::min(few_rows, a.rows() - first);
+        add_scaled_rows_of(a.middleRows(first, count), b.middleRows(first, count), c);
+    }
 }
 
 } // namespace shape::internal

@@ -21,6 +21,6 @@ using ConstBlock = Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>;
 
 void add_product(const ConstBlock& a, const ConstBlock& b, Block c);            ///< c += a b.
 void add_product_with_rows(const ConstBlock& a, const ConstBlock& b, Block c);  ///< c += a b^T.
-void add_product_of_columns(const ConstBlock& a, const ConstBlock& b, Block c); ///< c += a^T b.
+void add_product_of_columns(const ConstBlock& a, const ConstBlock& b, Block c); ///< c += a^T b, one row after another.
 
 } // namespace shape::internal

@@ -7,7 +7,7 @@
 #include <array>
 #include <map>
 
-#include "libshape/base/blocks.h"
+#include "libshape/base/gathered_vectors.h"
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
@@ -194,13 +194,9 @@ std::vector<int> suspects(const Faces& faces, const Points& points)
         const int count = std::min(block_size, total - first);
         VectorRows along, back;
         Row is_suspect;
-        for (int i = 0; i < count; ++i) {
-            const auto point = [&](int k) {
-                return vector3(points.data() + 3 * faces(first + i, k));
-            };
-            along.set(i, point(1) - point(0));
-            back.set(i, point(2) - point(0));
-        }
+        const int* const corners = faces.data() + 3 * first;
+        gather_differences(count, points.data(), {corners + 1, 3}, {corners, 3}, along);
+        gather_differences(count, points.data(), {corners + 2, 3}, {corners, 3}, back);
         find_suspects(count, along, back, is_suspect);
         for (int i = 0; i < count; ++i)
             if (is_suspect[i] > 0.0)

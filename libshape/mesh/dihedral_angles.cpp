@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/gathered_vectors.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
@@ -50,6 +50,14 @@ double dihedral_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const 
 
 Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points)
 {
+    Eigen::VectorXd angles(topology.edge_count());
+    measure_dihedral_angles(topology, points, angles);
+    return angles;
+}
+
+void internal::measure_dihedral_angles(const Topology& topology, const Points& points,
+                                       Eigen::Ref<Eigen::VectorXd> angles)
+{
     if (points.rows() != topology.vertex_count())
         throw InvalidInput(join("points has ", points.rows(), " rows, the topology ",
                                 topology.vertex_count(), " vertices"));
@@ -63,17 +71,20 @@ Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points)
     }
     const Edges& edges = topology.edges();
     const Edges& halfedges = topology.edge_halfedges();
-    Eigen::VectorXd angles(edges.rows());
     for_blocks(topology.edge_count(), [&](int first, int count) {
-        VectorRows along{}, left{}, right{};
-        Row sines, cosines;
+        int left_faces[block_size], right_faces[block_size];
         for (int i = 0; i < count; ++i) {
             const int e = first + i;
-            const int other = halfedges(e, halfedges(e, 1) < 0 ? 0 : 1); // the boundary is flat
-            along.set(i, point(edges(e, 1)) - point(edges(e, 0)));
-            left.set(i, vector3(normals.data() + 3 * Topology::face(halfedges(e, 0))));
-            right.set(i, vector3(normals.data() + 3 * Topology::face(other)));
+            left_faces[i] = Topology::face(halfedges(e, 0));
+            right_faces[i] =
+                Topology::face(halfedges(e, halfedges(e, 1) < 0 ? 0 : 1)); // flat at the boundary
         }
+        const int* const ends = edges.data() + 2 * first;
+        VectorRows along, left, right;
+        gather_differences(count, points.data(), {ends + 1, 2}, {ends, 2}, along);
+        gather(count, normals.data(), {left_faces}, left);
+        gather(count, normals.data(), {right_faces}, right);
+        Row sines, cosines;
         hinge_angles(count, along, left, right, sines, cosines);
         vector_angles(sines, cosines, to_size(count), angles.data() + first);
         for (int e = first; e < first + count; ++e)
@@ -82,7 +93,6 @@ Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points)
             else if (angles[e] <= -std::numbers::pi)
                 angles[e] = std::numbers::pi;
     });
-    return angles;
 }
 
 double wrapped_angle(double angle)

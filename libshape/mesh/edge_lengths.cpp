@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/gathered_vectors.h"
 #include "libshape/base/vectorised.h"
 
 namespace shape {
@@ -33,9 +33,8 @@ Eigen::VectorXd edge_lengths(const Topology& topology, const Points& points)
     Eigen::VectorXd lengths(edges.rows());
     for_blocks(topology.edge_count(), [&](int first, int count) {
         VectorRows along;
-        for (int i = 0; i < count; ++i)
-            along.set(i, vector3(points.data() + 3 * edges(first + i, 1)) -
-                             vector3(points.data() + 3 * edges(first + i, 0)));
+        const int* const ends = edges.data() + 2 * first;
+        gather_differences(count, points.data(), {ends + 1, 2}, {ends, 2}, along);
         norms(count, along, lengths.data() + first);
     });
     return lengths;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "libshape/base/blocks.h"
+#include "libshape/base/gathered_vectors.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
@@ -49,12 +49,11 @@ SHAPE_VECTORISED void add_directions(int count, const VectorRows& edges, const V
 
 } // namespace
 
-void measure_angles(const Collection& block, RowMatrix& angles)
+void measure_angles(const Collection& block, Block angles)
 {
-    angles.resize(static_cast<Index>(block.size()), block.topology.edge_count());
     parallel_for(block.size(), 1, [&](std::size_t mesh, std::size_t) {
-        angles.row(static_cast<Index>(mesh)) =
-            dihedral_angles(block.topology, block.points[mesh]).transpose();
+        measure_dihedral_angles(block.topology, block.points[mesh],
+                                angles.row(static_cast<Index>(mesh)).transpose());
     });
 }
 
@@ -68,17 +67,18 @@ void BranchSums::add(const Collection& block)
     const Topology& topology = block.topology;
     for_blocks(topology.edge_count(), [&](int first, int count) {
         std::array<std::array<int, 4>, block_size> corners;
-        for (int i = 0; i < count; ++i)
-            corners[to_size(i)] = hinge_corners(topology, first + i);
+        for (int i = 0; i < count; ++i) {
+            std::array<int, 4>& hinge = corners[to_size(i)];
+            hinge = hinge_corners(topology, first + i);
+            if (hinge[3] < 0)
+                hinge[3] = hinge[0]; // the boundary is flat
+        }
+        const auto corner = [&](int k) { return Indices{corners[0].data() + k, 4}; };
         for (const Points& points : block.points) {
-            const auto point = [&](int v) { return vector3(points.data() + 3 * v); };
             VectorRows along, left, right;
-            for (int i = 0; i < count; ++i) {
-                const auto [a, b, c, d] = corners[to_size(i)];
-                along.set(i, point(b) - point(a));
-                left.set(i, point(c) - point(a));
-                right.set(i, point(d < 0 ? a : d) - point(a)); // the boundary is flat
-            }
+            gather_differences(count, points.data(), corner(1), corner(0), along);
+            gather_differences(count, points.data(), corner(2), corner(0), left);
+            gather_differences(count, points.data(), corner(3), corner(0), right);
             add_directions(count, along, left, right, sines_.data() + first,
                            cosines_.data() + first, sharp_.data() + first);
         }
@@ -116,7 +116,7 @@ void BranchSums::restore(PassStateReader& state)
         *sums = state.vector(sums->size());
 }
 
-void unify_branches(RowMatrix& angles, const Eigen::VectorXd& means)
+void unify_branches(Block angles, const Eigen::VectorXd& means)
 {
     std::vector<Index> near_fold; // few
     for (Index e = 0; e < means.size(); ++e)

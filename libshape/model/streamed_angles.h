@@ -6,14 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "libshape/linalg/dense.h"
+#include "libshape/linalg/block_products.h"
 #include "libshape/mesh/collection.h"
 #include "libshape/statistics/pass_state_reader.h"
 
 namespace shape::internal {
 
 /// Dihedral angles of the meshes of a block, a row each [rad].
-void measure_angles(const Collection& block, RowMatrix& angles);
+void measure_angles(const Collection& block, Block angles);
 
 /// Finds, from meshes that come by once, the branch that each edge's angles lie on (unify_branches()).
 class BranchSums
@@ -43,6 +43,6 @@ private:
 };
 
 /// Brings the angles of all rows onto the branches around these means.
-void unify_branches(RowMatrix& angles, const Eigen::VectorXd& means);
+void unify_branches(Block angles, const Eigen::VectorXd& means);
 
 } // namespace shape::internal

@@ -13,7 +13,6 @@
 #include "libshape/model/effect_weights.h"
 #include "libshape/model/mesh_passes.h"
 #include "libshape/model/streamed_angles.h"
-#include "libshape/statistics/column_strips.h"
 #include "libshape/statistics/tiled_gram.h"
 
 namespace shape {
@@ -57,6 +56,7 @@ public:
             const VectorXd means = branches.means(passes_.meshes().size());
             passes_.run("slopes of angles", passes_.all(tile),
                         [&](Index first, const Collection& block, RowMatrix& rows) {
+                            rows.resize(static_cast<Index>(block.size()), edges_);
                             measure_angles(block, rows);
                             internal::unify_branches(rows, means);
                             add(all.middleRows(first, rows.rows()), rows, angles);
@@ -71,13 +71,13 @@ public:
 private:
     static void add(const RowMatrix& weights, const RowMatrix& rows, RowMatrix& sums)
     {
-        parallel_for(to_size(rows.cols()), to_size(ColumnStrips::width),
-                     [&](std::size_t begin, std::size_t end) {
-                         const auto first = static_cast<Index>(begin);
-                         const auto count = static_cast<Index>(end - begin);
-                         add_product_of_columns(weights, rows.middleCols(first, count),
-                                                sums.middleCols(first, count));
-                     });
+        constexpr std::size_t strip = 2048; // columns worked on together
+        parallel_for(to_size(rows.cols()), strip, [&](std::size_t begin, std::size_t end) {
+            const auto first = static_cast<Index>(begin);
+            const auto count = static_cast<Index>(end - begin);
+            add_product_of_columns(weights, rows.middleCols(first, count),
+                                   sums.middleCols(first, count));
+        });
     }
 
     MeshPasses passes_;

@@ -287,19 +287,19 @@ private:
         if (stream_.scratch.empty() || stream_.ranks.lots > 1 ||
             2 * bytes(meshes_.size(), ColumnStrips::width) > memory_)
             return false;
-        const auto strips = ColumnStrips::make(stream_.scratch, meshes_.size(), dimension_);
-        if (!strips)
+        strips_ = ColumnStrips::make(stream_.scratch, meshes_.size(), dimension_);
+        if (!strips_)
             return false;
         passes_.run("lengths", passes_.all(tile),
                     [&](Index first, const Collection& block, RowMatrix& rows) {
                         passes_.encode(block, rows,
                                        sizes_.segment(first, static_cast<Index>(block.size())));
-                        strips->put(first, rows);
+                        strips_->put(first, rows);
                         if (has_companions(passes_.space()))
                             branches_.add(block);
                     });
         passes_.rest();
-        strips->for_each([&](Index first, RowMatrix& columns) {
+        strips_->for_each([&](Index first, RowMatrix& columns) {
             gram.add_columns(first, columns);
             tell("inner products", first + columns.cols());
         });
@@ -318,26 +318,44 @@ private:
     [[nodiscard]] bool has_scores() const { return components_.scores.size() > 0; }
 
     /// The modes, from the shares that the meshes have in them; with them, if the scores are known, what they do
-    /// to the angles.
+    /// to the angles. Coordinates that lie on the disk are not measured again; the bits are the same.
     void add_modes(const RowMatrix& weights)
     {
         RowMatrix& modes = components_.modes;
         modes = RowMatrix::Zero(weights.cols(), dimension_);
-        std::vector<std::span<double>> sums{numbers_of(modes)};
+        const bool in_strips = strips_.has_value();
+        if (in_strips) {
+            strips_->for_each([&](Index first, RowMatrix& columns) {
+                centre_rows(columns, components_.mean.segment(first, columns.cols()));
+                add_product_of_columns(weights, columns, modes.middleCols(first, columns.cols()));
+                tell("modes", first + columns.cols());
+            });
+            strips_.reset();
+            if (!has_scores())
+                return;
+        }
+        std::vector<std::span<double>> sums;
+        if (!in_strips)
+            sums.push_back(numbers_of(modes));
         if (has_scores())
             std::ranges::copy(start_angles(modes.rows()), std::back_inserter(sums));
         passes_.run(
-            "modes", passes_.all(small_tile()),
+            in_strips ? "angles" : "modes", passes_.all(small_tile()),
             [&](Index first, const Collection& block, RowMatrix& rows) {
-                passes_.encode(block, rows);
-                centre_rows(rows, components_.mean);
-                for_strips(dimension_, [&](Index begin, Index count) {
-                    add_product_of_columns(weights.middleRows(first, rows.rows()),
-                                           rows.middleCols(begin, count),
-                                           modes.middleCols(begin, count));
-                });
+                if (!in_strips) {
+                    passes_.encode(block, rows);
+                    centre_rows(rows, components_.mean);
+                    for_strips(dimension_, [&](Index begin, Index count) {
+                        add_product_of_columns(weights.middleRows(first, rows.rows()),
+                                               rows.middleCols(begin, count),
+                                               modes.middleCols(begin, count));
+                    });
+                }
                 if (has_scores())
-                    add_angles(block, components_.scores.middleRows(first, rows.rows()), rows);
+                    add_angles(
+                        block,
+                        components_.scores.middleRows(first, static_cast<Index>(block.size())),
+                        rows);
             },
             sums);
     }
@@ -425,6 +443,7 @@ private:
     {
         if (mode_angles_.cols() == 0)
             return;
+        rows.resize(scores.rows(), mode_angles_.cols());
         measure_angles(block, rows);
         internal::unify_branches(rows, branch_means_);
         centre_rows(rows, first_angles_, &angle_sums_); // scores sum to 0: rounding stays small
@@ -515,6 +534,7 @@ private:
     Eigen::VectorXd angle_sums_;
     Eigen::VectorXd mean_angles_;
     RowMatrix mode_angles_;
+    std::optional<ColumnStrips> strips_; ///< All coordinates, where measure_once() could.
 };
 
 } // namespace

@@ -170,6 +170,7 @@ private:
         const Eigen::VectorXd branches = branches_.means(passes_.meshes().size());
         passes_.run("angles", passes_.all(TiledGram::tile_rows(angle_sums_)),
                     [&](Index first, const Collection& block, RowMatrix& rows) {
+                        rows.resize(static_cast<Index>(block.size()), angle_sums_);
                         measure_angles(block, rows);
                         internal::unify_branches(rows, branches);
                         add_by_group(groups_, first, rows, means);

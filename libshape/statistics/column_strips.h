@@ -22,7 +22,7 @@ namespace shape::internal {
 class ColumnStrips
 {
 public:
-    static constexpr Eigen::Index width = 512; ///< Columns of a strip; the last one has fewer.
+    static constexpr Eigen::Index width = 2016; ///< Columns of a strip; the last one has fewer.
 
     /// None where the folder has no room for it (ScratchFile::make()).
     [[nodiscard]] static std::optional<ColumnStrips> make(const std::filesystem::path& folder,

@@ -15,7 +15,16 @@ namespace shape::internal {
 
 using Eigen::Index;
 
-void centre_rows(RowMatrix& rows, const Eigen::VectorXd& shift, Eigen::VectorXd* sums)
+namespace {
+
+/// Columns multiplied together: few_rows rows of them stay in the second cache. Not a power of two, or all rows
+/// would fall on the same lines of a cache.
+constexpr Index width = 504;
+static_assert(ColumnStrips::width % width == 0, "else add_columns() would not add what add() does");
+
+} // namespace
+
+void centre_rows(Block rows, const Eigen::VectorXd& shift, Eigen::VectorXd* sums)
 {
     parallel_for(to_size(rows.cols()), 4096, [&](std::size_t begin, std::size_t end) {
         const auto first = static_cast<Index>(begin);
@@ -95,8 +104,8 @@ void TiledGram::add(Index first, RowMatrix& tile)
     parallel_for(to_size(partners), 1, [&](std::size_t p, std::size_t) {
         const Index column = begin_ + static_cast<Index>(p) * tile_;
         const Index columns = std::min(tile_, held_end() - column);
-        for (Index begin = 0; begin < columns_; begin += ColumnStrips::width) {
-            const Index count = std::min(ColumnStrips::width, columns_ - begin);
+        for (Index begin = 0; begin < columns_; begin += width) {
+            const Index count = std::min(width, columns_ - begin);
             add_product_with_rows(tile.middleCols(begin, count),
                                   held_.block(column - begin_, begin, columns, count),
                                   products_.block(first, column, tile.rows(), columns));
@@ -112,15 +121,18 @@ void TiledGram::add_columns(Index first, RowMatrix& columns)
     // The fewer rows are taken together, the more comes from the third cache; more than few_rows would be
     // multiplied another way.
     const Index height = std::max(tile_, few_rows);
-    const auto part = [&](Index row) {
-        return columns.middleRows(row, std::min(height, rows_ - row));
-    };
-    parallel_for(to_size(rows_), to_size(height), [&](std::size_t begin, std::size_t) {
-        const auto row = static_cast<Index>(begin);
-        for (Index other = 0; other <= row; other += height)
-            add_product_with_rows(
-                part(row), part(other),
-                products_.block(row, other, part(row).rows(), part(other).rows()));
+    parallel_for(to_size(rows_), to_size(height), [&](std::size_t first_row, std::size_t) {
+        const auto row = static_cast<Index>(first_row);
+        for (Index begin = 0; begin < columns.cols(); begin += width) {
+            const Index count = std::min(width, columns.cols() - begin);
+            const auto part = [&](Index i) {
+                return columns.block(i, begin, std::min(height, rows_ - i), count);
+            };
+            for (Index other = 0; other <= row; other += height)
+                add_product_with_rows(
+                    part(row), part(other),
+                    products_.block(row, other, part(row).rows(), part(other).rows()));
+        }
     });
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "libshape/linalg/block_products.h"
 #include "libshape/linalg/dense.h"
 #include "libshape/statistics/pass_state_reader.h"
 
@@ -75,6 +76,6 @@ private:
 };
 
 /// Takes a vector from all rows and adds what is left to sums, each column in the order of the rows.
-void centre_rows(RowMatrix& rows, const Eigen::VectorXd& shift, Eigen::VectorXd* sums = nullptr);
+void centre_rows(Block rows, const Eigen::VectorXd& shift, Eigen::VectorXd* sums = nullptr);
 
 } // namespace shape::internal

@@ -45,7 +45,7 @@ Collection crumpled(int count)
 
 RowMatrix angles_of(const Collection& meshes)
 {
-    RowMatrix angles;
+    RowMatrix angles(static_cast<Eigen::Index>(meshes.size()), meshes.topology.edge_count());
     measure_angles(meshes, angles);
     return angles;
 }

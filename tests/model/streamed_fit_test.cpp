@@ -100,14 +100,16 @@ TEST(StreamedFit, MeasuresScoresWhereTheGramMatrixWouldRoundThem)
     const test::TemporaryDirectory folder;
     StreamOptions stream{.algorithm = FitAlgorithm::Gram, .scratch = folder.path()};
     const StreamedFit fit = fit_model(stream_of(collection), options, stream);
-    EXPECT_EQ(fit.passes, 3);
+    EXPECT_EQ(fit.passes, 2); // of meshes: the modes come from the disk
     expect_near(fit.model, expected, 1e-10);
     for (Index k = 0; k < 6; ++k)
         EXPECT_NEAR(fit.model.scores.col(k).squaredNorm(), 29.0 * expected.variances[k],
                     1e-10 * 29.0 * expected.variances[k])
             << k;
     stream.scratch.clear();
-    expect_same_bits(fit_model(stream_of(collection), options, stream).model, fit.model);
+    const StreamedFit without_disk = fit_model(stream_of(collection), options, stream);
+    EXPECT_EQ(without_disk.passes, 3);
+    expect_same_bits(without_disk.model, fit.model);
 }
 
 TEST(StreamedFit, KrylovFitsIntoLittleMemory)

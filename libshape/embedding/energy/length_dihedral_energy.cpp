@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "libshape/base/blocks.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/gathered_vectors.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector_math.h"
@@ -183,8 +183,8 @@ LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const Shape
             throw InvalidInput(join("target: edge ", e, " (", topology.edges()(e, 0), "-",
                                     topology.edges()(e, 1), ") has length ", target.edge_lengths[e],
                                     " and dihedral angle ", target.dihedral_angles[e],
-                                    "; lengths must be > 0 and finite, angles within ",
-                                    angle_limit, " rad"));
+                                    "; lengths must be > 0 and finite, angles within ", angle_limit,
+                                    " rad"));
     if (!(smoothness > 0.0 && std::isfinite(smoothness)))
         throw InvalidInput(join("smoothness is ", smoothness, ", must be > 0 and finite"));
     bend_weights_ = trusted_bends(topology, target.edge_lengths, smoothness);
@@ -363,13 +363,11 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
     normals_.resize(t.face_count(), 3);
     inverse_squares_.resize(t.face_count());
     for_blocks(t.face_count(), [&](int first, int count) {
-        VectorRows p{}, q{}, r{}, normal{};
-        for (int i = 0; i < count; ++i) {
-            const int* const face = faces + 3 * (first + i);
-            p.set(i, vector3(points.data() + 3 * face[0]));
-            q.set(i, vector3(points.data() + 3 * face[1]));
-            r.set(i, vector3(points.data() + 3 * face[2]));
-        }
+        VectorRows p, q, r, normal;
+        const int* const corners = faces + 3 * first;
+        gather(count, points.data(), {corners, 3}, p);
+        gather(count, points.data(), {corners + 1, 3}, q);
+        gather(count, points.data(), {corners + 2, 3}, r);
         face_normals(count, p, q, r, normal, inverse_squares_.data() + first);
         for (int i = 0; i < count; ++i)
             store(normal[i], normals_.data() + 3 * (first + i));
@@ -378,16 +376,19 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
     for (VectorXd* const of_edges : {&lengths_, &energies_, &pulls_, &moments_})
         of_edges->resize(t.edge_count());
     for_blocks(t.edge_count(), [&](int first, int count) {
-        VectorRows p{}, q{}, left{}, right{};
+        int left_faces[block_size], right_faces[block_size];
         for (int i = 0; i < count; ++i) {
-            const int* const ends = t.edges().data() + 2 * (first + i);
             const int* const halfedges = t.edge_halfedges().data() + 2 * (first + i);
-            const int other = halfedges[halfedges[1] < 0 ? 0 : 1]; // the boundary is flat
-            p.set(i, vector3(points.data() + 3 * ends[0]));
-            q.set(i, vector3(points.data() + 3 * ends[1]));
-            left.set(i, vector3(normals_.data() + 3 * (halfedges[0] / 3)));
-            right.set(i, vector3(normals_.data() + 3 * (other / 3)));
+            left_faces[i] = Topology::face(halfedges[0]);
+            right_faces[i] =
+                Topology::face(halfedges[halfedges[1] < 0 ? 0 : 1]); // flat at the boundary
         }
+        const int* const ends = t.edges().data() + 2 * first;
+        VectorRows p, q, left, right;
+        gather(count, points.data(), {ends, 2}, p);
+        gather(count, points.data(), {ends + 1, 2}, q);
+        gather(count, normals_.data(), {left_faces}, left);
+        gather(count, normals_.data(), {right_faces}, right);
         Row sines, cosines;
         bends(count, p, q, left, right, sines_.data() + first, cosines_.data() + first,
               lengths_.data() + first, sines, cosines);

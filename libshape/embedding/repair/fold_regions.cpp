@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "libshape/base/blocks.h"
+#include "libshape/base/gathered_vectors.h"
 #include "libshape/base/require.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
@@ -60,14 +60,16 @@ std::vector<Suspect> suspects_among(const Topology& t, const VectorXd& points,
     std::vector<Suspect> suspects;
     for (int first = begin; first < end; first += block_size) {
         const int count = std::min(block_size, end - first);
-        std::array<VectorRows, 4> corners;
+        std::array<std::array<int, 4>, block_size> hinges;
         for (int i = 0; i < count; ++i) {
-            std::array<int, 4> hinge = hinge_corners(t, first + i);
+            std::array<int, 4>& hinge = hinges[to_size(i)];
+            hinge = hinge_corners(t, first + i);
             if (hinge[3] < 0) // the boundary, which is not looked at
                 hinge[3] = hinge[2];
-            for (std::size_t k = 0; k < 4; ++k)
-                corners[k].set(i, vector3(points.data() + 3 * hinge[k]));
         }
+        std::array<VectorRows, 4> corners;
+        for (int k = 0; k < 4; ++k)
+            gather(count, points.data(), {hinges[0].data() + k, 4}, corners[to_size(k)]);
         Row sines, cosines, angles;
         bends(count, corners[0], corners[1], corners[2], corners[3], sines, cosines);
         vector_angles(sines, cosines, to_size(count), angles);
