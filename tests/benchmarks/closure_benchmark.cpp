@@ -40,7 +40,8 @@ int main(int argc, char** argv)
         target.edge_lengths = shape::edge_lengths(topology, shape::read_mesh(argv[3]).points);
 
     const double start = cpu_seconds();
-    const shape::ClosureEmbedding result = shape::embed_by_closure(topology, target);
+    const shape::internal::ClosureEmbedding result =
+        shape::internal::embed_by_closure(topology, target);
     const double seconds = cpu_seconds() - start;
 
     const Eigen::ArrayXd wanted = target.edge_lengths.array();

@@ -78,7 +78,7 @@ nlohmann::json run(const Topology& topology, const std::vector<Points>& meshes,
         angle = wrapped_angle(angle) * 180.0 / std::numbers::pi;
     nlohmann::json ends;
     for (int k = 0; k < 2; ++k) {
-        const Points& input = meshes[to_size(k)];
+        const Points& input = meshes[shape::internal::to_size(k)];
         const Points found = embedder.embed(k == 0 ? a : b).points;
         const Points moved = best_rigid_motion(found, input)(found);
         ends.push_back((moved - input).rowwise().norm().maxCoeff() / bounding_box_diagonal(input));

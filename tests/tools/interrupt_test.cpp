@@ -44,7 +44,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Arguments{"stats", "faces", "--bootstrap", "1000000", "-o", "model.h5"},
                     Arguments{"synth", "heads", "--count", "10000", "--vertices", "20000", "-o",
                               "heads"}),
-    [](const auto& info) { return info.param.front(); });
+    [](const auto& command) { return command.param.front(); });
 
 } // namespace
 } // namespace shape::test
