@@ -204,7 +204,7 @@ using EachRows =
 void write_all(const Session& session, const Arguments& arguments, const MeshLabels& meshes,
                const Findings& found, const EachRows& each_rows)
 {
-    if (!ranks().speaks()) { // takes part in what is measured
+    if (!ranks().is_root()) { // takes part in what is measured
         if (!arguments.output.empty())
             each_rows([](Eigen::Index, const RowMatrix&) { throw_if_stop_requested(); });
         return;
@@ -305,7 +305,7 @@ void run(const Session& session, const Arguments& arguments)
 {
     check(session, arguments);
     if (const auto meshes = open_for_passes(session, arguments.input, arguments.space,
-                                            arguments.memory, ranks().lots > 1))
+                                            arguments.memory, ranks().partial_sums > 1))
         measure_in_passes(session, arguments, *meshes);
     else
         measure_in_memory(session, arguments);

@@ -20,6 +20,7 @@
 #include "libshape/mesh/coincident_vertices.h"
 #include "tools/commands.h"
 #include "tools/program/arguments.h"
+#include "tools/program/explained.h"
 #include "tools/program/help.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/library_start.h"
@@ -262,14 +263,14 @@ void run(std::vector<std::string> arguments, std::optional<StandardStreams>& str
             throw UsageError(join("`shape ", session.command,
                                   "` runs in one process; mpirun is for stats, project, distance, "
                                   "generate, interpolate and fit"));
-        if (!ranks().speaks()) {
+        if (!ranks().is_root()) {
             session.quiet = true;
             session.json = false;
         }
         refuse_empty(*chosen);
         refuse_pipes(*chosen);
         runs.at(chosen)(session);
-        if (const std::string output = streams->output(); !output.empty() && ranks().speaks())
+        if (const std::string output = streams->output(); !output.empty() && ranks().is_root())
             session.print(output);
     } catch (const CLI::CallForVersion& version) {
         session.json = false;
@@ -286,15 +287,6 @@ struct Failure
     ExitCode code;
     std::string message;
 };
-
-/// The path and the cause, as of a FileError; the call that failed says nothing to a user.
-std::string explain(const std::filesystem::filesystem_error& error)
-{
-    const std::string from = error.path1().string();
-    const std::string to = error.path2().string();
-    return join(from, from.empty() || to.empty() ? "" : " -> ", to,
-                from.empty() && to.empty() ? "" : ": ", error.code().message());
-}
 
 /// The commands that make the files that are wanted: the library knows none.
 std::string makers_of(std::optional<FileKind> wanted)
@@ -334,7 +326,7 @@ std::optional<Failure> failure_of(const Work& work)
     } catch (const FileError& error) {
         return Failure{InputOutputFailure, error.what()};
     } catch (const std::filesystem::filesystem_error& error) {
-        return Failure{InputOutputFailure, explain(error)};
+        return Failure{InputOutputFailure, explained(error)};
     } catch (const LimitExceeded& error) {
         return Failure{OverLimit, error.what()};
     } catch (const std::bad_alloc&) {

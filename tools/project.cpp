@@ -129,18 +129,18 @@ Projected project_in_blocks(const Session& session, const ShapeModel& model,
         marks.middleRows(first, some.sizes.size()) = unlike_meshes(model, named, some.sizes);
         progress("projecting", to_size(first - begin) + part.size(), to_size(end - begin));
     });
-    ranks().add_up({all.scores.data(), to_size(all.scores.size())});
-    ranks().add_up({all.sizes.data(), to_size(all.sizes.size())});
-    ranks().add_up({all.residuals.data(), to_size(all.residuals.size())});
-    ranks().add_up({marks.data(), to_size(marks.size())});
+    ranks().all_reduce_sum({all.scores.data(), to_size(all.scores.size())});
+    ranks().all_reduce_sum({all.sizes.data(), to_size(all.sizes.size())});
+    ranks().all_reduce_sum({all.residuals.data(), to_size(all.residuals.size())});
+    ranks().all_reduce_sum({marks.data(), to_size(marks.size())});
     return {std::move(all), std::move(marks)};
 }
 
 Projected project_all(const Session& session, const Arguments& arguments, const ShapeModel& model)
 {
-    if (const auto meshes = open_labelled(session, arguments.input, ranks().lots > 1))
+    if (const auto meshes = open_labelled(session, arguments.input, ranks().partial_sums > 1))
         return project_in_blocks(session, model, *meshes);
-    if (ranks().lots > 1)
+    if (ranks().partial_sums > 1)
         throw UsageError("mpirun is for one collection file (.h5); `shape collect` makes one");
     const Collection meshes = read_labelled(session, arguments.input);
     Projection scores = project(model, meshes);
@@ -172,7 +172,7 @@ void run(const Session& session, const Arguments& arguments)
     check_outputs(session, arguments);
     const ShapeModel model = read_model(arguments.model);
     const Projected projected = project_all(session, arguments, model);
-    if (!ranks().speaks())
+    if (!ranks().is_root())
         return;
     warn_of_unlike(session, projected);
     const Projection& projection = projected.scores;

@@ -199,7 +199,7 @@ void run(const Session& session, const Arguments& arguments)
         arguments.modes.empty() ? std::vector<int>() : mode_counts(arguments.modes);
     check_outputs(session, arguments);
     const auto meshes = open_for_passes(session, arguments.input, arguments.space, arguments.memory,
-                                        ranks().lots > 1);
+                                        ranks().partial_sums > 1);
     const Collection collection =
         meshes ? Collection{meshes->topology, meshes->names, {}, meshes->labels}
                : read_labelled(session, arguments.input);
@@ -220,7 +220,7 @@ void run(const Session& session, const Arguments& arguments)
         meshes ? measure_quality(*meshes, folds, options, stream, session.progress())
                : measure_quality(collection, folds, options, session.progress());
     throw_if_stop_requested();
-    if (!ranks().speaks())
+    if (!ranks().is_root())
         return;
     const std::string drawing = arguments.plot.empty() ? std::string() : draw(quality);
     std::vector<std::string> outputs{arguments.output};

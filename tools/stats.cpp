@@ -179,7 +179,7 @@ Json identity_of(const Session& session, const Arguments& arguments)
     identity["tolerance"] = arguments.tolerance;
     identity["memory"] = arguments.memory.bytes;
     identity["seed"] = session.seed;
-    identity["lots"] = ranks().lots;
+    identity["partial_sums"] = ranks().partial_sums;
     return identity;
 }
 
@@ -194,7 +194,7 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
                                 .progress = session.progress(),
                                 .save =
                                     [&](const PassState& state) {
-                                        if (ranks().speaks())
+                                        if (ranks().is_root())
                                             store.save(state);
                                     },
                                 .ranks = ranks(),
@@ -209,7 +209,7 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
     };
     Findings found{.fit = fit(), .in_memory = false, .modes = {}};
     found.modes = mode_figures(found.fit.model);
-    if (!ranks().speaks())
+    if (!ranks().is_root())
         return found;
     return_freed_memory();
     write_model(arguments.output, found.fit.model);
@@ -279,7 +279,7 @@ Findings fit_and_write(const Session& session, const Arguments& arguments)
 {
     if (!arguments.update.empty())
         return update(session, arguments);
-    const bool asks = arguments.memory.bytes > 0 || arguments.resume || ranks().lots > 1 ||
+    const bool asks = arguments.memory.bytes > 0 || arguments.resume || ranks().partial_sums > 1 ||
                       arguments.algorithm != FitAlgorithm::Automatic;
     const bool can = arguments.replicates == 0 && arguments.space.kind == SpaceKind::Edge;
     if (can)

@@ -5,6 +5,7 @@
 #include <cblas.h>
 #include <cholmod.h>
 
+#include <mutex>
 #include <new>
 #include <optional>
 
@@ -150,7 +151,12 @@ SparseCholesky::SparseCholesky(const SparseMatrix& matrix, Ordering ordering)
         return;
     }
     cholmod_sparse a = Factor::view(matrix);
-    f.factor = cholmod_analyze(&a, &f.common);
+    {
+        // METIS draws by rand(), from a seed that it sets: of two at once each would draw from the other's numbers.
+        static std::mutex ordering_alone;
+        const std::lock_guard lock(ordering_alone);
+        f.factor = cholmod_analyze(&a, &f.common);
+    }
     check(f.common, "sparse Cholesky analysis");
     f.factorise(matrix);
 }

@@ -20,14 +20,6 @@ namespace shape {
 /// @throws InvalidInput if points does not have one row per vertex.
 [[nodiscard]] Eigen::VectorXd dihedral_angles(const Topology& topology, const Points& points);
 
-namespace internal {
-
-/// The same into a vector of #E.
-void measure_dihedral_angles(const Topology& topology, const Points& points,
-                             Eigen::Ref<Eigen::VectorXd> angles);
-
-} // namespace internal
-
 /// The angle that differs from `angle` by a multiple of 2 pi and lies in (-pi, pi].
 [[nodiscard]] double wrapped_angle(double angle);
 

@@ -17,14 +17,14 @@ using Eigen::Index;
 
 using Arrays = std::vector<std::vector<double>>;
 
-/// Adds the arrays of lots two by two as soon as both are there, so that few are held.
-class LotTree
+/// Adds partial sums two by two as soon as both are there, so that few are held.
+class PartialSumTree
 {
 public:
-    explicit LotTree(const std::vector<std::span<double>>& sums) : sums_(sums) {}
+    explicit PartialSumTree(const std::vector<std::span<double>>& sums) : sums_(sums) {}
 
     /// @param is_last  The arrays stay where they are, with all that was added before.
-    void end_lot(bool is_last)
+    void end_sum(bool is_last)
     {
         int level = 0;
         while (!waiting_.empty() && waiting_.back().level == level) {
@@ -77,16 +77,16 @@ MeshPasses::MeshPasses(const MeshStream& meshes, const SpaceOptions& space, std:
     check(ranks_);
 }
 
-/// Tiles lot, lot + lots, lot + 2 lots, ...
-void MeshPasses::run_lot(const PassRange& range, Index lot, const Visit& visit)
+/// Tiles number, number + partial_sums, number + 2 partial_sums, ...
+void MeshPasses::run_partial_sum(const PassRange& range, Index number, const Visit& visit)
 {
     const auto [begin, end, tile] = range;
-    if (ranks_.lots == 1)
+    if (ranks_.partial_sums == 1)
         return for_each_block(meshes_, begin, end, tile, [&](Index first, const Collection& part) {
             visit(first, part, rows_);
         });
     std::vector<std::size_t> own;
-    for (Index first = begin + lot * tile; first < end; first += ranks_.lots * tile)
+    for (Index first = begin + number * tile; first < end; first += ranks_.partial_sums * tile)
         for (Index mesh = first; mesh < std::min(first + tile, end); ++mesh)
             own.push_back(to_size(mesh));
     const MeshStream some = subset(meshes_, own);
@@ -111,21 +111,21 @@ void MeshPasses::run(const std::string& name, const PassRange& range, const Visi
         if (progress_)
             progress_(stage, kilobytes(done), kilobytes(std::max(share, done)));
     };
-    // Lots are added as a tree over the bits of their numbers, the highest first; the lowest bits say which
-    // process has a lot, so that the last steps are between processes.
-    LotTree tree(sums);
-    const int own = ranks_.lots / ranks_.count;
+    // Partial sums are added as a tree over the bits of their numbers, the highest first; the lowest bits say which
+    // process takes one, so that the last steps are between processes.
+    PartialSumTree tree(sums);
+    const int own = ranks_.partial_sums / ranks_.count;
     int bits = 0;
     while (1 << bits < own)
         ++bits;
     for (int k = 0; k < own; ++k) {
-        run_lot(range, ranks_.number + ranks_.count * mirrored(k, bits), visit_and_tell);
+        run_partial_sum(range, ranks_.number + ranks_.count * mirrored(k, bits), visit_and_tell);
         if (finish)
             finish();
-        tree.end_lot(k + 1 == own);
+        tree.end_sum(k + 1 == own);
     }
     for (const std::span<double> sum : sums)
-        ranks_.add_up(sum);
+        ranks_.all_reduce_sum(sum);
     ++count_;
 }
 
@@ -137,7 +137,7 @@ void MeshPasses::show(const PassRange& range, const Visit& visit)
 
 void MeshPasses::gather(std::span<double> numbers) const
 {
-    ranks_.add_up(numbers);
+    ranks_.all_reduce_sum(numbers);
 }
 
 void MeshPasses::encode(const Collection& block, RowMatrix& rows) const

@@ -72,7 +72,7 @@ public:
     void encode(const Collection& block, RowMatrix& rows, Eigen::Ref<Eigen::VectorXd> sizes) const;
 
 private:
-    void run_lot(const PassRange& range, Eigen::Index lot, const Visit& visit);
+    void run_partial_sum(const PassRange& range, Eigen::Index number, const Visit& visit);
 
     const MeshStream& meshes_;
     ShapeSpace space_;

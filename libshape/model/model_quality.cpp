@@ -232,7 +232,7 @@ public:
     [[nodiscard]] std::pair<int, int> counts() const
     {
         std::array<double, 2> sums{static_cast<double>(decoded), static_cast<double>(infeasible)};
-        ranks_.add_up(sums);
+        ranks_.all_reduce_sum(sums);
         return {static_cast<int>(sums[0]), static_cast<int>(sums[1])};
     }
 
@@ -284,7 +284,7 @@ void measure_generalisation(const MeshSource& meshes, const Grouping& folds,
         }
     }
     for (Eigen::MatrixXd* distances : {&vertex, &edge})
-        meshes.ranks.add_up({distances->data(), to_size(distances->size())});
+        meshes.ranks.all_reduce_sum({distances->data(), to_size(distances->size())});
     quality.generalisation_vertex = summarise(vertex);
     quality.generalisation_edge = summarise(edge);
 }
@@ -337,7 +337,7 @@ void measure_specificity(const MeshSource& meshes, const Ruler& ruler,
     const auto curve = [&](const Eigen::VectorXd& own) {
         Eigen::VectorXd nearest = Eigen::VectorXd::Zero(static_cast<Index>(decoded.size()));
         nearest(places) = own;
-        meshes.ranks.add_up({nearest.data(), decoded.size()});
+        meshes.ranks.all_reduce_sum({nearest.data(), decoded.size()});
         return summarise(nearest.reshaped<Eigen::RowMajor>(nearest.size() / counts, counts));
     };
     quality.specificity_vertex = curve(vertex);

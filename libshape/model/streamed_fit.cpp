@@ -203,7 +203,7 @@ private:
         if (!is_first)
             return;
         passes_.gather(numbers_of(sizes_));
-        stream_.ranks.take_largest(branches_.largest());
+        stream_.ranks.all_reduce_max(branches_.largest());
     }
 
     /// Hands over the state, and takes it back: it may be as large as what is left of the memory.
@@ -244,7 +244,7 @@ private:
         if (gram.begin() == 0 && measure_once(gram, tile))
             save(gram);
         while (!gram.is_complete()) {
-            if (stream_.ranks.lots > 1)
+            if (stream_.ranks.partial_sums > 1)
                 passes_.show({gram.begin(), gram.held_end(), tile},
                              [&](Index first, const Collection& block, RowMatrix& rows) {
                                  passes_.encode(block, rows);
@@ -284,8 +284,8 @@ private:
     /// All inner products by one pass, if the disk has room for all coordinates and all meshes are this process's.
     bool measure_once(TiledGram& gram, Index tile)
     {
-        if (stream_.scratch.empty() || stream_.ranks.lots > 1 ||
-            2 * bytes(meshes_.size(), ColumnStrips::width) > memory_)
+        if (stream_.scratch.empty() || stream_.ranks.partial_sums > 1 ||
+            2 * bytes(meshes_.size(), ColumnStrips::width_for(meshes_.size())) > memory_)
             return false;
         strips_ = ColumnStrips::make(stream_.scratch, meshes_.size(), dimension_);
         if (!strips_)

@@ -13,6 +13,14 @@ namespace shape::internal {
 
 using Eigen::Index;
 
+Index ColumnStrips::width_for(Index rows)
+{
+    constexpr Index bytes = 5'000'000;
+    const Index fit =
+        bytes / (static_cast<Index>(sizeof(double)) * unit * std::max<Index>(rows, 1));
+    return unit * std::clamp<Index>(fit, 1, 4);
+}
+
 std::optional<ColumnStrips> ColumnStrips::make(const std::filesystem::path& folder, Index rows,
                                                Index columns)
 {
@@ -23,14 +31,14 @@ std::optional<ColumnStrips> ColumnStrips::make(const std::filesystem::path& fold
 }
 
 ColumnStrips::ColumnStrips(ScratchFile file, Index rows, Index columns)
-    : file_(std::move(file)), rows_(rows), columns_(columns)
+    : file_(std::move(file)), rows_(rows), columns_(columns), width_(width_for(rows))
 {
 }
 
 void ColumnStrips::put(Index first, const RowMatrix& rows) const
 {
     std::mutex writing; // the kernel lets one write to a file at a time, the others spin
-    parallel_for(to_size(columns_), to_size(width), [&](std::size_t begin, std::size_t end) {
+    parallel_for(to_size(columns_), to_size(width_), [&](std::size_t begin, std::size_t end) {
         const auto column = static_cast<Index>(begin);
         const RowMatrix part = rows.middleCols(column, static_cast<Index>(end - begin));
         const std::lock_guard lock(writing);
@@ -41,14 +49,14 @@ void ColumnStrips::put(Index first, const RowMatrix& rows) const
 
 void ColumnStrips::read(Index first, RowMatrix& columns) const
 {
-    columns.resize(rows_, std::min(width, columns_ - first));
+    columns.resize(rows_, std::min(width_, columns_ - first));
     file_.read(to_size(first * rows_), {columns.data(), to_size(columns.size())});
 }
 
 void ColumnStrips::for_each(const std::function<void(Index, RowMatrix&)>& visit) const
 {
     RowMatrix columns; // kept: fresh memory costs more than reading
-    for (Index first = 0; first < columns_; first += width) {
+    for (Index first = 0; first < columns_; first += width_) {
         read(first, columns);
         visit(first, columns);
     }

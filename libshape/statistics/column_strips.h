@@ -22,7 +22,12 @@ namespace shape::internal {
 class ColumnStrips
 {
 public:
-    static constexpr Eigen::Index width = 2016; ///< Columns of a strip; the last one has fewer.
+    /// Columns of a strip are a multiple of this, but of the last one. Not a power of two: rows of such a width fall
+    /// on the same lines of a cache.
+    static constexpr Eigen::Index unit = 504;
+
+    /// Columns of a strip of so many rows: of at most 5 MB, as far as a unit allows.
+    [[nodiscard]] static Eigen::Index width_for(Eigen::Index rows);
 
     /// None where the folder has no room for it (ScratchFile::make()).
     [[nodiscard]] static std::optional<ColumnStrips> make(const std::filesystem::path& folder,
@@ -43,6 +48,7 @@ private:
     ScratchFile file_;
     Eigen::Index rows_;
     Eigen::Index columns_;
+    Eigen::Index width_;
 };
 
 } // namespace shape::internal

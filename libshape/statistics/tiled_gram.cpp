@@ -15,15 +15,6 @@ namespace shape::internal {
 
 using Eigen::Index;
 
-namespace {
-
-/// Columns multiplied together: few_rows rows of them stay in the second cache. Not a power of two, or all rows
-/// would fall on the same lines of a cache.
-constexpr Index width = 504;
-static_assert(ColumnStrips::width % width == 0, "else add_columns() would not add what add() does");
-
-} // namespace
-
 void centre_rows(Block rows, const Eigen::VectorXd& shift, Eigen::VectorXd* sums)
 {
     parallel_for(to_size(rows.cols()), 4096, [&](std::size_t begin, std::size_t end) {
@@ -104,8 +95,8 @@ void TiledGram::add(Index first, RowMatrix& tile)
     parallel_for(to_size(partners), 1, [&](std::size_t p, std::size_t) {
         const Index column = begin_ + static_cast<Index>(p) * tile_;
         const Index columns = std::min(tile_, held_end() - column);
-        for (Index begin = 0; begin < columns_; begin += width) {
-            const Index count = std::min(width, columns_ - begin);
+        for (Index begin = 0; begin < columns_; begin += ColumnStrips::unit) {
+            const Index count = std::min(ColumnStrips::unit, columns_ - begin);
             add_product_with_rows(tile.middleCols(begin, count),
                                   held_.block(column - begin_, begin, columns, count),
                                   products_.block(first, column, tile.rows(), columns));
@@ -123,8 +114,8 @@ void TiledGram::add_columns(Index first, RowMatrix& columns)
     const Index height = std::max(tile_, few_rows);
     parallel_for(to_size(rows_), to_size(height), [&](std::size_t first_row, std::size_t) {
         const auto row = static_cast<Index>(first_row);
-        for (Index begin = 0; begin < columns.cols(); begin += width) {
-            const Index count = std::min(width, columns.cols() - begin);
+        for (Index begin = 0; begin < columns.cols(); begin += ColumnStrips::unit) {
+            const Index count = std::min(ColumnStrips::unit, columns.cols() - begin);
             const auto part = [&](Index i) {
                 return columns.block(i, begin, std::min(height, rows_ - i), count);
             };

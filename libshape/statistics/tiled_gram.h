@@ -42,8 +42,8 @@ public:
     void end_pass();
 
     // Where the rows are at hand column by column, no pass is needed.
-    /// Takes the next columns of all rows, ColumnStrips::width of them but in the end, which it centres in
-    /// place about their part of start_at().
+    /// Takes the next columns of all rows, a multiple of ColumnStrips::unit of them but in the end, which it centres
+    /// in place about their part of start_at().
     void add_columns(Eigen::Index first, RowMatrix& columns);
     void end_columns();
 

@@ -9,13 +9,13 @@
 namespace shape {
 namespace {
 
-TEST(Ranks, AreAPowerOfTwoOfThemWithinTheLots)
+TEST(Ranks, AreAPowerOfTwoOfThemWithinThePartialSums)
 {
-    const auto ranks = [](int number, int count, int lots) {
+    const auto ranks = [](int number, int count, int partial_sums) {
         Ranks made;
         made.number = number;
         made.count = count;
-        made.lots = lots;
+        made.partial_sums = partial_sums;
         return made;
     };
     EXPECT_NO_THROW(check(Ranks()));

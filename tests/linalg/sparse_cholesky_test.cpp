@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
 #include <vector>
 
 #include "libshape/base/error.h"
@@ -49,6 +50,22 @@ TEST(SparseCholesky, SolvesForAnyNumberOfRightHandSides)
             EXPECT_LE((matrix * solution - rhs).norm(), 1e-12 * rhs.norm());
         }
     }
+}
+
+TEST(SparseCholesky, IsTheSameHoweverManyAreMadeAtOnce)
+{
+    const SparseMatrix matrix = grid_laplacian(40, 50, 0.1);
+    const Eigen::MatrixXd rhs = test::random_matrix(2000, 1, 5);
+    const Eigen::MatrixXd alone = SparseCholesky(matrix, Ordering::NestedDissection).solve(rhs);
+    std::vector<Eigen::MatrixXd> found(16);
+    std::vector<std::thread> threads;
+    for (Eigen::MatrixXd& solution : found)
+        threads.emplace_back(
+            [&] { solution = SparseCholesky(matrix, Ordering::NestedDissection).solve(rhs); });
+    for (std::thread& thread : threads)
+        thread.join();
+    for (const Eigen::MatrixXd& solution : found)
+        EXPECT_EQ(solution, alone);
 }
 
 TEST(SparseCholesky, SolvesTheTridiagonalSystemInClosedForm)

@@ -88,7 +88,7 @@ TEST(StreamedDistances, RefuseWhatBreaksARule)
     EXPECT_THROW((void)classical_scaling(stream_of(collection), 0, {}), InvalidInput);
     EXPECT_THROW((void)classical_scaling(stream_of(collection), 5, {}), InvalidInput);
     Ranks ranks;
-    ranks.count = 2; // of one lot
+    ranks.count = 2; // of one partial sum
     EXPECT_THROW((void)matrix_of(collection, {.ranks = ranks}), InvalidInput);
 }
 

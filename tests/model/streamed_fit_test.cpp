@@ -244,7 +244,7 @@ TEST(StreamedFit, HasTheSameBitsForOneTwoAndFourProcesses)
                 StreamOptions stream{.memory = memory, .algorithm = algorithm, .tolerance = 1e-9};
                 stream.ranks = ranks;
                 stream.state = state;
-                if (states != nullptr && ranks.speaks())
+                if (states != nullptr && ranks.is_root())
                     stream.save = [states](const PassState& s) { states->push_back(s); };
                 found[static_cast<std::size_t>(ranks.number)] =
                     fit_model(stream_of(collection), {.modes = 4}, stream);

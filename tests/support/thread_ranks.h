@@ -35,10 +35,10 @@ inline void run_as_ranks(int count, const std::function<void(const Ranks&)>& bod
                 }
             };
             Ranks ranks{number, count, 4, {}, {}};
-            ranks.add_up = [&](std::span<double> numbers) {
+            ranks.all_reduce_sum = [&](std::span<double> numbers) {
                 combine(numbers, [](double a, double b) { return a + b; });
             };
-            ranks.take_largest = [&](std::span<double> numbers) {
+            ranks.all_reduce_max = [&](std::span<double> numbers) {
                 combine(numbers, [](double a, double b) { return std::max(a, b); });
             };
             try {

@@ -379,7 +379,7 @@ void merge_shards_of_ranks(const Session& session, const fs::path& output)
     if (ranks().count == 1)
         return;
     wait_for_ranks();
-    if (!ranks().speaks())
+    if (!ranks().is_root())
         return;
     const MergedShards merged = merge_shards(session, output);
     session.message(join(output.string(), ": ", counted(merged.things, "mesh", "meshes"), " by ",

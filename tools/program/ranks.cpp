@@ -126,11 +126,11 @@ void join_ranks()
     if ((own.count & (own.count - 1)) != 0)
         throw UsageError(join("mpirun has started ", own.count,
                               " processes; their number must be a power of two"));
-    own.lots = std::max(own.count, 4);
-    own.add_up = [](std::span<double> numbers) {
+    own.partial_sums = std::max(own.count, 4);
+    own.all_reduce_sum = [](std::span<double> numbers) {
         combine(numbers, [](double a, double b) { return a + b; });
     };
-    own.take_largest = [](std::span<double> numbers) {
+    own.all_reduce_max = [](std::span<double> numbers) {
         combine(numbers, [](double a, double b) { return std::max(a, b); });
     };
 #else
@@ -170,7 +170,7 @@ bool is_to_speak(bool is_interrupted)
 void wait_for_ranks()
 {
     double nothing = 0.0;
-    own_ranks().add_up({&nothing, 1});
+    own_ranks().all_reduce_sum({&nothing, 1});
 }
 
 } // namespace shape::tools

@@ -12,6 +12,7 @@
 #include "libshape/io/hdf5/untrusted_files.h"
 #include "libshape/io/label_file.h"
 #include "tools/program/arguments.h"
+#include "tools/program/explained.h"
 #include "tools/python/handles.h"
 #include "tools/python/jobs.h"
 #include "tools/python/registration.h"
@@ -48,7 +49,7 @@ void translate(std::exception_ptr thrown)
     } catch (const FileError& error) {
         raise("file_error", error.what());
     } catch (const std::filesystem::filesystem_error& error) {
-        raise("file_error", error.what());
+        raise("file_error", tools::explained(error).c_str());
     } catch (const LimitExceeded& error) {
         raise("limit_exceeded", error.what());
     } catch (const Error& error) {
