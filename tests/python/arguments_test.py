@@ -58,6 +58,7 @@ class Refusals(unittest.TestCase):
             "size: must be a number, is str": lambda: model.decode([1], size="big"),
             "method: must be a str, is NoneType": lambda: model.decode([1], method=None),
             "smoothness: must be a number": lambda: model.decode([1], smoothness=[1]),
+            "seed: must be a whole number, is float 1.0": lambda: model.decode([1], seed=1.0),
             "n: must be a whole number, is float": lambda: model.sample(2.0),
             "mode: must be a whole number, is str": lambda: model.feasible_range("0"),
             "V: must be an array of numbers, is NoneType": lambda: model.scores(None),
@@ -145,6 +146,8 @@ class Refusals(unittest.TestCase):
             r"scores\[0, 1\]: is inf, must be finite": lambda: model.decode_all([[1.0, np.inf]]),
             "size: is nan, must be finite": lambda: model.decode([1], size=np.nan),
             "smoothness: is nan, must be finite": lambda: model.decode([1], smoothness=np.nan),
+            "seed: is -5, must be at least 0": lambda: ls.interpolate(faces[0], faces[1], frames=2, seed=-5),
+            "seed: is 18446744073709551616, must be at most": lambda: smile().apply(seed=2**64),
             r"weights\[0, 0\]: is nan": lambda: ls.interpolate(faces[0], faces[1], weights=[[np.nan, 1]]),
             "amount: is nan, must be finite": lambda: smile().apply(faces[0], np.nan),
             r"onto.V\[3, 1\]: is nan": lambda: smile().apply((bad, F)),
@@ -430,7 +433,7 @@ class Objects(unittest.TestCase):
         mesh, report = model.decode([1])
         for thing in (
             mesh, report, faces, model, smile(), model.scores(V), ls.distance(faces), ls.edges(mesh),
-            ls.groups(faces, "expression", permutations=9), ls.interpolate(mesh, mesh, frames=2),
+            ls.groups(faces, "expression", permutations=9), ls.interpolate(mesh, faces[1], frames=2),
             ls.fit(faces[0], faces[0])[1],
         ):
             self.assertEqual(thing, thing)
@@ -453,7 +456,20 @@ class Objects(unittest.TestCase):
             ls.collection([faces[0], (faces[1].V * 1000.0, F)])
         self.assertTrue(of_read)
         self.assertEqual([str(w.message) for w in of_collection], [str(w.message) for w in of_read])
-        self.assertEqual(of_collection[0].filename, __file__)
+        with warnings.catch_warnings(record=True) as of_interpolation:
+            warnings.simplefilter("always")
+            made = ls.collection([faces[0], (faces[1].V * 1000.0, F)])
+            of_interpolation.clear()
+            ls.interpolate(made, frames=2, quality="preview")
+            self.assertEqual(of_interpolation, [])  # the collection has said it
+            ls.interpolate(faces[0], (faces[1].V * 1000.0, F), frames=2, quality="preview")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            ls.interpolate(faces[0], faces[1], faces[0], frames=3, quality="preview")  # a path that comes back
+        self.assertEqual([str(w.message) for w in of_interpolation],
+                         [str(w.message).replace(faces.names[0], "mesh_0000") for w in of_read])
+        for warned in (of_collection[0], of_interpolation[0]):
+            self.assertEqual(warned.filename, __file__)
         with self.assertWarnsRegex(UserWarning, "'f' and 'F', which are two groups"):
             ls.collection(list(faces)[:2], labels={"sex": ["f", "F"]})
 

@@ -125,6 +125,44 @@ class SameBitsAsTheProgram(WithFaces):
         frames.write(self.folder / "frames.glb", tolerance=1e-9)
         self.assertEqual(len(ls.read(self.folder / "frames.glb")), 4)
 
+    def test_frames_that_the_program_follows(self) -> None:
+        """Up to 30 frames are blends of their own; what is said of more in the docstring of interpolate()."""
+        names = [f"faces/{self.faces.names[i]}.ply" for i in (0, 1)]
+        for count, options, same in (
+            (30, {}, True), (31, {}, False), (31, {"quality": "preview"}, True), (3, {"squared": True}, True),
+        ):
+            more = ["--lengths", "squared"] if "squared" in options else []
+            more += ["--quality", options["quality"]] if "quality" in options else []
+            shape(self.folder, "interpolate", *names, "--frames", str(count), *more, "-o", "many", "--force", "--quiet")
+            wanted = [ls.read_mesh(self.folder / f"many/frame_{i:04}.ply").V for i in range(count)]
+            frames = ls.interpolate(self.faces[0], self.faces[1], frames=count, **options)
+            with self.subTest(count, **options):
+                self.assertEqual(all(np.array_equal(a.V, b) for a, b in zip(frames, wanted)), same)
+
+    def test_seeds_of_patches(self) -> None:
+        def of_program(seed: int, *arguments: str) -> np.ndarray:
+            return self.mesh_of_program(*arguments, "--method", "multiscale", "--seed", str(seed)).V
+
+        a, b = self.faces[0], self.faces[1]
+        smile = ls.difference(self.faces, "expression=neutral", "expression=happy", pair_by="subject")
+        smile.write(self.folder / "seeded.h5")
+        found = []
+        for seed in (1, 5):
+            options = {"method": "multiscale", "seed": seed}
+            mesh = self.model.decode([1, -1], **options)[0]
+            np.testing.assert_array_equal(mesh.V, of_program(seed, "generate", "model.h5", "--scores=1,-1"))
+            np.testing.assert_array_equal(self.model.decode_all([[1, -1]], **options)[0][0].V, mesh.V)
+            np.testing.assert_array_equal(
+                ls.interpolate(a, b, weights=[[0.5, 0.5]], **options)[0].V,
+                of_program(seed, "interpolate", f"faces/{a.name}.ply", f"faces/{b.name}.ply", "--weights", "0.5,0.5"),
+            )
+            shape(self.folder, "difference", "--load", "seeded.h5", "--onto", f"faces/{a.name}.ply", "--method",
+                  "multiscale", "--seed", str(seed), "--mesh", "onto.ply", "--force", "--quiet")
+            np.testing.assert_array_equal(smile.apply(a, **options)[0].V, ls.read_mesh(self.folder / "onto.ply").V)
+            found.append(mesh.V)
+        self.assertFalse(np.array_equal(*found))
+        np.testing.assert_array_equal(self.model.decode([1], seed=5)[0].V, self.model.decode([1])[0].V)
+
     def test_meshes_without_contact(self) -> None:
         for scores in ([-2, 1, 0], [9, -9, 9]):
             plain = self.model.decode(scores)[1]
@@ -403,7 +441,7 @@ class Behaviour(WithFaces):
             (ls.edges(mesh), r"Edges\(\d+, mean length "),
             (ls.groups(self.faces, "expression", permutations=9), r"Groups\(.*neutral \(4\).*p = "),
             (ls.difference(self.faces, "expression=happy", "expression=angry"), r"Difference\("),
-            (ls.interpolate(mesh, mesh, frames=2), r"Frames\(2 meshes"),
+            (ls.interpolate(mesh, self.faces[1], frames=2), r"Frames\(2 meshes"),
         ):
             self.assertRegex(repr(thing), words)
 

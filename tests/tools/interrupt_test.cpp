@@ -4,47 +4,74 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
 
+#include "libshape/io/mesh_file.h"
+#include "tests/support/meshes.h"
 #include "tests/tools/program.h"
-
-// Work that takes minutes if it is let: run_shape() ends it after one, with another code.
 
 namespace shape::test {
 namespace {
 
-using Arguments = std::vector<std::string>;
-
-class Interrupts : public testing::TestWithParam<Arguments>
+/// Six subjects scanned twice, of two kinds; a warning that rows repeat comes just before they are drawn.
+class Interrupts : public testing::Test
 {
+protected:
+    Interrupts()
+    {
+        std::string kinds = "mesh,kind\n";
+        std::string subjects = "mesh,subject\n";
+        std::filesystem::create_directory(folder_ / "scans");
+        for (unsigned i = 0; i < 6; ++i) {
+            const TestMesh mesh = bumpy_sphere(1, 0.2, i + 1);
+            const std::string subject = "s" + std::to_string(i);
+            for (const auto& [scan, size] : {std::pair{"_a", 1.0}, std::pair{"_b", 1.01}}) {
+                write_mesh(folder_ / ("scans/" + subject + scan + ".ply"), size * mesh.points,
+                           mesh.topology.faces(), MeshFormat::Ply);
+                kinds += subject + scan + (i % 2 == 0 ? ",even\n" : ",odd\n");
+                subjects += subject + scan + "," + subject + "\n";
+            }
+        }
+        folder_.write("kinds.csv", kinds);
+        folder_.write("subjects.csv", subjects);
+    }
+
+    /// @param arguments  Of work that goes on for long if it is let, and ends with another code.
+    void expect_end(const Arguments& arguments, const Launch& launch) const
+    {
+        const Outcome outcome = run_shape(folder_.path(), arguments + Arguments{"--json"}, launch);
+        ASSERT_EQ(outcome.exit_code, 130) << outcome.err;
+        const auto error = nlohmann::json::parse(outcome.out).at("error");
+        EXPECT_EQ(error.at("kind"), "interrupted");
+        EXPECT_EQ(error.at("message"), "interrupted; nothing half-done was kept");
+        EXPECT_EQ(files_in(folder_.path()), (Arguments{"kinds.csv", "scans", "subjects.csv"}));
+    }
+
+    const Folder folder_{};
 };
 
-TEST_P(Interrupts, EndTheWorkWhateverItIsAt)
+TEST_F(Interrupts, EndPermutations)
 {
-    const Folder folder;
-    ASSERT_EQ(run_shape(folder.path(), {"synth", "faces", "--count", "20", "--vertices", "300",
-                                        "-o", "faces", "--quiet"})
-                  .exit_code,
-              0);
-    Arguments arguments = GetParam();
-    arguments.insert(arguments.end(), {"--json", "--quiet"});
-    using namespace std::chrono_literals;
-    const Outcome outcome = run_shape(folder.path(), arguments, {.interrupt_after = 500ms});
-    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
-    const auto error = nlohmann::json::parse(outcome.out).at("error");
-    EXPECT_EQ(error.at("kind"), "interrupted");
-    EXPECT_EQ(error.at("message"), "interrupted; nothing half-done was kept");
-    EXPECT_EQ(files_in(folder.path()), Arguments{"faces"});
+    expect_end({"groups", "scans", "--labels", "kinds.csv", "--by", "kind", "--permutations",
+                "10000000", "-o", "groups.csv"},
+               {.interrupt_at_message = true});
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Commands, Interrupts,
-    testing::Values(Arguments{"groups", "faces", "--labels", "faces/labels.csv", "--by",
-                              "expression", "--permutations", "10000000", "-o", "groups.csv"},
-                    Arguments{"stats", "faces", "--bootstrap", "1000000", "-o", "model.h5"},
-                    Arguments{"synth", "heads", "--count", "10000", "--vertices", "20000", "-o",
-                              "heads"}),
-    [](const auto& command) { return command.param.front(); });
+TEST_F(Interrupts, EndABootstrap)
+{
+    expect_end(
+        {"stats", "scans", "--labels", "subjects.csv", "--bootstrap", "1000000", "-o", "model.h5"},
+        {.interrupt_at_message = true});
+}
+
+TEST_F(Interrupts, EndWhatIsMadeUp)
+{
+    expect_end({"synth", "heads", "--count", "10000", "--vertices", "20000", "-o", "heads"},
+               {.interrupt_when_caught = true});
+}
 
 } // namespace
 } // namespace shape::test

@@ -12,9 +12,11 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 
 #include "libshape/io/mesh_file.h"
@@ -94,6 +96,23 @@ std::ptrdiff_t entry_count(const fs::path& folder)
     return std::distance(fs::directory_iterator(folder), {});
 }
 
+bool has_content(const fs::path& file)
+{
+    std::error_code missing;
+    const std::uintmax_t size = fs::file_size(file, missing);
+    return !missing && size > 0;
+}
+
+/// Whether a process has a handler of SIGINT.
+bool catches_interrupts(pid_t process)
+{
+    std::ifstream status("/proc/" + std::to_string(process) + "/status");
+    for (std::string word; status >> word;)
+        if (word == "SigCgt:" && status >> word)
+            return (std::stoull(word, nullptr, 16) >> (SIGINT - 1U) & 1U) != 0;
+    return false;
+}
+
 } // namespace
 
 Outcome run_shape(const fs::path& folder, const std::vector<std::string>& arguments,
@@ -112,9 +131,9 @@ Outcome run_shape(const fs::path& folder, const std::vector<std::string>& argume
         const bool is_there =
             !launch.interrupt_at_file.empty() && fs::exists(folder / launch.interrupt_at_file);
         const bool has_changed = launch.interrupt_at_change && entry_count(folder) != entries;
-        const bool is_time = launch.interrupt_after > milliseconds(0) &&
-                             steady_clock::now() - start > launch.interrupt_after;
-        if (!interrupted && (is_there || has_changed || is_time)) {
+        const bool has_spoken = launch.interrupt_at_message && has_content(streams / "err");
+        const bool is_caught = launch.interrupt_when_caught && catches_interrupts(child);
+        if (!interrupted && (is_there || has_changed || has_spoken || is_caught)) {
             kill(child, SIGINT);
             interrupted = true;
         }

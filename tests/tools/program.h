@@ -2,7 +2,6 @@
 
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -36,13 +35,14 @@ struct Outcome
 struct Launch
 {
     std::string interrupt_at_file = {}; ///< SIGINT is sent when this file of the folder exists,
-    bool interrupt_at_change = false;   ///< or when the folder has an entry that it had not.
-    std::chrono::milliseconds interrupt_after{0}; ///< or after so long, if that is given.
-    bool close_stdout = false;                    ///< stdout is a pipe that nobody reads.
-    std::vector<std::string> environment = {};    ///< NAME=VALUE, added to that of the test.
-    std::size_t largest_file = 0;                 ///< > 0: writing beyond this many bytes fails.
-    std::size_t address_space = 0;                ///< > 0: no more bytes can be mapped.
-    std::string input_file = {};                  ///< Of the folder: stdin reads it.
+    bool interrupt_at_change = false;   ///< or when the folder has an entry that it had not,
+    bool interrupt_at_message = false;  ///< or when something is said on stderr,
+    bool interrupt_when_caught = false; ///< or as soon as the program would catch it.
+    bool close_stdout = false;          ///< stdout is a pipe that nobody reads.
+    std::vector<std::string> environment = {}; ///< NAME=VALUE, added to that of the test.
+    std::size_t largest_file = 0;              ///< > 0: writing beyond this many bytes fails.
+    std::size_t address_space = 0;             ///< > 0: no more bytes can be mapped.
+    std::string input_file = {};               ///< Of the folder: stdin reads it.
     /// Permissions hold for root too; exit code 127 where root cannot give up what it may.
     bool as_ordinary_user = false;
 };

@@ -97,10 +97,11 @@ py::tuple read(std::vector<std::string> paths, const std::string& labels, bool t
     return py::make_tuple(handle_of(std::move(said.collection)), said.messages, said.warnings);
 }
 
-/// (collection, warnings)
+/// (collection, warnings); copies of meshes are odd unless they may repeat.
 py::tuple from_arrays(const std::vector<Doubles>& vertices, const Integers& faces,
                       const std::vector<std::string>& names,
-                      const std::vector<std::pair<std::string, std::vector<std::string>>>& labels)
+                      const std::vector<std::pair<std::string, std::vector<std::string>>>& labels,
+                      bool may_repeat)
 {
     struct Made
     {
@@ -117,12 +118,13 @@ py::tuple from_arrays(const std::vector<Doubles>& vertices, const Integers& face
         for (const std::string& cell : values)
             columns.back().values.push_back(label_value(cell));
     }
-    Made made = run([meshes, columns](const Progress&) {
+    Made made = run([meshes, columns, may_repeat](const Progress&) {
         Collection collection = collect(meshes);
         collection.labels = columns;
         std::vector<std::string> warnings = alike_values(columns);
         for (const Oddity& oddity : find_oddities(collection))
-            warnings.push_back(oddity.message);
+            if (!(may_repeat && oddity.kind == OddityKind::Copies))
+                warnings.push_back(tools::advice_on(oddity));
         return Made{std::move(collection), std::move(warnings)};
     });
     return py::make_tuple(handle_of(std::move(made.collection)), made.warnings);

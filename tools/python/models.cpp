@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -33,13 +34,11 @@ using namespace internal;
 
 std::shared_ptr<const Embedder> Embedders::get(const EmbeddingOptions& options) const
 {
-    const auto or_minus_one = [](const auto& value) {
-        return value ? static_cast<double>(*value) : -1.0;
-    };
-    const std::string key = join(static_cast<int>(options.method), " ",
-                                 options.quality ? static_cast<int>(*options.quality) : -1, " ",
-                                 print_number(options.smoothness.value_or(-1.0)), " ",
-                                 print_number(or_minus_one(options.seed)), options.avoid_contact);
+    const std::string key =
+        join(static_cast<int>(options.method), " ",
+             options.quality ? static_cast<int>(*options.quality) : -1, " ",
+             print_number(options.smoothness.value_or(-1.0)), " ",
+             options.seed ? std::to_string(*options.seed) : "none", " ", options.avoid_contact);
     const std::lock_guard lock(mutex_);
     std::shared_ptr<const Embedder>& made = made_[key];
     if (!made)
@@ -371,12 +370,8 @@ void write_in_job(const std::shared_ptr<Handle>& handle, const std::string& path
     });
 }
 
-} // namespace
-
-void add_models(py::module_& module)
+void add_model_class(py::module_& module)
 {
-    py::class_<EmbeddingOptions>(module, "EmbeddingOptions").def(py::init(&embedding_options));
-    py::class_<SpaceOptions>(module, "SpaceOptions").def(py::init(&space_options));
     const auto model_view = [](const Eigen::VectorXd ShapeModel::*member) {
         return [member](const ModelPointer& m) {
             const Eigen::VectorXd& vector = m->model.*member;
@@ -435,7 +430,10 @@ void add_models(py::module_& module)
             run([=](const Progress&) { return read_model(path); }));
     });
     module.def("command", command);
+}
 
+void add_difference_class(py::module_& module)
+{
     py::class_<DifferenceHandle, DifferencePointer>(module, "Difference")
         .def_property_readonly("pairs",
                                [](const DifferenceHandle& d) { return d.difference.pairs; })
@@ -466,6 +464,16 @@ void add_models(py::module_& module)
         return std::make_shared<DifferenceHandle>(
             run([=](const Progress&) { return read_difference(path); }));
     });
+}
+
+} // namespace
+
+void add_models(py::module_& module)
+{
+    py::class_<EmbeddingOptions>(module, "EmbeddingOptions").def(py::init(&embedding_options));
+    py::class_<SpaceOptions>(module, "SpaceOptions").def(py::init(&space_options));
+    add_model_class(module);
+    add_difference_class(module);
     module.def("groups", compare);
 }
 

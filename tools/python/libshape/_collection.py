@@ -140,9 +140,19 @@ class Collection:
         """Mean, principal modes, variances and scores, as `shape stats` finds them.
 
         modes: this many, at most N - 1; 0: as few as have the share `variance` of the variance.
-        space: "edge" (edge lengths, which are pose-invariant) or "procrustes". scale: "unit" (every
-        mesh is brought to one size) or "none". with_dihedrals, with_positions: weights > 0 with which
-        these are coordinates beside lengths. Raises InvalidInput if a rule is broken.
+        variance: in (0, 1]; 1 unless modes is 0.
+        space: "edge" (edge lengths, which are pose-invariant) or "procrustes" (vertex positions after
+        generalised Procrustes alignment), where what follows scale stays as it is.
+        scale: "unit" (lengths are divided by their sum, positions by their centroid size, and size is kept
+        apart) or "none" (size is part of the shape).
+        coordinates: "plain", "squared" or "log", the function of the edge lengths that is the coordinate.
+        area_weighted: the squared relative change of a length is weighted by the share of the mean's area around
+        the edge, so that a densely meshed part does not dominate.
+        with_dihedrals: > 0: dihedral angles are coordinates too, and 1 rad counts as much as a relative change of
+        length by this; at most 1e6.
+        with_positions: > 0, say 5: aligned positions are coordinates too, and moving all vertices by 1 % of the
+        diagonal counts as much as changing all lengths by this number of percent; at most 1e6.
+        Raises InvalidInput if a rule is broken, there are fewer than two meshes, or all are equal.
         """
         chosen = space_options(
             space, scale, coordinates, area_weighted, with_dihedrals, with_positions
@@ -177,9 +187,9 @@ def read(
     """Reads meshes, directories (natural name order) and collection files (.h5), in any mix.
 
     labels: a CSV file whose first column is `mesh`, or a DataFrame with that column or with the names of the
-    meshes as index. triangulate: split polygons as fans. untrusted: read files of HDF5 in a process of their own
-    first, which a hostile file may crash; costs a few tenths of a second. What is odd about the meshes is warned
-    of; raises InvalidInput naming mesh and place if they do not correspond.
+    meshes as index. triangulate: split polygons as fans. untrusted: read files of HDF5 (.h5, .H5) in a process of
+    their own first, which a hostile file may crash; costs a few tenths of a second each. What is odd about the
+    meshes is warned of; raises InvalidInput naming mesh and place if they do not correspond.
     """
     if isinstance(paths, (str, os.PathLike)):
         files = [_arrays.path(paths, "paths")]
@@ -192,7 +202,7 @@ def read(
     triangulate = _arrays.flag(triangulate, "triangulate")
     told = _arrays.progress(progress)
     for file in files:
-        if file.endswith(".h5"):
+        if file.lower().endswith(".h5"):  # as the library tells a collection file
             _files.rehearse(file, untrusted)
     if labels is None:
         core, messages, warned = _core.read(files, "", triangulate, told)
@@ -234,9 +244,14 @@ def collection(
 
 
 def gather(
-    meshes: Iterable[MeshLike], F: Any, names: Optional[Sequence[str]], labels: Any
+    meshes: Iterable[MeshLike],
+    F: Any,
+    names: Optional[Sequence[str]],
+    labels: Any,
+    *,
+    may_repeat: bool = False,
 ) -> Tuple[Collection, List[str]]:
-    """A collection, and what is odd about it."""
+    """A collection, and what is odd about it; copies of meshes are, unless they may repeat."""
     if isinstance(meshes, (str, bytes)) or not isinstance(meshes, Iterable):
         raise TypeError(f"meshes: must be a list of meshes, is {_arrays.shown(meshes)}")
     vertices: List[Array] = []
@@ -261,7 +276,7 @@ def gather(
     if "" in chosen:
         raise InvalidInput(f"names[{chosen.index('')}]: is empty, every mesh must have a name")
     cells, unused = _labels.cells_of(labels, chosen)
-    core, warned = _core.from_arrays(vertices, corners, chosen, cells)
+    core, warned = _core.from_arrays(vertices, corners, chosen, cells, may_repeat)
     notes = [f"labels: {len(unused)} rows are of other meshes, such as {unused[0]}"] if unused else []
     return Collection(core, notes), warned
 

@@ -54,8 +54,22 @@ class Difference:
         quality: str = "",
         smoothness: Optional[float] = None,
         avoid_contact: bool = False,
+        seed: int = 1,
     ) -> Tuple[Mesh, Report]:
-        """A mesh with so much of the difference added, in its place; default: onto the mean of `from`."""
+        """A mesh with so much of the difference added, as `shape difference --apply`, to the same bits.
+
+        onto: where it starts, a mesh with the faces F, whose size (scale "unit") and place are kept; default: the
+        mean of `from`. amount: how much of the difference, any finite number.
+        method: how lengths and angles become a mesh: "dihedral" (both together), "closure" (Rojas 2014,
+        section 2) or "multiscale" (Winkler 2010, section 3).
+        quality: of the method dihedral: "preview" (a few steps) or "fine" (to convergence, the default).
+        smoothness: of the method dihedral: weight of the dihedral angles [rad] against the relative lengths, > 0;
+        default 0.005.
+        avoid_contact: bend the mesh a little where faces cross that cross in no input, until they no longer do.
+        seed: in [0, 2**64 - 1], by which the method multiscale draws its patches; the others draw nothing.
+        Where no mesh has the lengths the nearest comes out, and the report says so. Raises InvalidInput if a rule is
+        broken, an option is of another method or faces differ; NumericalError if a factorisation breaks down.
+        """
         share = _arrays.finite_number(amount, "amount")
         starts: List[Array] = []
         name = "applied"
@@ -66,7 +80,11 @@ class Difference:
             starts = [_arrays.finite(vertices, "onto.V")]
             name = name_of(onto, name)
         ((points, figures),) = _core.apply(
-            self._core, starts, share, embedding_options(method, quality, smoothness, avoid_contact), None
+            self._core,
+            starts,
+            share,
+            embedding_options(method, quality, smoothness, avoid_contact, seed),
+            None,
         )
         return Mesh(points, self.F, name), Report(**figures)
 
@@ -84,8 +102,10 @@ def difference(
 ) -> Difference:
     """The mean difference between two groups, as `shape difference`.
 
-    from_, to: "LABEL=VALUE". pair_by: meshes with the same value of this label are a pair; default: the
-    means of the groups are compared.
+    from_, to: "LABEL=VALUE". pair_by: meshes with the same value of this label are a pair, others are left out;
+    default: the means of the groups are compared. scale: "unit" (lengths are divided by their sum; what is added
+    keeps the size of a mesh) or "none" (lengths stay as they are). Raises InvalidInput if a rule is broken or a
+    group has no mesh.
     """
     space_options("edge", scale, "plain", False, 0.0, 0.0)  # refuses an unknown scale
     return Difference(

@@ -16,7 +16,12 @@ def edges(mesh: MeshLike) -> Edges:
 
 
 def distance(meshes: Collection, metric: str = "edge-unit") -> Distances:
-    """Distances between all meshes, as `shape distance --metric`: edge, edge-unit or procrustes."""
+    """Distances between all meshes, as `shape distance --metric`.
+
+    metric: "edge" (of edge lengths [length]), "edge-unit" (of edge lengths divided by their sum) or "procrustes"
+    (root of the mean squared distance of corresponding vertices after generalised alignment of meshes of one size
+    [length]). Raises InvalidInput if it is another.
+    """
     spaces = {
         "edge": ("edge", "none"),
         "edge-unit": ("edge", "unit"),
@@ -47,9 +52,23 @@ def groups(
 ) -> Groups:
     """Do the mean shapes of groups differ? By permutation, as `shape groups`.
 
-    by: label whose values are the groups. within: label of blocks, such as subjects, within which labels
-    are permuted. A mesh without a value of either is refused. replicates: draws of the bootstrap behind
-    the radii of differences.
+    by: label whose values are the groups, at least two. within: label of blocks, such as subjects, within which
+    labels are permuted; where each block lies in one group, their means are compared. A mesh without a value of
+    either is refused.
+    permutations: of each test, at random, >= 0; the smallest p-value is 1 / (permutations + 1).
+    replicates: draws of the bootstrap behind the radii of differences, >= 1.
+    seed: of both, in [0, 2**64 - 1].
+    space: "edge" (edge lengths) or "procrustes" (vertex positions after generalised Procrustes alignment), where
+    what follows scale stays as it is.
+    scale: "unit" (every mesh is brought to one size) or "none" (size is part of the shape).
+    coordinates: "plain", "squared" or "log", the function of the edge lengths that is the coordinate.
+    area_weighted: lengths are weighted by the share of the mean's area around their edges.
+    with_dihedrals: > 0: dihedral angles are coordinates too, and 1 rad counts as much as a relative change of
+    length by this; at most 1e6.
+    with_positions: > 0: aligned positions are coordinates too, and moving all vertices by 1 % of the diagonal
+    counts as much as changing all lengths by this number of percent; at most 1e6.
+    Raises InvalidInput if a rule is broken, or there are no more meshes (or blocks, if their means are compared)
+    than groups.
     """
     chosen = space_options(space, scale, coordinates, area_weighted, with_dihedrals, with_positions)
     names, counts, overall, pairs = _core.groups(

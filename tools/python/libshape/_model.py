@@ -101,18 +101,28 @@ class Model:
         quality: str = "",
         smoothness: Optional[float] = None,
         avoid_contact: bool = False,
+        seed: int = 1,
     ) -> Tuple[Mesh, Report]:
         """The mesh at scores of the first modes in standard deviations, the others being 0.
 
-        size: of the result [length]; default: mean_size. method, quality ("preview" or "fine"),
-        smoothness and avoid_contact are as of `shape generate`. The same bits as `shape generate --scores`.
+        scores: (k,), k <= K. size: of the result [length], > 0; default: mean_size.
+        method: how lengths and angles become a mesh: "dihedral" (both together), "closure" (Rojas 2014,
+        section 2) or "multiscale" (Winkler 2010, section 3).
+        quality: of the method dihedral: "preview" (a few steps) or "fine" (to convergence, the default).
+        smoothness: of the method dihedral: weight of the dihedral angles [rad] against the relative lengths, > 0;
+        default 0.005.
+        avoid_contact: bend the mesh a little where faces cross that cross in no input, until they no longer do.
+        seed: in [0, 2**64 - 1], by which the method multiscale draws its patches; the others draw nothing.
+        The same bits as `shape generate --scores`. Where no mesh has the lengths the nearest comes out, and the
+        report says so. Raises InvalidInput if a rule is broken or an option is of another method; NumericalError if
+        a factorisation breaks down.
         """
         row = _arrays.finite(_arrays.vector(scores, "scores"), "scores")
         ((points, figures),) = _core.decode(
             self._core,
             [row],
             self._size(size),
-            embedding_options(method, quality, smoothness, avoid_contact),
+            embedding_options(method, quality, smoothness, avoid_contact, seed),
             None,
         )
         return Mesh(points, self.F, "scores"), Report(**figures)
@@ -130,9 +140,10 @@ class Model:
         quality: str = "",
         smoothness: Optional[float] = None,
         avoid_contact: bool = False,
+        seed: int = 1,
         progress: Progress = None,
     ) -> Tuple[List[Mesh], List[Report]]:
-        """decode() of every row of (n, k) scores."""
+        """decode() of every row of (n, k) scores; the options are those of decode()."""
         rows = _arrays.numbers(scores, "scores")
         if rows.ndim != 2:
             raise TypeError(f"scores: shape must be (n, k), is {rows.shape}")
@@ -140,7 +151,7 @@ class Model:
             self._core,
             list(_arrays.finite(rows, "scores")),
             self._size(size),
-            embedding_options(method, quality, smoothness, avoid_contact),
+            embedding_options(method, quality, smoothness, avoid_contact, seed),
             _arrays.progress(progress),
         )
         meshes = [Mesh(points, self.F, f"scores_{i:04}") for i, (points, _) in enumerate(made)]

@@ -12,13 +12,13 @@ def embedding_options(
     quality: str,
     smoothness: Optional[float],
     avoid_contact: bool,
-    seed: int = 1,
+    seed: int,
 ) -> _core.EmbeddingOptions:
     return _core.EmbeddingOptions(
         _arrays.text(method, "method"),
         _arrays.text(quality, "quality"),
         float("nan") if smoothness is None else _arrays.finite_number(smoothness, "smoothness"),
-        seed,
+        _arrays.seed(seed),
         _arrays.flag(avoid_contact, "avoid_contact"),
     )
 

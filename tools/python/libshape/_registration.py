@@ -27,11 +27,18 @@ def fit(
 ) -> Tuple[Mesh, FitReport]:
     """The template laid onto a raw scan of any triangulation, as `shape fit`, to the same bits.
 
-    scan: a mesh, or the path of a file; holes, several parts and odd faces are all right. landmarks: name
-    -> (on the template, on the scan), each (x, y, z), the first also a vertex of the template (from 0).
-    boundaries: names of landmarks at boundary loops that correspond from end to end. The mesh has the
-    template's faces and the scan's place and unit; look at `report.status`: a scan that the template
-    does not fit raises nothing.
+    template: one connected surface. scan: a mesh, or the path of a file; holes, several parts and odd faces are
+    all right.
+    landmarks: name -> (on the template, on the scan), each (x, y, z), the first also a vertex of the template
+    (from 0). Three or more, not on a line, give the start.
+    landmark_tolerance: how far they may be missed [length of the scan], >= 0; 0: 1e-3 of the diagonal.
+    boundaries: names of landmarks at boundary loops that correspond from end to end; default: loops near each
+    other do.
+    smoothness: weight of the dihedral angles beside the lengths, > 0; larger: folds of the template are kept.
+    growth_smoothness: weight that lets neighbours grow alike, > 0.
+    search: look for where the template starts; else it starts where it lies.
+    The mesh has the template's faces and the scan's place and unit; look at `report.status`: a scan that the
+    template does not fit raises nothing. Raises InvalidInput if a rule is broken.
     """
     vertices, corners = _arrays.mesh(template, "template")
     if isinstance(scan, (str, os.PathLike)):

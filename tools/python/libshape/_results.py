@@ -24,16 +24,16 @@ class Report:
     edge_p999: float  #: 99.9 % quantile of the same.
     edge_p99: float  #: 99 % quantile.
     dihedral_rms_deg: float  #: Root mean square of the errors of dihedral angles [deg].
-    dihedral_p99_deg: float
-    dihedral_max_deg: float
-    closure_energy: float
+    dihedral_p99_deg: float  #: 99 % quantile of the same [deg].
+    dihedral_max_deg: float  #: Largest [deg].
+    closure_energy: float  #: E of Rojas 2014 eq. 3, >= 0: how far the target's angles are from any mesh.
     inverted_faces: int  #: Faces without area, or folded flat onto a neighbour.
     self_intersections: Optional[int]  #: Pairs of faces that pass through each other.
     new_self_intersections: Optional[int]  #: Those that do so in no input.
     avoidable_self_intersections: Optional[int]  #: What that was before avoid_contact; else None.
     companion_rms: Optional[float]  #: How far off in the large, % of the diagonal; see docs/embedding.md.
-    iterations: int
-    converged: bool
+    iterations: int  #: Steps of the nonlinear solver.
+    converged: bool  #: It met its criterion.
     seconds: float  #: Wall time of this mesh alone.
     setup_seconds: float  #: Wall time spent once for the triangulation.
 
@@ -61,17 +61,17 @@ class FitReport:
     status: str  #: "good", "check" (look at it) or "failed" (it is not a fit).
     reasons: List[str]  #: Why it is not good.
     ignored: List[str]  #: What of the scan was left out.
-    scan_to_fit: Distance
+    scan_to_fit: Distance  #: Of at most 20,000 vertices of the scan.
     fit_to_scan: Distance  #: Of vertices that have a counterpart.
     diagonal: float  #: Of the bounding box of the fit.
     strain_rms: float  #: Of edges, relative, growth taken off.
     growth_low: float  #: 1 % quantile of growth.
     growth_high: float  #: 99 % quantile.
-    folded_faces: int
+    folded_faces: int  #: With an edge that bends by > 120 degrees more or less than the template's.
     turned_faces: int  #: Of the scan: they faced inwards.
     scale: float  #: Of the start: 1, or a change of unit.
     landmarks: List[str]  #: Names.
-    landmark_errors: Array  #: (landmarks,)
+    landmark_errors: Array  #: (landmarks,) distances.
     distance: Array  #: (n,) of each vertex to the scan.
     growth: Array  #: (n,) factors by which the template grew.
     seen: "np.ndarray[Any, np.dtype[np.bool_]]"  #: (n,) whether the scan has a counterpart.
@@ -167,15 +167,15 @@ class Scores:
 class Test:
     """A test by permutation; see docs/groups.md."""
 
-    sum_of_squares: float
-    residual_sum_of_squares: float
-    total_sum_of_squares: float
+    sum_of_squares: float  #: Explained by the groups.
+    residual_sum_of_squares: float  #: Explained by nothing.
+    total_sum_of_squares: float  #: About the mean of all.
     degrees_of_freedom: int
     residual_degrees_of_freedom: int
-    f: float
-    r_squared: float
-    p_value: float
-    permutations: int
+    f: float  #: Ratio of the mean squares.
+    r_squared: float  #: sum_of_squares / total_sum_of_squares.
+    p_value: float  #: (1 + #{permuted F >= F}) / (1 + permutations).
+    permutations: int  #: 0 where no degree of freedom is left.
 
     def __repr__(self) -> str:
         return (
