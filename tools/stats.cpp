@@ -315,6 +315,10 @@ void run(const Session& session, const Arguments& arguments)
     if (arguments.variance > 1.0)
         throw UsageError(join("--variance: ", arguments.variance,
                               " must be a share in (0, 1], such as 0.95 for 95 %"));
+    if (arguments.tolerance >= 1.0)
+        throw UsageError(join("--tolerance: ", arguments.tolerance, " must be in (0, 1)"));
+    if (arguments.save_every < 0.0)
+        throw UsageError(join("--save-every: ", arguments.save_every, " must be at least 0 s"));
     std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     if (!arguments.update.empty())
         inputs.emplace_back(arguments.update);

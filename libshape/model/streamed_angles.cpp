@@ -14,6 +14,7 @@
 #include "libshape/edge_space/shape_vectors.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/hinge.h"
+#include "libshape/mesh/measured_angles.h"
 
 namespace shape::internal {
 
@@ -73,7 +74,7 @@ void BranchSums::add(const Collection& block)
             if (hinge[3] < 0)
                 hinge[3] = hinge[0]; // the boundary is flat
         }
-        const auto corner = [&](int k) { return Indices{corners[0].data() + k, 4}; };
+        const auto corner = [&](int k) { return StridedRows{corners[0].data() + k, 4}; };
         for (const Points& points : block.points) {
             VectorRows along, left, right;
             gather_differences(count, points.data(), corner(1), corner(0), along);

@@ -13,6 +13,7 @@
 namespace shape::internal {
 
 /// Dihedral angles of the meshes of a block, a row each [rad].
+/// @param angles  #meshes by #E, filled.
 void measure_angles(const Collection& block, Block angles);
 
 /// Finds, from meshes that come by once, the branch that each edge's angles lie on (unify_branches()).

@@ -35,7 +35,7 @@ namespace {
 using Eigen::Index;
 
 constexpr std::uint64_t number = sizeof(double);
-constexpr std::size_t strip = 2048; ///< Columns worked on together.
+constexpr std::size_t strip = 1008; ///< Columns worked on together: two shares of a strip of 2,016.
 
 /// Runs body(first, count) for fixed strips of [0, total).
 void for_strips(Index total, const std::function<void(Index, Index)>& body)
@@ -327,18 +327,21 @@ private:
         if (in_strips) {
             strips_->for_each([&](Index first, RowMatrix& columns) {
                 centre_rows(columns, components_.mean.segment(first, columns.cols()));
-                add_product_of_columns(weights, columns, modes.middleCols(first, columns.cols()));
+                for_strips(columns.cols(), [&](Index begin, Index count) {
+                    add_product_of_columns(weights, columns.middleCols(begin, count),
+                                           modes.middleCols(first + begin, count));
+                });
                 tell("modes", first + columns.cols());
             });
             strips_.reset();
-            if (!has_scores())
-                return;
         }
         std::vector<std::span<double>> sums;
         if (!in_strips)
             sums.push_back(numbers_of(modes));
         if (has_scores())
             std::ranges::copy(start_angles(modes.rows()), std::back_inserter(sums));
+        if (in_strips && mode_angles_.cols() == 0)
+            return;
         passes_.run(
             in_strips ? "angles" : "modes", passes_.all(small_tile()),
             [&](Index first, const Collection& block, RowMatrix& rows) {
@@ -404,6 +407,9 @@ private:
             if (is_first) {
                 components_.mean = krylov.mean();
                 check_spread(krylov.squared_norm());
+                passes_.gather(krylov.residuals());
+                if (!krylov.is_complete())
+                    add_outlying(krylov);
             }
             if (!krylov.is_complete())
                 save(krylov);
@@ -413,6 +419,22 @@ private:
             krylov.squared_norm() / static_cast<double>(meshes_.size() - 1);
         components_.modes = krylov.components();
         error_ = krylov.error();
+    }
+
+    void add_outlying(BlockKrylov& krylov)
+    {
+        const std::vector<Index> outlying = krylov.outlying_rows();
+        if (outlying.empty())
+            return;
+        RowMatrix rows(static_cast<Index>(outlying.size()), dimension_);
+        for (Index i = 0; i < rows.rows(); ++i) {
+            const Index mesh = outlying[to_size(i)];
+            passes_.show({mesh, mesh + 1, 1}, [&](Index, const Collection& block, RowMatrix& one) {
+                passes_.encode(block, one);
+                rows.row(i) = one;
+            });
+        }
+        krylov.add_directions(std::move(rows));
     }
 
     void check_spread(double squares) const

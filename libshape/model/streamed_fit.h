@@ -41,9 +41,9 @@ struct StreamOptions
     Ranks ranks = {};
     /// Such a state, of the same meshes and options.
     std::optional<PassState> state = {};
-    /// A folder where Gram may keep all coordinates, 8 N D bytes in a file without a name, so that one pass gives all
-    /// inner products. Empty, or where the disk has less than twice that free, it takes about N / (2 h) passes, as h
-    /// meshes are held at a time. Changes no bit; Krylov makes no use of it.
+    /// A folder where Gram may keep all coordinates, 8 N D bytes in a file without a name, so that one pass gives inner
+    /// products and modes. Empty, or where the disk has less than twice that free, the former take about N / (2 h)
+    /// passes, as h meshes are held at a time. Changes no bit; Krylov makes no use of it.
     std::filesystem::path scratch = {};
 };
 
@@ -65,9 +65,9 @@ struct StreamedFit
 ///
 /// @throws as fit_model(); LimitExceeded if the memory does not suffice (it says what would); what
 ///     reading throws. Procrustes space is refused.
-/// Cost: Gram N^2 E / 2 multiplications and two passes with a scratch folder, else about N / (2 h) + 1 where
-///     h meshes are held, one more if a mode has less than 1e-4 of the largest variance; Krylov
-///     2 N E s for each pass with s = K + max(10, K / 5).
+/// Cost: Gram N^2 E / 2 multiplications and two passes with a scratch folder, one if the space has no companion angles;
+///     else about N / (2 h) + 1 where h meshes are held, one more if a mode has less than 1e-4 of the largest variance;
+///     Krylov 2 N E s for each pass with s = K + max(10, K / 5).
 [[nodiscard]] StreamedFit fit_model(const MeshStream& meshes, const ModelOptions& options,
                                     const StreamOptions& stream);
 

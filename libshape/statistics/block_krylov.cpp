@@ -139,8 +139,8 @@ BlockKrylov::BlockKrylov(Index rows, Index columns, const BlockKrylovOptions& op
     const double block = row * static_cast<double>(size_);
     const auto memory = static_cast<double>(options.memory);
     constexpr double least_blocks = 5.0;
-    // For every lot of rows BLAS packs the basis and goes through the product. Measured once on docs/scale.md's planted
-    // meshes: products took some 230 of 468 CPU s in lots of 32 rows, 170 of 327 in lots of 128.
+    // Every batch of rows goes through the basis and the product once. Measured once on docs/scale.md's planted meshes,
+    // when both products were by BLAS: they took some 230 of 468 CPU s in batches of 32 rows, 170 of 327 of 128.
     constexpr double most_held = 128.0, least_held = 4.0;
     const double held = std::clamp(std::min(memory / 3.0, memory - least_blocks * block) / row,
                                    least_held, most_held);
@@ -207,13 +207,15 @@ std::vector<std::span<double>> BlockKrylov::sums()
     return arrays;
 }
 
-void BlockKrylov::add(Index, const RowMatrix& rows)
+void BlockKrylov::add(Index number, const RowMatrix& rows)
 {
     if (mean_.size() == 0)
         mean_ = rows.colwise().mean().transpose();
     for (Index first = 0; first < rows.rows();) {
         const Index count = std::min(rows.rows() - first, held_.rows() - held_count_);
         hold(rows, first, count);
+        for (Index i = 0; i < count; ++i)
+            held_numbers_.push_back(number + first + i);
         first += count;
         if (held_count_ == held_.rows())
             flush();
@@ -251,7 +253,74 @@ void BlockKrylov::flush()
     });
     for (const double square : squares)
         squares_ += square;
+    if (passes_ == 0)
+        measure_residuals(y);
     held_count_ = 0;
+    held_numbers_.clear();
+}
+
+/// Of the rows that wait: what is left without their shares in the start.
+void BlockKrylov::measure_residuals(const RowMatrix& shares)
+{
+    if (residuals_.size() == 0)
+        residuals_ = Eigen::VectorXd::Zero(rows_);
+    const RowMatrix squares =
+        sum_of_strips(columns_, held_count_, 1, [&](Index first, Index count, RowMatrix& sum) {
+            sum += held_.topRows(held_count_).middleCols(first, count).rowwise().squaredNorm();
+        });
+    for (Index i = 0; i < held_count_; ++i)
+        residuals_[held_numbers_[to_size(i)]] =
+            std::max(0.0, squares(i, 0) - shares.row(i).squaredNorm());
+}
+
+std::span<double> BlockKrylov::residuals()
+{
+    return {residuals_.data(), to_size(residuals_.size())};
+}
+
+std::vector<Index> BlockKrylov::outlying_rows() const
+{
+    std::vector<double> sorted(residuals_.begin(), residuals_.end());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    // Twice the distance: of rows of many dimensions, which lie about as far as each other, there are none.
+    const double usual = 4.0 * *middle;
+    std::vector<Index> rows;
+    for (Index i = 0; i < residuals_.size(); ++i)
+        if (residuals_[i] > usual && residuals_[i] > 1e-12 * squares_)
+            rows.push_back(i);
+    std::stable_sort(rows.begin(), rows.end(),
+                     [&](Index a, Index b) { return residuals_[a] > residuals_[b]; });
+    rows.resize(std::min(rows.size(), to_size(size_)));
+    return rows;
+}
+
+void BlockKrylov::add_directions(RowMatrix rows)
+{
+    RowMatrix block(columns_, rows.rows());
+    for_strips(columns_, [&](std::size_t, Index first, Index count) {
+        block.middleRows(first, count) =
+            rows.middleCols(first, count).transpose().colwise() - mean_.segment(first, count);
+    });
+    rows.resize(0, 0);
+    const double length = block.colwise().norm().maxCoeff();
+    RowMatrix ignored = RowMatrix::Zero(projected_.rows() + basis_.back().cols(), block.cols());
+    orthogonalise(block, ignored);
+    orthonormalise_columns(block, 1e-10 * length);
+    if (block.cols() == 0)
+        return;
+    const Index most =
+        std::max<Index>(1, size_ / 4); // so much more memory the following blocks take
+    if (block.cols() > most)
+        block = block.rightCols(most).eval();                // the largest: norms ascend
+    ignored = RowMatrix::Zero(ignored.rows(), block.cols()); // once more, for what rounding left
+    orthogonalise(block, ignored);
+    orthonormalise_columns(block, 0.0);
+    RowMatrix& last = basis_.back();
+    RowMatrix both(columns_, last.cols() + block.cols());
+    both << last, block;
+    last = std::move(both);
+    product_ = RowMatrix::Zero(columns_, last.cols());
 }
 
 /// Takes from a block what lies in the basis, twice, for rounding.
@@ -354,7 +423,8 @@ void BlockKrylov::judge(const Eigen::VectorXd& values, const Eigen::VectorXd& re
         for (Index k = 0; k < wanted_; ++k)
             error_ = std::max(error_, least[to_size(k)] / std::abs(values[k]));
     }
-    is_complete_ = error_ <= options_.tolerance;
+    // After the first pass the rows that lie far from the start are still to join it.
+    is_complete_ = error_ <= options_.tolerance && (passes_ > 1 || product_.cols() == 0);
 }
 
 /// Keeps the best s Ritz vectors alone.

@@ -68,6 +68,17 @@ public:
     /// @throws LimitExceeded if the memory cannot hold what the share of variance needs.
     void end_pass();
 
+    // What the start does not span, no estimate of an error sees: a few rows far from all others, of which the
+    // sample has none, may carry the largest components. So the rows that the first pass finds far from the start join it.
+
+    /// Squared distances of all rows from the span of the start, after the first pass; 0 of rows that other processes
+    /// have, whose arrays must be added.
+    [[nodiscard]] std::span<double> residuals();
+    /// By these, rows that are more than twice as far as the median, at most s, the farthest first.
+    [[nodiscard]] std::vector<Eigen::Index> outlying_rows() const;
+    /// Lets the principal directions of these rows, at most s / 4, be among what the second pass multiplies.
+    void add_directions(RowMatrix rows);
+
     [[nodiscard]] bool is_complete() const { return is_complete_; }
     [[nodiscard]] int passes() const { return passes_; }
     [[nodiscard]] double error() const
@@ -87,6 +98,7 @@ public:
 
 private:
     void hold(const RowMatrix& rows, Eigen::Index first, Eigen::Index count);
+    void measure_residuals(const RowMatrix& shares);
     void orthogonalise(RowMatrix& block, RowMatrix& projected) const;
     void judge(const Eigen::VectorXd& values, const Eigen::VectorXd& residuals);
     void restart(const Eigen::MatrixXd& vectors, const Eigen::VectorXd& values);
@@ -104,7 +116,9 @@ private:
     RowMatrix product_;
     RowMatrix held_; ///< Centred rows that wait to be multiplied, the first held_count_ of them.
     Eigen::Index held_count_ = 0;
-    RowMatrix projected_; ///< C in the basis.
+    std::vector<Eigen::Index> held_numbers_; ///< Which rows these are.
+    Eigen::VectorXd residuals_;              ///< N, of the first pass.
+    RowMatrix projected_;                    ///< C in the basis.
     Eigen::MatrixXd ritz_vectors_;
     Eigen::Index wanted_ = 0; ///< K.
     int passes_ = 0;

@@ -219,7 +219,7 @@ TEST(StreamedFit, MeasuresOnceWhereItHasAFolderForThatToTheSameBits)
         stream.save = [&](const PassState& state) { states.push_back(state); };
         const StreamedFit once = fit_model(stream_of(collection), options, stream);
         expect_same_bits(once.model, passes.model);
-        EXPECT_EQ(once.passes, 2);
+        EXPECT_EQ(once.passes, once.model.mode_dihedral_angles.cols() > 0 ? 2 : 1);
         EXPECT_TRUE(folder.names().empty());
         // What is on disc ends with a run: one that is resumed goes in passes.
         ASSERT_EQ(states.size(), 1U);

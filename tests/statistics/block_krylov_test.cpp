@@ -29,6 +29,10 @@ void pass(BlockKrylov& krylov, const RowMatrix& data)
         krylov.add(first, rows);
     }
     krylov.end_pass();
+    if (krylov.passes() > 1 || krylov.is_complete())
+        return;
+    if (const std::vector<Index> rows = krylov.outlying_rows(); !rows.empty())
+        krylov.add_directions(data(rows, Eigen::all));
 }
 
 BlockKrylov run(const RowMatrix& data, const BlockKrylovOptions& options)
@@ -143,6 +147,26 @@ TEST(BlockKrylov, FindsWhatTheRowsOfTheStartLack)
         const Eigen::VectorXd found = variances_along(data, krylov.components());
         for (Index k = 0; k < 10; ++k)
             EXPECT_NEAR(found[k], spectrum[k], 1e-6 * spectrum[k]) << k;
+    }
+}
+
+TEST(BlockKrylov, DoesNotMissFewRowsFarFromAllOthers)
+{
+    // Five rows that go the same way, and one another way, none of them in the start.
+    const Eigen::VectorXd spectrum = spectra()[2];
+    RowMatrix data = planted(400, spectrum, 500, 13);
+    const double far = std::sqrt(400.0 * spectrum[0]);
+    for (const Index row : {11, 77, 130, 201, 333})
+        data.row(row) += far * planted(2, spectrum.head(1), 500, 17).row(0).normalized();
+    data.row(250) += 1.5 * far * planted(2, spectrum.head(1), 500, 19).row(0).normalized();
+    const PrincipalComponents expected = principal_components(data, {.modes = 3});
+    for (const double tolerance : {1e-1, 1e-2, 1e-4}) {
+        const BlockKrylov krylov =
+            run_from(data(Eigen::seq(0, 399, 8), Eigen::all), data,
+                     {.components = 3, .tolerance = tolerance, .memory = plenty});
+        const Eigen::VectorXd found = variances_along(data, krylov.components());
+        for (Index k = 0; k < 3; ++k)
+            EXPECT_NEAR(found[k], expected.variances[k], tolerance * expected.variances[k]) << k;
     }
 }
 

@@ -148,9 +148,26 @@ std::filesystem::path scratch_folder(const std::filesystem::path& output)
     return output.has_parent_path() ? output.parent_path() : ".";
 }
 
+namespace {
+
+/// The names of what two identities do not share.
+std::string differences(const Json& found, const Json& wanted)
+{
+    std::string names;
+    for (const auto& [name, value] : wanted.items())
+        if (!found.contains(name) || found.at(name) != value)
+            names += (names.empty() ? "" : ", ") + name;
+    return names;
+}
+
+} // namespace
+
 PassStore::PassStore(const Session& session, const std::filesystem::path& output,
                      const Json& identity, bool resume, double seconds)
-    : file_(output.string() + ".unfinished"), identity_(identity.dump()), seconds_(seconds)
+    : session_(session),
+      file_(output.string() + ".unfinished"),
+      identity_(identity.dump()),
+      seconds_(seconds)
 {
     if (!std::filesystem::exists(file_))
         return;
@@ -162,8 +179,10 @@ PassStore::PassStore(const Session& session, const std::filesystem::path& output
         return;
     auto [found, state] = read_state(file_);
     if (found != identity_)
-        throw InvalidInput(join(file_.string(), ": the interrupted run was another (", found,
-                                "); without --resume, --force discards it"));
+        throw InvalidInput(join(file_.string(), ": the interrupted run was another: ",
+                                differences(Json::parse(found), identity),
+                                " had other values; give those, or without --resume --force, which "
+                                "discards it"));
     state_ = std::move(state);
 }
 
@@ -172,6 +191,18 @@ void PassStore::save(const PassState& state)
     using Clock = std::chrono::steady_clock;
     if (std::chrono::duration<double>(Clock::now() - last_).count() < seconds_)
         return;
+    last_ = Clock::now();
+    try {
+        write(state);
+    } catch (const FileError& error) { // the run needs it only if it is killed
+        if (!std::exchange(has_warned_, true))
+            session_.warn(join(file_.string(), ": ", error.what(),
+                               "; the run goes on, but if it is killed it cannot go on from here"));
+    }
+}
+
+void PassStore::write(const PassState& state) const
+{
     write_file_atomically(file_, [&](int descriptor) {
         Writer writer(descriptor);
         writer.put(letters.data(), letters.size());
@@ -187,7 +218,6 @@ void PassStore::save(const PassState& state)
         }
         writer.finish();
     });
-    last_ = Clock::now();
 }
 
 std::string PassStore::on_interrupt() const

@@ -31,8 +31,7 @@ public:
     /// Of the interrupted run; none if it has left nothing.
     [[nodiscard]] const std::optional<PassState>& state() const { return state_; }
 
-    /// Keeps a state if it is time.
-    /// @throws FileError if it cannot be written.
+    /// Keeps a state if it is time; warns once if it cannot be written.
     void save(const PassState& state);
 
     /// What to say when the run is stopped: where it can go on, if something was kept.
@@ -42,9 +41,13 @@ public:
     void finish();
 
 private:
+    void write(const PassState& state) const;
+
+    const Session& session_;
     std::filesystem::path file_;
     std::string identity_;
     double seconds_;
+    bool has_warned_ = false;
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
     std::optional<PassState> state_;
 };
