@@ -223,7 +223,7 @@ void check_together(Result& result)
     };
     bool has_seam = false;
     for (const Oddity& oddity : find_oddities(collection)) {
-        warn(kind_name(oddity.kind), oddity.meshes, -1, oddity.message);
+        warn(kind_name(oddity.kind), oddity.meshes, -1, advice_on(oddity));
         has_seam = has_seam || oddity.kind == OddityKind::Seam;
     }
     if (!has_seam)
@@ -450,6 +450,8 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
     std::string list;
     for (const std::string& change : repaired.changes)
         list += join("  ", change, "\n");
+    for (const std::string& size : repaired.kept)
+        text += join("  left as it is: ", size, "\n");
     Json outputs = Json::array();
     if (!sound.empty()) {
         MeshOutputArguments place = arguments.fixed;
@@ -463,7 +465,10 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
     session.message(join(directory.string(), ": ", counted(sound.size(), "mesh", "meshes"),
                          " written, ", counted(repaired.changes.size(), "change"),
                          repaired.changes.empty() ? "" : ":", "\n", list, text));
-    return {{"outputs", outputs}, {"changes", repaired.changes}, {"left", left}};
+    return {{"outputs", outputs},
+            {"changes", repaired.changes},
+            {"kept", repaired.kept},
+            {"left", left}};
 }
 
 void run(const Session& session, const Arguments& arguments)

@@ -144,8 +144,8 @@ Eigen::Index append_to_collection(const std::filesystem::path& path, const MeshS
     write_stream(path, all, kept, progress, [&] {
         file.lock_folder();
         if (!file.is_as_it_was())
-            throw FileError(join(
-                path.string(), " changed while meshes were appended to it; run the command again"));
+            throw FileError(
+                join(path.string(), " changed while meshes were appended to it; append again"));
     });
     return all.size();
 }

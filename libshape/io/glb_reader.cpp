@@ -29,6 +29,8 @@ using Json = nlohmann::json;
 constexpr std::uint64_t description_limit = std::uint64_t{64} << 20; ///< [byte]
 constexpr std::int64_t member_vertex_limit =
     40'000'000; ///< Of all members, beyond what the file holds.
+constexpr std::size_t member_limit =
+    10'000; ///< Nodes may name one mesh; what compares all takes seconds then.
 
 /// The description and the buffer; every access is checked, for the file may say anything.
 class Glb
@@ -381,69 +383,49 @@ void check_claims(const Glb& glb)
     }
 }
 
-/// The mesh itself, then each of its morph targets with weight one.
-std::vector<Points> members(const Glb& glb, const Json& mesh, Faces& faces,
-                            const MeshReadOptions& options, const std::filesystem::path& path)
+/// The mesh and its morph targets as they are put together: coordinates of each, of the same vertices.
+struct Members
 {
-    const Json& primitives = glb.list(mesh, "primitives");
-    if (primitives.empty())
-        glb.fail("a mesh has no primitives");
     std::vector<std::vector<double>> coordinates;
-    // Materials of one surface are primitives that look into one array of vertices: those are one set.
-    std::map<std::vector<std::int64_t>, std::int64_t>
-        known; // accessors of a primitive to its first vertex
-    MeshBuilder base(path, options, [&](std::string_view rule) { glb.fail(rule); });
-    for (const Json& primitive : primitives) {
-        if (!primitive.is_object() || !primitive.contains("attributes"))
-            glb.fail("a primitive has no attributes");
-        const std::int64_t mode = glb.integer(primitive, "mode", 4);
-        if (mode != 4)
-            glb.fail(join("a primitive has the mode ", mode, ", must be 4: triangles"));
-        const auto extensions = primitive.find("extensions");
-        if (extensions != primitive.end() && extensions->contains("KHR_draco_mesh_compression"))
-            glb.fail("the mesh is compressed by Draco; export without compression");
-        const Json& targets = glb.list(primitive, "targets");
-        if (&primitive == &primitives.front())
-            coordinates.resize(1 + targets.size());
-        else if (coordinates.size() != 1 + targets.size())
-            glb.fail("the primitives of a mesh have different numbers of morph targets");
-        const std::int64_t accessor = glb.integer(primitive["attributes"], "POSITION");
-        const std::int64_t count = glb.accessor_count(accessor);
-        std::vector<std::int64_t> accessors{accessor};
-        for (const Json& target : targets)
-            accessors.push_back(target.contains("POSITION") ? glb.integer(target, "POSITION") : -1);
-        const auto [place, is_new] = known.try_emplace(accessors, base.vertex_count());
-        const std::int64_t before = place->second;
-        const auto add_vertices = [&] {
-            const auto limit =
-                std::max(member_vertex_limit, static_cast<std::int64_t>(glb.buffer_size() / 12));
-            if ((before + count) > limit / std::ssize(coordinates))
-                throw LimitExceeded(join(path.string(), ": ", coordinates.size(), " meshes of ",
-                                         before + count, " vertices; the limit is ", limit,
-                                         " vertices in all"));
-            const auto positions = glb.values(accessor, 3);
-            base.reserve(before + count, 0);
-            for (const auto& row : positions.rowwise())
-                base.add_vertex(row[0], row[1], row[2]);
-            coordinates[0].insert(coordinates[0].end(), positions.data(),
-                                  positions.data() + positions.size());
-            for (std::size_t t = 0; t < targets.size(); ++t) {
-                Points target = positions;
-                if (targets[t].contains("POSITION")) {
-                    const auto offsets = glb.values(glb.integer(targets[t], "POSITION"), 3);
-                    if (offsets.rows() != target.rows())
-                        glb.fail(join("morph target ", t, " moves ", offsets.rows(),
-                                      " vertices, the mesh has ", target.rows()));
-                    target += offsets;
-                }
-                if (!target.allFinite())
-                    glb.fail(join("morph target ", t, " has a coordinate that is not finite"));
-                coordinates[t + 1].insert(coordinates[t + 1].end(), target.data(),
-                                          target.data() + target.size());
-            }
+    MeshBuilder base;
+
+    /// Vertices of a primitive in all of them, the mesh first.
+    void add_vertices(const Glb& glb, std::int64_t accessor, const Json& targets,
+                      const std::filesystem::path& path)
+    {
+        const std::int64_t count = base.vertex_count() + glb.accessor_count(accessor);
+        const auto limit =
+            std::max(member_vertex_limit, static_cast<std::int64_t>(glb.buffer_size() / 12));
+        if (count > limit / std::ssize(coordinates))
+            throw LimitExceeded(join(path.string(), ": ", coordinates.size(), " meshes of ", count,
+                                     " vertices; the limit is ", limit, " vertices in all"));
+        const auto positions = glb.values(accessor, 3);
+        base.reserve(count, 0);
+        for (const auto& row : positions.rowwise())
+            base.add_vertex(row[0], row[1], row[2]);
+        const auto append = [](std::vector<double>& to, const auto& points) {
+            to.insert(to.end(), points.data(), points.data() + points.size());
         };
-        if (is_new)
-            add_vertices();
+        append(coordinates[0], positions);
+        for (std::size_t t = 0; t < targets.size(); ++t) {
+            Points target = positions;
+            if (targets[t].contains("POSITION")) {
+                const auto offsets = glb.values(glb.integer(targets[t], "POSITION"), 3);
+                if (offsets.rows() != target.rows())
+                    glb.fail(join("morph target ", t, " moves ", offsets.rows(),
+                                  " vertices, the mesh has ", target.rows()));
+                target += offsets;
+            }
+            if (!target.allFinite())
+                glb.fail(join("morph target ", t, " has a coordinate that is not finite"));
+            append(coordinates[t + 1], target);
+        }
+    }
+
+    /// Triangles of a primitive whose `count` vertices begin with `first`.
+    void add_triangles(const Glb& glb, const Json& primitive, std::int64_t first,
+                       std::int64_t count)
+    {
         const auto corners = [&]() -> Eigen::Matrix<double, Eigen::Dynamic, 1> {
             if (primitive.contains("indices"))
                 return glb.values(glb.integer(primitive, "indices"), 1);
@@ -457,15 +439,57 @@ std::vector<Points> members(const Glb& glb, const Json& mesh, Faces& faces,
                 face[to_size(i)] = static_cast<std::int64_t>(corners[c + i]);
                 if (face[to_size(i)] >= count)
                     glb.fail(join("a triangle names vertex ", face[to_size(i)], " of ", count));
-                face[to_size(i)] += before;
+                face[to_size(i)] += first;
             }
             base.add_polygon(face);
         }
     }
-    faces = base.finish().faces;
+};
+
+void check_primitive(const Glb& glb, const Json& primitive)
+{
+    if (!primitive.is_object() || !primitive.contains("attributes"))
+        glb.fail("a primitive has no attributes");
+    const std::int64_t mode = glb.integer(primitive, "mode", 4);
+    if (mode != 4)
+        glb.fail(join("a primitive has the mode ", mode, ", must be 4: triangles"));
+    const auto extensions = primitive.find("extensions");
+    if (extensions != primitive.end() && extensions->contains("KHR_draco_mesh_compression"))
+        glb.fail("the mesh is compressed by Draco; export without compression");
+}
+
+/// The mesh itself, then each of its morph targets with weight one.
+std::vector<Points> members(const Glb& glb, const Json& mesh, Faces& faces,
+                            const MeshReadOptions& options, const std::filesystem::path& path)
+{
+    const Json& primitives = glb.list(mesh, "primitives");
+    if (primitives.empty())
+        glb.fail("a mesh has no primitives");
+    // Materials of one surface are primitives that look into one array of vertices: those are one set.
+    std::map<std::vector<std::int64_t>, std::int64_t>
+        known; // accessors of a primitive to its first vertex
+    Members all{{}, MeshBuilder(path, options, [&](std::string_view rule) { glb.fail(rule); })};
+    for (const Json& primitive : primitives) {
+        check_primitive(glb, primitive);
+        const Json& targets = glb.list(primitive, "targets");
+        if (&primitive == &primitives.front())
+            all.coordinates.resize(1 + targets.size());
+        else if (all.coordinates.size() != 1 + targets.size())
+            glb.fail("the primitives of a mesh have different numbers of morph targets");
+        const std::int64_t accessor = glb.integer(primitive["attributes"], "POSITION");
+        const std::int64_t count = glb.accessor_count(accessor);
+        std::vector<std::int64_t> accessors{accessor};
+        for (const Json& target : targets)
+            accessors.push_back(target.contains("POSITION") ? glb.integer(target, "POSITION") : -1);
+        const auto [place, is_new] = known.try_emplace(accessors, all.base.vertex_count());
+        if (is_new)
+            all.add_vertices(glb, accessor, targets, path);
+        all.add_triangles(glb, primitive, place->second, count);
+    }
+    faces = all.base.finish().faces;
     std::vector<Points> result;
-    for (std::vector<double>& of_member : coordinates) {
-        result.emplace_back(Eigen::Map<const Points>(of_member.data(), base.vertex_count(), 3));
+    for (std::vector<double>& of_member : all.coordinates) {
+        result.emplace_back(Eigen::Map<const Points>(of_member.data(), all.base.vertex_count(), 3));
         of_member = {};
     }
     return result;
@@ -484,16 +508,29 @@ MeshFileContent parse_glb(std::string_view content, const std::filesystem::path&
     const std::string stem = text_name(path.stem().string());
     MeshFileContent result{.meshes = {}, .single_precision = true};
     std::set<std::string> taken;
+    std::map<std::string, int> numbers; // the next one of a name that many want
     const auto add = [&](std::string name, Points points, const Faces& faces) {
         const std::string wanted = name;
-        for (int number = 2; !taken.insert(name).second; ++number)
-            name = join(wanted, " (", number, ")");
+        while (!taken.insert(name).second)
+            name = join(wanted, " (", ++numbers.try_emplace(wanted, 1).first->second, ")");
         result.meshes.push_back({name, path.string(), std::move(points), faces});
     };
+    const auto row_limit =
+        std::max(member_vertex_limit, static_cast<std::int64_t>(glb.buffer_size() / 6));
+    std::int64_t rows = 0;
     for (const PlacedMesh& node : placed) {
         const Json& mesh = glb.entry("meshes", glb.integer(*node.node, "mesh"));
         Faces faces;
         std::vector<Points> points = members(glb, mesh, faces, options, path);
+        if (result.meshes.size() + points.size() > member_limit)
+            throw LimitExceeded(join(path.string(),
+                                     ": its nodes and their morph targets are more than ",
+                                     member_limit, " meshes, the limit; export fewer in a file"));
+        rows += std::ssize(points) * std::max(points.front().rows(), faces.rows());
+        if (rows > row_limit)
+            throw LimitExceeded(
+                join(path.string(), ": its nodes place more than ", row_limit,
+                     " vertices or faces in all, the limit; export fewer in a file"));
         if (node.place.topLeftCorner<3, 3>().determinant() < 0.0) // glTF 2.0, section 3.7.4
             faces.col(1).swap(faces.col(2));
         std::string name = stem;

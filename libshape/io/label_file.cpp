@@ -28,8 +28,9 @@ constexpr std::size_t ambiguous = to_size(-1);
 /// Blanks of ASCII, and those that are pasted from web pages and documents.
 std::string_view without_outer_blanks(std::string_view text)
 {
-    constexpr std::array<std::string_view, 9> blanks = {
-        " ", "\t", "\r", "\n", "\v", "\f", "\xC2\xA0", "\xEF\xBB\xBF", "\xE2\x80\x8B"};
+    constexpr std::array<std::string_view, 10> blanks = {
+        " ",  "\t",       "\r",           "\n",           "\v",
+        "\f", "\xC2\xA0", "\xEF\xBB\xBF", "\xE2\x80\x8B", "\xE3\x80\x80"};
     for (bool again = true; again;) {
         again = false;
         for (const std::string_view blank : blanks) {
@@ -68,6 +69,12 @@ std::string key_of(std::string_view name)
     return composed(without_outer_blanks(name));
 }
 
+bool is_blank(const std::vector<std::string>& row)
+{
+    return std::all_of(row.begin(), row.end(),
+                       [](const auto& cell) { return without_outer_blanks(cell).empty(); });
+}
+
 /// Finds meshes by their names as tables spell them.
 class NameIndex
 {
@@ -100,8 +107,10 @@ private:
 
 std::string label_value(std::string_view cell)
 {
-    constexpr std::array<std::string_view, 10> missing = {"",     "na",  "n/a",  "#n/a", "#na",
-                                                          "<na>", "nan", "-nan", "null", "#null!"};
+    constexpr std::array<std::string_view, 22> missing = {
+        "",        "na",      "n/a",      "#n/a",   "#n/a n/a", "#na", "<na>", "nan",
+        "-nan",    "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind",  "nat", "null", "#null!",
+        "#div/0!", "#value!", "#ref!",    "#name?", "#num!",    "#nv"};
     const std::string_view text = without_outer_blanks(cell);
     if (text == "." || std::find(missing.begin(), missing.end(), lower_case(text)) != missing.end())
         return {};
@@ -137,6 +146,18 @@ std::vector<std::string> alike_values(const Labels& labels)
     return sentences;
 }
 
+std::optional<std::pair<std::size_t, std::size_t>> names_alike(
+    const std::vector<std::string>& names)
+{
+    std::map<std::string, std::size_t> first;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const std::size_t known = first.try_emplace(key_of(names[i]), i).first->second;
+        if (names[known] != names[i])
+            return std::pair{known, i};
+    }
+    return std::nullopt;
+}
+
 LabelFile read_label_file(const std::filesystem::path& path, const std::vector<std::string>& names)
 {
     const Table table = read_table(path);
@@ -150,6 +171,8 @@ LabelFile read_label_file(const std::filesystem::path& path, const std::vector<s
     LabelFile result;
     std::vector<const std::vector<std::string>*> row_of(names.size(), nullptr);
     for (const std::vector<std::string>& row : table.rows) {
+        if (is_blank(row)) // as spreadsheets write below a table
+            continue;
         const std::optional<std::size_t> mesh = index.find(row.front());
         if (!mesh) {
             result.unused.push_back(row.front());

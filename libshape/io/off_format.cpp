@@ -215,9 +215,15 @@ std::string odd_end(const LineReader& reader, const Variant& variant)
     if (variant.most_extras == 0)
         return join("unexpected ", in_quotes(first_token(reader.rest())),
                     " after the three coordinates; colours need the header COFF, normals NOFF");
-    return join("has ", counted(count_tokens(reader.rest()), "number"),
-                " after the coordinates, must have ", variant.least_extras, " to ",
-                variant.most_extras, " as the header declares");
+    const std::int64_t extras = count_tokens(reader.rest());
+    std::string vertices; // several of them on the line, their colours all with alpha or without
+    for (std::int64_t each = variant.least_extras; each <= variant.most_extras; ++each)
+        if (vertices.empty() && extras > each && (extras + 3) % (each + 3) == 0)
+            vertices = join(", if this is one vertex; ", (extras + 3) / (each + 3),
+                            " vertices would have as many: give each a line of its own");
+    return join("has ", counted(extras, "number"), " after the coordinates, must have ",
+                variant.least_extras, " to ", variant.most_extras, " as the header declares",
+                vertices);
 }
 
 /// Colours, normals and texture coordinates of a vertex. The rest of the line is taken for them if there are as
@@ -279,15 +285,25 @@ void parse_faces(LineReader& reader, const NumberStream& numbers, std::int64_t c
     if (!reader.line_done() && (count == 0 || !is_whole_face(reader.rest())))
         numbers.fail("the last vertex does not end with its line");
     std::vector<std::int64_t> corners;
+    std::optional<LineReader> doubled; // what follows a face may be its colour
     for (std::int64_t f = 0; f < count; ++f) {
-        if (reader.line_done() && !reader.next_line())
-            numbers.fail(join("the file ends before face ", f, " of ", count));
+        if (reader.line_done() && !reader.next_line()) {
+            const std::string end = join("the file ends before face ", f, " of ", count);
+            if (doubled)
+                doubled->fail(
+                    "two faces stand on this line, as it seems: give each a line of its "
+                    "own; taken as one with a colour, " +
+                    end);
+            numbers.fail(end);
+        }
         const std::int64_t size = reader.integer("corner count");
         if (size < 0 || size > MeshBuilder::corner_limit)
             reader.fail(join("corner count is ", size, ", must be in [3, ",
                              MeshBuilder::corner_limit, "]"));
         parse_corners(reader, size, corners);
         mesh.add_polygon(corners);
+        if (!doubled && is_whole_face(reader.rest()))
+            doubled = reader;
         for (std::string_view colour = reader.token(); !colour.empty(); colour = reader.token())
             if (!spells_a_number(colour))
                 reader.fail(join("colour is ", in_quotes(colour), ", must be a number"));

@@ -97,23 +97,22 @@ ScalarType parse_scalar(const LineReader& reader, std::string_view name)
     reader.fail(join("unknown type ", in_quotes(name), "; export the property as float or int"));
 }
 
-Element parse_element(LineReader& reader, const std::vector<Element>& before)
+/// @param before  Names of the elements before, and after it of this one too.
+Element parse_element(LineReader& reader, std::set<std::string>& before)
 {
     Element element;
     element.name = reader.word("the name of the element");
     element.count = reader.integer("the count of the element");
     reader.finish_line();
-    const auto is_named = [](std::string_view name) {
-        return [name](const Element& e) { return e.name == name; };
-    };
     if (element.count < 0)
         reader.fail(join("the count of the element is ", element.count, ", must be at least 0"));
-    if (std::any_of(before.begin(), before.end(), is_named(element.name)))
+    if (!before.insert(element.name).second)
         reader.fail(join("element ", in_quotes(element.name), " is declared twice"));
     return element;
 }
 
-Property parse_property(LineReader& reader, const Element& element)
+/// @param before  Names of the properties of the element before, and after it of this one too.
+Property parse_property(LineReader& reader, const Element& element, std::set<std::string>& before)
 {
     Property property;
     std::string_view type = reader.word("the type of the property");
@@ -126,9 +125,8 @@ Property parse_property(LineReader& reader, const Element& element)
     property.type = parse_scalar(reader, type);
     property.name = reader.word("the name of the property");
     reader.finish_line();
-    for (const Property& other : element.properties)
-        if (other.name == property.name)
-            reader.fail(join("property ", in_quotes(property.name), " is declared twice"));
+    if (!before.insert(property.name).second)
+        reader.fail(join("property ", in_quotes(property.name), " is declared twice"));
     const std::size_t axis = std::string_view("xyz").find(property.name);
     if (element.is_vertex() && property.name.size() == 1 && axis != std::string_view::npos)
         property.coordinate = static_cast<int>(axis);
@@ -173,6 +171,8 @@ Header parse_header(LineReader& reader)
         reader.fail("must be 'ply'; is this a PLY file?");
     Header header;
     std::optional<Encoding> encoding;
+    std::set<std::string> elements;
+    std::set<std::string> properties; // of the last element
     while (reader.next_line()) {
         const std::string_view keyword = reader.token();
         if (keyword == "comment" || keyword == "obj_info")
@@ -189,15 +189,17 @@ Header parse_header(LineReader& reader)
             check_header(reader, header);
             return header;
         }
-        if (keyword == "element")
-            header.elements.push_back(parse_element(reader, header.elements));
-        else if (keyword == "property" && header.elements.empty())
+        if (keyword == "element") {
+            header.elements.push_back(parse_element(reader, elements));
+            properties.clear();
+        } else if (keyword == "property" && header.elements.empty()) {
             reader.fail("a property stands before the first element");
-        else if (keyword == "property")
+        } else if (keyword == "property") {
             header.elements.back().properties.push_back(
-                parse_property(reader, header.elements.back()));
-        else
+                parse_property(reader, header.elements.back(), properties));
+        } else {
             reader.fail(join("unknown header line ", in_quotes(keyword)));
+        }
     }
     reader.fail(encoding ? "the header has no end_header" : "must be 'format <encoding> 1.0'");
 }

@@ -109,7 +109,7 @@ public:
 
     [[nodiscard]] pugi::xml_node pieces() const { return pieces_; }
 
-    std::int64_t count(pugi::xml_node piece, const char* name) const
+    [[nodiscard]] std::int64_t count(pugi::xml_node piece, const char* name) const
     {
         const pugi::xml_attribute attribute = piece.attribute(name);
         if (!attribute)
@@ -120,7 +120,7 @@ public:
         return *value;
     }
 
-    ScalarType type(pugi::xml_node array) const
+    [[nodiscard]] ScalarType type(pugi::xml_node array) const
     {
         const std::optional<ScalarType> type = xml_vtk_type(array.attribute("type").value());
         if (!type)
@@ -129,7 +129,7 @@ public:
         return *type;
     }
 
-    std::vector<double> numbers(pugi::xml_node array, std::int64_t count) const
+    [[nodiscard]] std::vector<double> numbers(pugi::xml_node array, std::int64_t count) const
     {
         const ScalarType kind = type(array);
         return values<double>(
@@ -137,7 +137,7 @@ public:
             [](std::string_view text) { return spelled_number(text); });
     }
 
-    std::vector<std::int64_t> integers(pugi::xml_node array, std::int64_t count) const
+    [[nodiscard]] std::vector<std::int64_t> integers(pugi::xml_node array, std::int64_t count) const
     {
         const ScalarType kind = type(array);
         if (!is_integer(kind))
@@ -154,8 +154,9 @@ public:
 
 private:
     template <class Value, class FromBytes, class FromText>
-    std::vector<Value> values(pugi::xml_node array, std::int64_t count, const FromBytes& from_bytes,
-                              const FromText& from_text) const
+    [[nodiscard]] std::vector<Value> values(pugi::xml_node array, std::int64_t count,
+                                            const FromBytes& from_bytes,
+                                            const FromText& from_text) const
     {
         const std::string name = in_quotes(array.attribute("Name").value());
         std::vector<Value> result;
@@ -190,7 +191,7 @@ private:
     }
 
     /// The bytes of an array that is not text; `expected` if the file is right.
-    std::string decoded(pugi::xml_node array, std::size_t expected) const
+    [[nodiscard]] std::string decoded(pugi::xml_node array, std::size_t expected) const
     {
         const std::string_view format = array.attribute("format").value();
         std::string_view source;

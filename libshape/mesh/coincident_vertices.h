@@ -36,8 +36,8 @@ inline constexpr double coincidence = 1e-7;
 /// what may have broken a surface into components.
 [[nodiscard]] std::string describe_coincident(const Points& points);
 
-/// Thrown by collect(): a surface that may be broken because vertices lie on one another, which weld()
-/// makes one.
+/// Thrown by collect(): a surface in several pieces, or with several fans of faces at a vertex, of which
+/// there are fewer once weld() makes one of the vertices that lie on one another.
 class SplitSurface : public InvalidInput
 {
 public:

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <map>
 #include <set>
+#include <span>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -14,6 +17,7 @@
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/handedness.h"
+#include "libshape/mesh/partition.h"
 
 namespace shape {
 using namespace internal;
@@ -109,6 +113,47 @@ std::string likely_cause(const NamedMesh& reference, const NamedMesh& mesh)
     return "the meshes have another connectivity; remesh them from one template";
 }
 
+/// What find_defects() lists, and how many pieces hang together through edges.
+struct Brokenness
+{
+    std::size_t defects;
+    std::ptrdiff_t pieces;
+};
+
+Brokenness brokenness_of(const Faces& faces, int vertex_count)
+{
+    Partition pieces(to_size(faces.rows()));
+    std::map<std::pair<int, int>, int> face_at;
+    for (int f = 0; f < faces.rows(); ++f)
+        for (int c = 0; c < 3; ++c) {
+            const std::pair<int, int> edge = std::minmax({faces(f, c), faces(f, (c + 1) % 3)});
+            pieces.unite(f, face_at.try_emplace(edge, f).first->second);
+        }
+    std::ptrdiff_t count = 0;
+    for (int f = 0; f < faces.rows(); ++f)
+        count += pieces.root(f) == f ? 1 : 0;
+    return {find_defects(faces, vertex_count, std::numeric_limits<int>::max()).size(), count};
+}
+
+/// Whether a surface that Topology refuses comes nearer to one that it takes by welding what lies on one another.
+/// Pieces and fans may; a face that is turned, say, stays so.
+bool is_split(const NamedMesh& mesh)
+{
+    const auto count = static_cast<int>(mesh.points.rows());
+    const std::vector<Defect> defects = find_defects(mesh.faces, count, 1);
+    if (!mesh.points.allFinite() || (defects.front().kind != DefectKind::BowTie &&
+                                     defects.front().kind != DefectKind::SeveralComponents))
+        return false;
+    const VertexChoice welded =
+        weld(mesh.faces, count, coincident_vertices(std::span(&mesh.points, 1)));
+    if (welded.faces.rows() == 0)
+        return false;
+    const Brokenness before = brokenness_of(mesh.faces, count);
+    const Brokenness after = brokenness_of(welded.faces, static_cast<int>(welded.vertices.size()));
+    return after.defects <= before.defects && after.pieces <= before.pieces &&
+           (after.defects < before.defects || after.pieces < before.pieces);
+}
+
 } // namespace
 
 Collection subset(const Collection& collection, const std::vector<std::size_t>& meshes)
@@ -131,10 +176,14 @@ Collection subset(const Collection& collection, const std::vector<std::size_t>& 
 
 std::string describe_correspondence_break(const NamedMesh& reference, const NamedMesh& mesh)
 {
+    // Of two meshes in one file the path does not say which.
+    const auto place_of = [&](const NamedMesh& one) {
+        return reference.path == mesh.path ? join(one.path, ": mesh ", one.name) : one.path;
+    };
     if (reference.points.rows() != mesh.points.rows() ||
         reference.faces.rows() != mesh.faces.rows())
-        return join(mesh.path, ": ", mesh.points.rows(), " vertices and ",
-                    counted(mesh.faces.rows(), "face"), ", but ", reference.path, " has ",
+        return join(place_of(mesh), ": ", mesh.points.rows(), " vertices and ",
+                    counted(mesh.faces.rows(), "face"), ", but ", place_of(reference), " has ",
                     reference.points.rows(), " and ", reference.faces.rows(),
                     "; members of a collection need one triangulation (different counts)");
     if (reference.faces == mesh.faces)
@@ -142,8 +191,9 @@ std::string describe_correspondence_break(const NamedMesh& reference, const Name
     Eigen::Index f = 0;
     while (reference.faces.row(f) == mesh.faces.row(f))
         ++f;
-    return join(mesh.path, ": face ", f, " is ", print_face(mesh.faces, f), ", in ", reference.path,
-                " it is ", print_face(reference.faces, f), "; ", likely_cause(reference, mesh));
+    return join(place_of(mesh), ": face ", f, " is ", print_face(mesh.faces, f), ", in ",
+                place_of(reference), " it is ", print_face(reference.faces, f), "; ",
+                likely_cause(reference, mesh));
 }
 
 Collection collect(std::vector<NamedMesh> meshes)
@@ -156,9 +206,8 @@ Collection collect(std::vector<NamedMesh> meshes)
             return Topology(reference.faces, static_cast<int>(reference.points.rows()));
         } catch (const InvalidInput& error) {
             const std::string said = join(reference.path, ": ", error.what());
-            const std::string coincident = describe_coincident(reference.points);
-            if (!coincident.empty())
-                throw SplitSurface(said + coincident);
+            if (is_split(reference))
+                throw SplitSurface(said + describe_coincident(reference.points));
             throw InvalidInput(said);
         }
     }();

@@ -39,10 +39,10 @@ struct NamedMesh
 /// Puts meshes together, checking that they are in correspondence.
 ///
 /// @throws InvalidInput naming the mesh and the place if there is no mesh, a name occurs twice, the
-///     first mesh is not a valid Topology, a mesh has degenerate geometry (find_degenerate_geometry),
-///     or a mesh differs from the first; then the message names the first differing face and the
-///     likely cause: other counts, permuted vertices or faces, flipped orientation, or other
-///     diagonals.
+///     first mesh is not a valid Topology (SplitSurface if welding mends it), a mesh has degenerate
+///     geometry (find_degenerate_geometry), or a mesh differs from the first; then the message names
+///     the first differing face and the likely cause: other counts, permuted vertices or faces,
+///     flipped orientation, or other diagonals.
 /// Cost: linear in the input, O(#F log #F) once.
 [[nodiscard]] Collection collect(std::vector<NamedMesh> meshes);
 

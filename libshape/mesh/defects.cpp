@@ -7,9 +7,9 @@
 #include <array>
 #include <map>
 
-#include "libshape/base/gathered_vectors.h"
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
+#include "libshape/base/gathered_vectors.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector3.h"
 #include "libshape/base/vectorised.h"

@@ -12,6 +12,7 @@
 #include "libshape/base/vector_math.h"
 #include "libshape/base/vectorised.h"
 #include "libshape/mesh/hinge.h"
+#include "libshape/mesh/measured_angles.h"
 
 namespace shape {
 using namespace internal;

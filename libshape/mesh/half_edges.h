@@ -10,8 +10,9 @@ namespace shape::internal {
 struct HalfEdges
 {
     Edges edges; ///< #E by 2, lower index first, sorted.
-    Edges sides; ///< #E by 2: half-edges 3 f + c along the edge and against it; the one there is and
-                 ///< -1 on the boundary.
+    Edges
+        sides; ///< #E by 2: half-edges 3 f + c along the edge and against it; the one there is and
+               ///< -1 on the boundary.
     int boundary_loop_count = 0;
 };
 

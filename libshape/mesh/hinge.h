@@ -146,8 +146,4 @@ template <class Number>
     return cotangent_b * (a - c) + cotangent_a * (b - c);
 }
 
-/// dihedral_angles() into a vector of #E [rad].
-void measure_dihedral_angles(const Topology& topology, const Points& points,
-                             Eigen::Ref<Eigen::VectorXd> angles);
-
 } // namespace shape::internal

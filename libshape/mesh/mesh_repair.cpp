@@ -7,13 +7,14 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/order_statistics.h"
+#include "libshape/base/rounded.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
@@ -345,7 +346,79 @@ void repair_orientation(Batch& batch, Changes& changes)
     changes.push_back(join(batch.who(), ": faces reversed (inside out)"));
 }
 
-void repair_sizes(Batch& batch, Changes& changes)
+/// The logarithms of some sizes, and which meshes have them.
+struct SizePart
+{
+    std::vector<std::size_t> meshes;
+    std::vector<double> logarithms;
+
+    void add(std::size_t mesh, double size)
+    {
+        meshes.push_back(mesh);
+        logarithms.push_back(std::log(size));
+    }
+    [[nodiscard]] double mean() const
+    {
+        return std::accumulate(logarithms.begin(), logarithms.end(), 0.0) /
+               static_cast<double>(logarithms.size());
+    }
+    /// About their mean.
+    [[nodiscard]] double squares() const
+    {
+        double sum = 0.0;
+        for (const double value : logarithms)
+            sum += (value - mean()) * (value - mean());
+        return sum;
+    }
+};
+
+/// The odd sizes in parts that stand apart from one another, each on one side of the usual ones.
+std::vector<SizePart> odd_parts(const std::vector<double>& sizes, std::vector<std::size_t> odd,
+                                double usual)
+{
+    constexpr double apart = 1.6; // sizes of one part seldom leave such a gap
+    std::ranges::stable_sort(odd, {}, [&](std::size_t i) { return sizes[i]; });
+    std::vector<SizePart> parts;
+    double before = 0.0;
+    for (const std::size_t i : odd) {
+        if (sizes[i] > apart * before || (before < usual) != (sizes[i] < usual))
+            parts.emplace_back();
+        parts.back().add(i, sizes[i]);
+        before = sizes[i];
+    }
+    for (SizePart& part : parts)
+        std::ranges::sort(part.meshes);
+    return parts;
+}
+
+/// Feet in a yard, in which no scans are: nothing is scaled by it, but 2.54 and 3.28 are not to be taken for it.
+constexpr double yards = 3.0;
+
+/// All ratios of units that the ratio of the sizes of two parts may be, within three standard errors.
+std::vector<UnitRatio> possible_units(const SizePart& part, const SizePart& usual)
+{
+    constexpr double usual_spread =
+        0.1; // taken as one more measurement, as of few the spread shows little
+    constexpr double least_tolerance = 0.05; // of the logarithm
+    const auto n = static_cast<double>(part.meshes.size());
+    const auto m = static_cast<double>(usual.meshes.size());
+    const double spread = std::sqrt(
+        (part.squares() + usual.squares() + usual_spread * usual_spread) / (n + m - 2.0 + 1.0));
+    const double tolerance = std::max(least_tolerance, 3.0 * spread * std::sqrt(1.0 / n + 1.0 / m));
+    const double ratio = usual.mean() - part.mean();
+    std::vector<UnitRatio> found;
+    const auto add = [&](const UnitRatio& units) {
+        for (const double exact : {units.value, 1.0 / units.value})
+            if (std::abs(ratio - std::log(exact)) <= tolerance)
+                found.push_back({exact, units.units});
+    };
+    add({yards, "feet and yards"});
+    for (const UnitRatio& units : unit_ratios)
+        add(units);
+    return found;
+}
+
+void repair_sizes(Batch& batch, Changes& changes, Changes& kept)
 {
     const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
     if (!topology)
@@ -356,21 +429,35 @@ void repair_sizes(Batch& batch, Changes& changes)
     const std::vector<std::size_t> odd = odd_sizes(sizes);
     if (odd.empty())
         return;
-    std::vector<double> usual;
+    SizePart usual;
     for (std::size_t i = 0; i < sizes.size(); ++i)
         if (!std::binary_search(odd.begin(), odd.end(), i))
-            usual.push_back(sizes[i]);
-    std::map<double, std::vector<std::size_t>> scaled;
-    for (const std::size_t i : odd) {
-        const std::optional<UnitRatio> units = unit_ratio_near(median(usual) / sizes[i]);
-        if (!units)
+            usual.add(i, sizes[i]);
+    for (const SizePart& part : odd_parts(sizes, odd, std::exp(usual.mean()))) {
+        const std::vector<UnitRatio> possible = possible_units(part, usual);
+        const std::string names = list_names(batch.names, part.meshes);
+        if (possible.size() == 1 && possible[0].value != yards &&
+            possible[0].value != 1.0 / yards) {
+            for (const std::size_t i : part.meshes)
+                batch.points[i] *= possible[0].value;
+            changes.push_back(
+                join(names, ": scaled by ", possible[0].value, " to the unit of the others"));
             continue;
-        batch.points[i] *= units->value;
-        scaled[units->value].push_back(i);
+        }
+        const double ratio = std::exp(part.mean() - usual.mean());
+        std::string units;
+        for (std::size_t i = 0; i < possible.size(); ++i)
+            units += join(i == 0                    ? ""
+                          : i + 1 < possible.size() ? ", of "
+                                                    : " or of ",
+                          possible[i].units, " (",
+                          rounded(std::max(possible[i].value, 1.0 / possible[i].value)), ")");
+        kept.push_back(join(names, ": not scaled, ", rounded(std::max(ratio, 1.0 / ratio)),
+                            " times ", ratio > 1.0 ? "larger" : "smaller", " than the others: ",
+                            possible.empty() ? "that is the ratio of no two units"
+                                             : "as sizes vary, that may be the ratio of " + units,
+                            "; scale by what you know"));
     }
-    for (const auto& [factor, meshes] : scaled)
-        changes.push_back(join(list_names(batch.names, meshes), ": scaled by ", factor,
-                               " to the unit of the others"));
 }
 
 } // namespace
@@ -395,7 +482,7 @@ RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes, const MeshRepairOpti
         take_faces_of_first(part, result.changes); // as faces are that were turned
         for (Batch& batch : batches_of(std::move(part))) {
             repair_orientation(batch, result.changes);
-            repair_sizes(batch, result.changes);
+            repair_sizes(batch, result.changes, result.kept);
             for (std::size_t i = 0; i < batch.names.size(); ++i)
                 result.meshes.push_back(
                     {batch.names[i], batch.paths[i], batch.points[i], batch.faces});

@@ -26,6 +26,7 @@ struct RepairedMeshes
 {
     std::vector<NamedMesh> meshes;
     std::vector<std::string> changes; ///< A sentence each, naming the meshes.
+    std::vector<std::string> kept;    ///< The same of sizes that stay odd, and why.
 };
 
 /// Repairs what can be repaired without a guess about the shape. In this order:
@@ -37,7 +38,10 @@ struct RepairedMeshes
 ///    pieces are chosen; vertices without a face go;
 /// 4. meshes that are mirror images of the others are mirrored back, and surfaces that are inside out
 ///    are reversed;
-/// 5. meshes whose sizes differ from the others' by the ratio of two units are scaled to theirs.
+/// 5. meshes whose sizes differ from the others' by the ratio of two units are scaled to theirs, where it can be no
+///    other two: of the logarithms, the difference of the means of both parts, of n and m members, is within
+///    max(0.05, 3 s sqrt(1/n + 1/m)) of one ratio alone; s is their pooled standard deviation with one more
+///    measurement of 0.1. Else `kept` says why they are not.
 /// Meshes of one face list are treated alike, so that they stay in correspondence. What is left to
 /// repair, find_defects() and collect() say.
 /// @param meshes  Finite; faces name vertices that exist. Cost: about that of collect().

@@ -36,10 +36,10 @@ struct Oddity
 /// sizes are split where one is at least 5 times the one before it; or, of five and more,
 /// - at least twice it and 10 times further (in the logarithm) than the sizes spread (1.4826 times the median
 ///   deviation from the median), or
-/// - where the geometric means of both parts have the ratio 2.54 of inches and centimetres: with the pooled
-///   standard deviation s <= 0.1 of the logarithms within the parts, which have n and m members, the sizes beside
-///   the split differ by 6 s, and the logarithm of the ratio by at most max(0.05, 2 s sqrt(1/n + 1/m)) from
-///   that of 2.54.
+/// - between two parts of which the logarithms have the pooled standard deviation s <= 0.1 (n and m members):
+///   the sizes beside the split differ by 6 s, and by a factor of 2.3; or, for inches and centimetres, by 6 s,
+///   and the logarithm of the ratio of the geometric means by at most max(0.05, 2 s sqrt(1/n + 1/m)) from that
+///   of 2.54.
 /// All but the largest part (the first of equal ones) are odd.
 /// @param sizes  Each > 0.
 [[nodiscard]] std::vector<std::size_t> odd_sizes(const std::vector<double>& sizes);

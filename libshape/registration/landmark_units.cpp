@@ -23,8 +23,9 @@ double largest_distance(const Points& landmarks, const Surface& surface)
 std::optional<std::string> other_unit_of(const Points& landmarks, const Surface& surface,
                                          double within, const std::string& what)
 {
-    constexpr double least_spread =
-        0.1; // over the diagonal; times little enough, all meet at the origin
+    // Over the diagonal: times little enough, all meet at the origin, which may lie on the surface. Set by hand: the
+    // landmarks of a shape span half its diagonal and more.
+    constexpr double least_spread = 0.1;
     if (landmarks.rows() < 3 || largest_distance(landmarks, surface) <= within)
         return std::nullopt;
     const double diagonal = bounding_box_diagonal(surface.points);

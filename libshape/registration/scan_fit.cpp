@@ -73,7 +73,7 @@ constexpr LevelRounds held_rounds{12, finer_steps, 0.7, 1.0, false, 100.0, false
 /// The facets of two triangulations of a surface do not agree: pulls as strong as those of the first fit make up
 /// for that by sliding.
 constexpr LevelRounds free_rounds{12, 2 * finer_steps, 0.3, 0.5, false, 100.0, true};
-/// The preconditioner is factorised anew every so many rounds, as the pulls have grown meanwhile. Set with the schedule
+/// The preconditioner is factorised anew every N-th round, as the pulls have grown meanwhile. Set with the schedule
 /// above.
 constexpr int rounds_between_factors = 5;
 /// ChosenStart::score. Right starts of faces stay below the first, wrong ones of faces and bodies are above 0.08;

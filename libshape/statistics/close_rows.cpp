@@ -23,54 +23,54 @@ double square_distance(const MatrixXd& products, Index i, Index j)
     return std::max(0.0, products(i, i) + products(j, j) - 2.0 * products(i, j));
 }
 
-/// A step of the shortest tree through all observations.
-struct Step
+/// An edge of the complete graph over the observations.
+struct Edge
 {
     double length;
     Index from, to;
 };
 
-/// Ascending (Prim 1957).
-std::vector<Step> shortest_tree(const MatrixXd& products)
+/// Its edges, ascending (Prim 1957).
+std::vector<Edge> minimum_spanning_tree(const MatrixXd& products)
 {
     const Index count = products.rows();
-    std::vector<Step> nearest; // of each observation outside to one inside
+    std::vector<Edge> nearest; // of each observation outside to one inside
     for (Index i = 1; i < count; ++i)
         nearest.push_back({square_distance(products, 0, i), 0, i});
-    std::vector<Step> tree;
+    std::vector<Edge> tree;
     while (!nearest.empty()) {
         const auto next =
             std::min_element(nearest.begin(), nearest.end(),
-                             [](const Step& a, const Step& b) { return a.length < b.length; });
-        const Step taken = *next;
+                             [](const Edge& a, const Edge& b) { return a.length < b.length; });
+        const Edge taken = *next;
         nearest.erase(next);
         tree.push_back({std::sqrt(taken.length), taken.from, taken.to});
-        for (Step& step : nearest)
-            if (const double square = square_distance(products, taken.to, step.to);
-                square < step.length)
-                step = {square, taken.to, step.to};
+        for (Edge& edge : nearest)
+            if (const double square = square_distance(products, taken.to, edge.to);
+                square < edge.length)
+                edge = {square, taken.to, edge.to};
     }
     std::stable_sort(tree.begin(), tree.end(),
-                     [](const Step& a, const Step& b) { return a.length < b.length; });
+                     [](const Edge& a, const Edge& b) { return a.length < b.length; });
     return tree;
 }
 
-/// What the first steps join.
-Grouping joined_by(const std::vector<Step>& tree, std::size_t steps)
+/// The components of the graph of all observations and the first edges of their tree.
+Grouping components_of(const std::vector<Edge>& tree, std::size_t edges)
 {
-    std::vector<std::size_t> set_of(tree.size() + 1);
-    for (std::size_t i = 0; i < set_of.size(); ++i)
-        set_of[i] = i;
-    const auto set = [&](std::size_t i) {
-        while (set_of[i] != i)
-            i = set_of[i] = set_of[set_of[i]];
+    std::vector<std::size_t> parents(tree.size() + 1);
+    for (std::size_t i = 0; i < parents.size(); ++i)
+        parents[i] = i;
+    const auto root = [&](std::size_t i) {
+        while (parents[i] != i)
+            i = parents[i] = parents[parents[i]];
         return i;
     };
-    for (std::size_t s = 0; s < steps; ++s)
-        set_of[set(to_size(tree[s].from))] = set(to_size(tree[s].to));
+    for (std::size_t e = 0; e < edges; ++e)
+        parents[root(to_size(tree[e].from))] = root(to_size(tree[e].to));
     std::vector<std::string> values;
-    for (std::size_t i = 0; i < set_of.size(); ++i)
-        values.push_back(std::to_string(set(i)));
+    for (std::size_t i = 0; i < parents.size(); ++i)
+        values.push_back(std::to_string(root(i)));
     return group_by(values);
 }
 
@@ -100,27 +100,29 @@ double closeness(const MatrixXd& products, const Grouping& blocks, const Groupin
                      (between / static_cast<double>(pairs_between)));
 }
 
-std::optional<Grouping> close_sets(const MatrixXd& products)
+std::optional<Grouping> single_linkage_sets(const MatrixXd& products)
 {
-    constexpr Index least_observations = 6;
-    constexpr std::size_t least_sets = 3;
+    constexpr std::size_t least_sets = 3;                // two are two kinds as a rule; set by hand
+    constexpr Index least_observations = 2 * least_sets; // two in each set on average
+    // Of 10,000 draws each of 6 to 40 independent normal rows none has such a gap in 5 or 30 dimensions, and 1 % at
+    // most in the plane; a gap of two is in up to 7 % there.
     constexpr double least_gap = 3.0;
-    constexpr double rounding = 1e-6; // of the largest step: distances of products are no better
+    constexpr double rounding = 1e-6; // of the longest edge: distances of products are no better
     if (products.rows() < least_observations)
         return std::nullopt;
-    const std::vector<Step> tree = shortest_tree(products);
+    const std::vector<Edge> tree = minimum_spanning_tree(products);
     const auto count = to_size(products.rows());
     const double least = rounding * tree.back().length;
     std::size_t best = 0;
     double widest = least_gap;
-    for (std::size_t steps = (count + 1) / 2; count - steps >= least_sets; ++steps) {
-        const double gap = tree[steps].length / std::max(tree[steps - 1].length, least);
+    for (std::size_t edges = (count + 1) / 2; count - edges >= least_sets; ++edges) {
+        const double gap = tree[edges].length / std::max(tree[edges - 1].length, least);
         if (gap >= widest) {
             widest = gap;
-            best = steps;
+            best = edges;
         }
     }
-    return best > 0 ? std::optional(joined_by(tree, best)) : std::nullopt;
+    return best > 0 ? std::optional(components_of(tree, best)) : std::nullopt;
 }
 
 } // namespace shape::internal

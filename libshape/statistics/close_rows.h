@@ -21,11 +21,12 @@ namespace shape::internal {
 [[nodiscard]] double closeness(const Eigen::MatrixXd& products, const Grouping& blocks,
                                const Grouping& strata);
 
-/// The sets that the observations fall into by themselves (single linkage): at least three, with two observations
-/// or more on average, and each at least three times as far from the next one as the longest step that joins the
-/// members of a set. Of several such partitions the one where that ratio is largest; nothing if there is none, or
-/// fewer than six observations.
+/// The sets that the observations fall into by themselves: clusters of single linkage at the widest relative gap of
+/// heights, from the minimum spanning tree (Gower and Ross 1969). At least three, with two observations or more on
+/// average, and each at least three times as far from the next one as the longest edge that joins the members of a set.
+/// Of several such partitions the one where that ratio is largest; nothing if there is none, or fewer than six
+/// observations. Trees of average linkage are in hierarchical_clustering.h.
 /// Cost: O(N^2).
-[[nodiscard]] std::optional<Grouping> close_sets(const Eigen::MatrixXd& products);
+[[nodiscard]] std::optional<Grouping> single_linkage_sets(const Eigen::MatrixXd& products);
 
 } // namespace shape::internal

@@ -26,7 +26,7 @@ struct Clustering
 
 /// Average linkage (UPGMA; Sokal and Michener 1958): the two clusters merge whose observations are
 /// nearest on average, at that distance as height, until one is left. Among equal distances the
-/// observations with lower indices decide.
+/// observations with lower indices decide. Single linkage, at one height, is in close_rows.h.
 ///
 /// @param distances  N by N, see check_distances().
 /// @throws InvalidInput if that rule is broken.

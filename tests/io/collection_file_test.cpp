@@ -128,7 +128,7 @@ TEST(CollectionFile, OfTwoThatAppendAtOnceTheLaterOneFailsAndLosesNothing)
         });
     };
     const std::string changed =
-        file.string() + " changed while meshes were appended to it; run the command again";
+        file.string() + " changed while meshes were appended to it; append again";
     EXPECT_EQ(message([&] { append_to_collection(file, stream_of(early)); }), changed);
     expect_equal(read_collection(file), some_of_them(0, 3));
     // Another file of the same bytes, the same file at another time, and none.

@@ -81,11 +81,31 @@ TEST_F(LabelFiles, MatchNamesWithEndingsBlanksAndAccentsOfEitherSpelling)
     EXPECT_EQ(read("mesh,x\nc.ply,1\nc,2\n", {"c", "c.ply"}).labels[0].values, (Values{"2", "1"}));
 }
 
+TEST_F(LabelFiles, PassOverRowsWithoutAnythingInTheirCells)
+{
+    const LabelFile file = read("mesh,x\na,1\n,\nb,2\n , \n,\n");
+    EXPECT_EQ(file.labels[0].values, (Values{"1", "2"}));
+    EXPECT_TRUE(file.unused.empty());
+    EXPECT_EQ(read("mesh,x\na,1\nb,2\n,3\n").unused, Values{""});
+}
+
+TEST(LabelNames, AreAlikeThatATableTakesForOne)
+{
+    using Pair = std::pair<std::size_t, std::size_t>;
+    EXPECT_EQ(names_alike({"a", "\xC3\xBCx", "u\xCC\x88x"}), (Pair{1, 2}));
+    EXPECT_EQ(names_alike({" lead", "a", "lead"}), (Pair{0, 2}));
+    EXPECT_EQ(names_alike({"c.ply", "c.obj"}), (Pair{0, 1}));
+    EXPECT_EQ(names_alike({"a", "A", "a b", "ab", "a"}), std::nullopt);
+}
+
 TEST(LabelValues, AreWithoutOuterBlanksAndEmptyIfMissing)
 {
     for (const char* cell :
-         {"",    " ",   "NA",   "na",   " NA ", "N/A",    "n/a", "#N/A", "#NA", "<NA>",    "NaN",
-          "nan", "NAN", "-nan", "NULL", "null", "#NULL!", ".",   " . ",  "\t",  "\xC2\xA0"})
+         {"",        " ",     "NA",      "na",     " NA ",    "N/A",         "n/a",
+          "#N/A",    "#NA",   "<NA>",    "NaN",    "nan",     "NAN",         "-nan",
+          "NULL",    "null",  "#NULL!",  ".",      " . ",     "\t",          "\xC2\xA0",
+          "#VALUE!", "#NV",   "-1.#IND", "1.#IND", "1.#QNAN", "-1.#qnan",    "#N/A N/A",
+          "NaT",     "#REF!", "#DIV/0!", "#NAME?", "#NUM!",   "\xE3\x80\x80"})
         EXPECT_EQ(label_value(cell), "") << cell;
     for (const char* cell : {"0", "none", "x y", "nano", "N", "..", "-", "unknown", "false"})
         EXPECT_EQ(label_value(cell), cell);

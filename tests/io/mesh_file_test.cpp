@@ -546,6 +546,12 @@ std::vector<BadFile> bad_files()
         {"a.off", "OFF\n4 1 0\n0.000000 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line 6", "unexpected '2'"},
         {"a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n# not more\n", "line 7",
          "ends before face 1 of 2"},
+        {"a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 3 0 2 1\n", "line 6",
+         "two faces stand on this line"},
+        {"a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n", "line 6",
+         "line 6: the file ends before face 1 of 2"},
+        {"a.off", "COFF\n2 1 0\n0 0 0 9 9 9 1 0 0 9 9 9\n3 0 1 2\n", "line 3",
+         "2 vertices would have as many"},
         {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", "line 7", "more lines"},
         {"a.ply", ply_counts("4000000000", "1"), "line 9", "do not fit in"},
         {"a.ply", ply_counts("100000000", "1"), "line 9", "do not fit in"},
@@ -732,6 +738,27 @@ std::vector<std::pair<std::string, std::string>> valid_files()
     text += off.substr(off.find("20 0\n") + 5);
     files.emplace_back("m.ply", text);
     return files;
+}
+
+TEST(MeshFile, AHeaderMayDeclareAHundredThousandPropertiesAndElements)
+{
+    std::string elements; // in time that is quadratic: minutes
+    std::string properties;
+    for (int i = 0; i < 100'000; ++i) {
+        elements += join("element e", i, " 0\nproperty float x\n");
+        properties += join("property float p", i, "\n");
+    }
+    const auto file_of = [&](const std::string& last) {
+        return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n" +
+               elements + "element other 0\n" + properties + last +
+               "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    };
+    EXPECT_EQ(read("a.ply", file_of("")).points.rows(), 3);
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)read("a.ply", file_of("property float p0\n"));
+              }).find("'p0' is declared twice"),
+              std::string::npos);
 }
 
 TEST(MeshFile, RefusesTruncatedFiles)

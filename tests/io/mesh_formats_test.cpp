@@ -489,6 +489,34 @@ TEST(GlbFile, PrimitivesThatShareTheirVerticesAreOneSurface)
     EXPECT_EQ(of(replaced(triangle, "{\"POSITION\":2},{}", "{},{}")).meshes[1].points.rows(), 8);
 }
 
+TEST(GlbFile, TakesTenThousandMeshesInAllAndNoMore)
+{
+    // Three members a node, all of one name.
+    const auto file_of = [](int nodes) {
+        std::string list;
+        std::string places;
+        for (int i = 0; i < nodes; ++i) {
+            list += join(i == 0 ? "" : ",", R"({"mesh":0,"name":"a"})");
+            places += join(i == 0 ? "" : ",", i);
+        }
+        std::string json =
+            replaced(glb_json,
+                     R"({"children":[1],"translation":[10,0,0]},{"mesh":0,"scale":[2,2,2]})", list);
+        json = replaced(json, R"("scenes":[{"nodes":[0]}])",
+                        join(R"("scenes":[{"nodes":[)", places, "]}]"));
+        json.resize((json.size() + 3) / 4 * 4, ' ');
+        return glb_of(json, glb_buffer);
+    };
+    const MeshFileContent content = read("n.glb", file_of(3333));
+    ASSERT_EQ(content.meshes.size(), 9999U);
+    EXPECT_EQ(content.meshes[0].name, "n_a");
+    EXPECT_EQ(content.meshes[9996].name, "n_a (3333)");
+    EXPECT_NE(test::message_of<LimitExceeded>([&] {
+                  (void)read("n.glb", file_of(3334));
+              }).find("more than 10000 meshes"),
+              std::string::npos);
+}
+
 TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
 {
     for (const auto& [what, by, rule] : std::vector<std::array<std::string, 3>>{

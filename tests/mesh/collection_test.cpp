@@ -98,6 +98,17 @@ TEST(Collect, NamesPermutedVertices)
                                     "vertices are probably permuted"});
 }
 
+TEST(Collect, NamesMeshesOfOneFile)
+{
+    NamedMesh mesh = changed_copy();
+    NamedMesh reference = mesh;
+    reference.name = "left";
+    mesh.name = "right";
+    mesh.faces.row(3).swap(mesh.faces.row(9));
+    expect_says(describe_correspondence_break(reference, mesh),
+                {"second.ply: mesh right: face 3 is", "in second.ply: mesh left it is"});
+}
+
 TEST(Collect, NamesPermutedFaces)
 {
     NamedMesh mesh = changed_copy();
@@ -171,26 +182,63 @@ TEST(Collect, NamesTheDefectOfTheFirstMesh)
     }
 }
 
+/// Two triangles that share an edge, whose vertices both have.
+NamedMesh split_square()
+{
+    NamedMesh mesh{"split", "split.ply", Points(6, 3), Faces(2, 3)};
+    mesh.points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0;
+    mesh.faces << 0, 1, 2, 3, 5, 4;
+    return mesh;
+}
+
+/// Whether a mesh that is refused is called split; what it is called then.
+bool is_split(const NamedMesh& mesh, const std::string& said = "4 of 6 vertices lie on others")
+{
+    try {
+        (void)collect({mesh});
+    } catch (const SplitSurface& error) {
+        expect_says(error.what(), {mesh.path + ": ", said});
+        return true;
+    } catch (const InvalidInput& error) {
+        EXPECT_EQ(std::string(error.what()).find("lie on others"), std::string::npos);
+        return false;
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return false;
+}
+
 TEST(Collect, SaysThatASurfaceIsSplitWhereVerticesLieOnOneAnother)
 {
-    NamedMesh mesh = changed_copy();
-    mesh.points = (Points(6, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0).finished();
-    mesh.faces = (Faces(2, 3) << 0, 1, 2, 3, 5, 4).finished();
-    const auto is_split = [&] {
-        try {
-            (void)collect({mesh});
-        } catch (const SplitSurface& error) {
-            expect_says(error.what(), {"second.ply: ", "4 of 6 vertices lie on others"});
-            return true;
-        } catch (const InvalidInput&) {
-            return false;
-        }
-        ADD_FAILURE() << "nothing was thrown";
-        return false;
-    };
-    EXPECT_TRUE(is_split());
+    NamedMesh mesh = split_square();
+    EXPECT_TRUE(is_split(mesh));
     mesh.points.bottomRows(3).array() += 0.5;
-    EXPECT_FALSE(is_split());
+    EXPECT_FALSE(is_split(mesh));
+    // A third piece stays one, and both others become one all the same.
+    mesh = split_square();
+    mesh.points.conservativeResize(9, 3);
+    mesh.points.bottomRows(3) = mesh.points.topRows(3).array() + 5.0;
+    mesh.faces.conservativeResize(3, 3);
+    mesh.faces.row(2) << 6, 7, 8;
+    EXPECT_TRUE(is_split(mesh, "4 of 9 vertices lie on others"));
+}
+
+TEST(Collect, CallsASurfaceSplitOnlyIfWeldingMendsIt)
+{
+    NamedMesh mesh = split_square();
+    mesh.faces(1, 1) = 6;
+    EXPECT_FALSE(is_split(mesh)); // there is no vertex 6
+    mesh = split_square();
+    mesh.points.conservativeResize(7, 3);
+    mesh.points.row(6) << 0, -1, 0;
+    mesh.faces.conservativeResize(3, 3);
+    mesh.faces.row(2) << 0, 1, 6;
+    EXPECT_FALSE(is_split(mesh)); // faces 0 and 2 disagree
+    // Only a corner is shared: welded, it would join two fans.
+    mesh = split_square();
+    mesh.points.row(4) << 2, 0, 0;
+    EXPECT_FALSE(is_split(mesh));
+    mesh.points(5, 2) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(is_split(mesh));
 }
 
 TEST(Collect, RefusesNoMesh)

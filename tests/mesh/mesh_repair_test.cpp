@@ -245,17 +245,48 @@ TEST(MeshRepair, TurnsMirrorImagesAndSurfacesInsideOut)
 
 TEST(MeshRepair, ScalesByRatiosOfUnitsAlone)
 {
-    std::vector<NamedMesh> meshes = spheres(5);
+    std::vector<NamedMesh> meshes = spheres(9);
     meshes[0].points *= 1e-3;
     meshes[3].points *= 10.0;
     const RepairedMeshes repaired = repair_meshes(std::move(meshes));
     EXPECT_EQ(repaired.changes.size(), 2U);
+    EXPECT_TRUE(repaired.kept.empty());
     for (int i : {0, 3})
         EXPECT_TRUE(
-            repaired.meshes[to_size(i)].points.isApprox(spheres(5)[to_size(i)].points, 1e-12));
+            repaired.meshes[to_size(i)].points.isApprox(spheres(9)[to_size(i)].points, 1e-12));
     std::vector<NamedMesh> odd = spheres(5);
     odd[1].points *= 6.0;
-    EXPECT_TRUE(repair_meshes(std::move(odd)).changes.empty());
+    const RepairedMeshes kept = repair_meshes(std::move(odd));
+    EXPECT_TRUE(kept.changes.empty());
+    ASSERT_EQ(kept.kept.size(), 1U);
+    EXPECT_NE(kept.kept[0].find("that is the ratio of no two units"), std::string::npos)
+        << kept.kept[0];
+}
+
+TEST(MeshRepair, LeavesSizesOfWhichTheUnitsAreInDoubt)
+{
+    // Sizes that vary as those of bones do: one mesh, 12 times larger, may be in millimetres or in inches.
+    const std::vector<double> scales{1.0, 1.1, 0.9, 1.05, 0.93, 1.12, 0.88, 1.02, 0.97};
+    const auto repaired_by = [&](double factor, std::size_t count) {
+        std::vector<NamedMesh> meshes = spheres(9);
+        for (std::size_t i = 0; i < meshes.size(); ++i)
+            meshes[i].points *= scales[i] * (i < count ? factor : 1.0);
+        return repair_meshes(std::move(meshes));
+    };
+    for (const double factor : {11.0, 12.0}) {
+        const RepairedMeshes doubtful = repaired_by(factor, 1);
+        EXPECT_TRUE(doubtful.changes.empty()) << factor;
+        ASSERT_EQ(doubtful.kept.size(), 1U);
+        EXPECT_NE(doubtful.kept[0].find("millimetres and centimetres (10)"), std::string::npos)
+            << doubtful.kept[0];
+        EXPECT_NE(doubtful.kept[0].find("inches and feet (12)"), std::string::npos)
+            << doubtful.kept[0];
+        EXPECT_NEAR(doubtful.meshes[0].points.norm(), factor * spheres(9)[0].points.norm(), 1e-9);
+    }
+    const RepairedMeshes plain = repaired_by(1000.0, 2);
+    ASSERT_EQ(plain.changes.size(), 1U);
+    EXPECT_TRUE(plain.kept.empty());
+    EXPECT_NEAR(plain.meshes[0].points.norm(), spheres(9)[0].points.norm(), 1e-9);
 }
 
 TEST(MeshRepair, LeavesMoebiusStripsAndThreeFacesAtAnEdge)

@@ -44,6 +44,7 @@ TEST(LandmarkUnits, AreNamedByTheFactorThatBringsAllOntoTheSurface)
     Points wrong = 1000.0 * marks;
     wrong.row(2) *= 0.5;
     EXPECT_EQ(said(wrong), "");
+    EXPECT_NE(said(1000.0 * marks.topRows(3)).find("divided by 1000 all"), std::string::npos);
     EXPECT_EQ(said(1000.0 * marks.topRows(2)), "");
 }
 

@@ -79,11 +79,11 @@ TEST(CloseRows, RepeatedRowsFallIntoSets)
     for (const int things : {3, 4, 7})
         for (const double noise : {0.0, 1e-9, 0.01, 0.1}) {
             const Eigen::MatrixXd data = repeated(things, 2 * things + 1, noise, 5);
-            const std::optional<Grouping> sets = close_sets(inner_products(data));
+            const std::optional<Grouping> sets = single_linkage_sets(inner_products(data));
             ASSERT_TRUE(sets) << things << " " << noise;
             EXPECT_EQ(sets->group_of, in_turn(things, 2 * things + 1).group_of);
             // About any point, and in any unit.
-            const auto again = close_sets(centred_inner_products(RowMatrix(1e-3 * data)));
+            const auto again = single_linkage_sets(centred_inner_products(RowMatrix(1e-3 * data)));
             ASSERT_TRUE(again);
             EXPECT_EQ(again->group_of, sets->group_of);
         }
@@ -94,19 +94,19 @@ TEST(CloseRows, OthersDoNot)
     for (unsigned seed = 0; seed < 50; ++seed)
         for (const int rows : {6, 12, 40})
             for (const int width : {5, 30}) // of few dimensions, distances vary more
-                EXPECT_FALSE(close_sets(inner_products(random_matrix(rows, width, seed))))
+                EXPECT_FALSE(single_linkage_sets(inner_products(random_matrix(rows, width, seed))))
                     << seed << " " << rows << " " << width;
     // Two sets are two kinds; single rows are no repetitions; noise as large as the differences.
-    EXPECT_FALSE(close_sets(inner_products(repeated(2, 12, 0.01, 1))));
-    EXPECT_FALSE(close_sets(inner_products(repeated(7, 12, 0.01, 1))));
-    EXPECT_FALSE(close_sets(inner_products(repeated(3, 12, 0.7, 1))));
-    EXPECT_FALSE(close_sets(inner_products(repeated(2, 5, 0.01, 1))));
-    EXPECT_FALSE(close_sets(Eigen::MatrixXd::Zero(8, 8)));
+    EXPECT_FALSE(single_linkage_sets(inner_products(repeated(2, 12, 0.01, 1))));
+    EXPECT_FALSE(single_linkage_sets(inner_products(repeated(7, 12, 0.01, 1))));
+    EXPECT_FALSE(single_linkage_sets(inner_products(repeated(3, 12, 0.7, 1))));
+    EXPECT_FALSE(single_linkage_sets(inner_products(repeated(2, 5, 0.01, 1))));
+    EXPECT_FALSE(single_linkage_sets(Eigen::MatrixXd::Zero(8, 8)));
     // A steady walk.
     Eigen::MatrixXd walk(12, 1);
     for (int i = 0; i < 12; ++i)
         walk(i, 0) = i + 0.3 * (i % 3);
-    EXPECT_FALSE(close_sets(inner_products(walk)));
+    EXPECT_FALSE(single_linkage_sets(inner_products(walk)));
 }
 
 } // namespace

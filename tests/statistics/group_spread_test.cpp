@@ -151,8 +151,8 @@ TEST(SpreadTest, LeavesOutGroupsWhoseMembersAreEquallyFarFromTheirMean)
     const LinearModelTest found =
         test_spread(inner_products(data), group_by(some), groups_of_one(60), options);
     some.resize(56);
-    const LinearModelTest alone = test_spread(inner_products(data.topRows(56)), group_by(some),
-                                              groups_of_one(56), options);
+    const LinearModelTest alone =
+        test_spread(inner_products(data.topRows(56)), group_by(some), groups_of_one(56), options);
     EXPECT_NEAR(found.f, alone.f, 1e-9 * alone.f);
     EXPECT_EQ(found.p_value, alone.p_value);
     EXPECT_EQ(found.residual_degrees_of_freedom, 54);

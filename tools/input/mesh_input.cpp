@@ -19,7 +19,6 @@
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/joined_labels.h"
-#include "libshape/mesh/oddities.h"
 #include "tools/input/natural_order.h"
 #include "tools/program/session.h"
 
@@ -145,18 +144,61 @@ std::vector<fs::path> mesh_files_of_directory(const fs::path& directory, const M
     return files;
 }
 
-/// Files of a directory that hold meshes as well, in formats that are not read.
-std::vector<std::string> passed_over(const fs::path& directory)
+bool is_mesh_of_other_format(const fs::path& path)
 {
     constexpr std::array<std::string_view, 12> others = {".vtu",  ".gltf", ".fbx", ".dae",
                                                          ".3ds",  ".x3d",  ".wrl", ".msh",
                                                          ".mesh", ".3mf",  ".usd", ".usdz"};
+    return std::find(others.begin(), others.end(), lower_extension(path)) != others.end();
+}
+
+/// "s1.ply.gz": a mesh of either kind within.
+bool is_compressed_mesh(const fs::path& path)
+{
+    constexpr std::array<std::string_view, 5> endings = {".gz", ".zip", ".bz2", ".xz", ".zst"};
+    return std::find(endings.begin(), endings.end(), lower_extension(path)) != endings.end() &&
+           (is_mesh_file(path.stem()) || is_mesh_of_other_format(path.stem()));
+}
+
+/// Names of the files of a directory that a rule picks, in natural order.
+std::vector<std::string> picked_files(const fs::path& directory, bool (*is_picked)(const fs::path&))
+{
     std::vector<std::string> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-        if (std::find(others.begin(), others.end(), lower_extension(entry.path())) != others.end())
+        if (std::error_code unknown; is_picked(entry.path()) && !entry.is_directory(unknown))
             names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end(), natural_less);
     return names;
+}
+
+/// Says which files of a directory hold meshes and are not taken with it.
+void note_files_passed_over(const MeshNotices& notices, const fs::path& directory,
+                            const MeshInput& input)
+{
+    if (const auto names = picked_files(directory, is_mesh_of_other_format); !names.empty())
+        notices.warn(join(directory.string(), ": ", counted(names.size(), "mesh file"),
+                          " of other formats passed over, first ", names.front(),
+                          "; export as .ply or .obj"));
+    if (const auto names = picked_files(directory, is_compressed_mesh); !names.empty())
+        notices.warn(join(directory.string(), ": ", counted(names.size(), "compressed mesh file"),
+                          " passed over, first ", names.front(), "; unpack ",
+                          names.size() == 1 ? "it" : "them"));
+    std::vector<std::string> collections = picked_files(directory, is_collection_file);
+    if (collections.empty())
+        return;
+    std::set<fs::path> named;
+    for (const std::string& path : input.paths)
+        named.insert(place_of(path));
+    std::erase_if(collections, [&](const std::string& name) {
+        return named.contains(place_of(directory / name));
+    });
+    if (collections.size() == 1)
+        notices.message(join(directory.string(), ": 1 collection or model, ", collections.front(),
+                             ", is not taken; to take a collection, name it itself"));
+    else if (!collections.empty())
+        notices.message(join(directory.string(), ": ", collections.size(),
+                             " collections or models, first ", collections.front(),
+                             ", are not taken; to take a collection, name it itself"));
 }
 
 /// A collection file alone: its meshes share their faces, which then need not be held once a mesh.
@@ -172,6 +214,19 @@ Collection read_single_collection(const fs::path& path)
                 join(path.string(), ": mesh ", collection.names[i], ": ", defects.front().message));
     }
     return collection;
+}
+
+/// Two files of one name as tables spell it: a row is then of neither, unless it spells the name as the file does.
+void warn_of_names_alike(const MeshNotices& notices, const std::vector<NamedMesh>& meshes)
+{
+    std::vector<std::string> names;
+    for (const NamedMesh& mesh : meshes)
+        names.push_back(mesh.name);
+    if (const auto alike = names_alike(names))
+        notices.warn(join(
+            "the names of '", meshes[alike->first].path, "' and '", meshes[alike->second].path,
+            "' differ by outer blanks, endings or the composition of accents alone: a "
+            "table of labels cannot tell them apart unless it spells them so; rename one of them"));
 }
 
 /// a, b, a becomes a, b, a (2).
@@ -248,10 +303,7 @@ void note_passed_over(const MeshNotices& notices, const MeshInput& input)
 {
     for (const fs::path path : input.paths)
         if (fs::is_directory(path))
-            if (const std::vector<std::string> names = passed_over(path); !names.empty())
-                notices.warn(join(path.string(), ": ", counted(names.size(), "mesh file"),
-                                  " of other formats passed over, first ", names.front(),
-                                  "; export as .ply or .obj"));
+            note_files_passed_over(notices, path, input);
     for (const fs::path path : input.paths)
         if (fs::is_directory(path))
             if (const MeshesBelow below = meshes_below(path, input); below.count > 0)
@@ -319,6 +371,24 @@ Collection read_meshes(const Session& session, const MeshInput& input)
     return read_meshes(notices_of(session), input);
 }
 
+std::string advice_on(const Oddity& oddity)
+{
+    switch (oddity.kind) {
+        case OddityKind::Seam:
+        case OddityKind::Mirrored:
+            return oddity.message + ": `shape check MESHES --fix DIR`";
+        case OddityKind::InsideOut:
+            return oddity.message + ", or `shape check MESHES --fix DIR`";
+        case OddityKind::Size:
+            return oddity.message +
+                   " (`shape check MESHES --fix DIR` scales by units where the ratio leaves no "
+                   "doubt)";
+        case OddityKind::Copies:
+            break;
+    }
+    return oddity.message;
+}
+
 Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
 {
     const std::vector<fs::path> files = mesh_files(input);
@@ -343,6 +413,7 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
     notes.say(notices);
     if (input.may_repeat)
         number_repeated_names(meshes);
+    warn_of_names_alike(notices, meshes);
     Collection collection = collect(std::move(meshes));
     collection.labels =
         input.labels.empty() ? labels : labels_of(notices, input.labels, collection.names);
@@ -350,7 +421,7 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
         const bool is_of_each = oddity.kind == OddityKind::Seam;
         const bool is_copy = oddity.kind == OddityKind::Copies;
         if (is_of_each || (is_copy ? !input.may_repeat : !input.have_model))
-            notices.warn(oddity.message);
+            notices.warn(advice_on(oddity));
     }
     return collection;
 }

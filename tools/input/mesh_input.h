@@ -9,6 +9,7 @@
 
 #include "libshape/base/progress.h"
 #include "libshape/mesh/collection.h"
+#include "libshape/mesh/oddities.h"
 
 namespace CLI {
 class App;
@@ -24,8 +25,8 @@ struct MeshInput
     std::vector<std::string> paths; ///< Files, directories and collection files, in any mix.
     bool triangulate = false;       ///< Split polygons as fans.
     bool may_repeat = false;        ///< Meshes of one name are told apart by a number.
-    bool have_model = false;        ///< They are compared with a model's meshes, not with each other.
-    std::string labels;             ///< CSV file with labels; empty: those of the collections.
+    bool have_model = false; ///< They are compared with a model's meshes, not with each other.
+    std::string labels;      ///< CSV file with labels; empty: those of the collections.
 };
 
 /// Adds MESHES (or an option of another name that takes them) and --triangulate.
@@ -86,6 +87,9 @@ private:
     std::string first_single_;
     std::string first_merged_; ///< And what became of it.
 };
+
+/// The message of an oddity, with the command that repairs it: the library knows none.
+[[nodiscard]] std::string advice_on(const Oddity& oddity);
 
 /// Reads everything and checks that it is in correspondence. Without a file of labels a mesh keeps
 /// those of its collection file; where others have a label that it lacks, its value is empty. Warns of

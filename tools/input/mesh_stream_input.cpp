@@ -33,8 +33,8 @@ std::uint64_t read_bytes(const std::string& text)
     constexpr double least = 16.0 * (1 << 20);
     constexpr double most = 1e18;
     if (!(bytes >= least && bytes <= most))
-        throw UsageError(join("--memory: ", text, " must be at ",
-                              bytes > most ? "most 900000T" : "least 16M"));
+        throw UsageError(
+            join("--memory: ", text, " must be at ", bytes > most ? "most 900000T" : "least 16M"));
     return static_cast<std::uint64_t>(bytes);
 }
 

@@ -20,23 +20,32 @@ namespace shape::tools {
 using namespace internal;
 namespace {
 
-/// Whether a label is called as those that tell people or specimens apart: "subject", "Patient_ID", "animal no".
+/// Whether a label is called as those that tell people or specimens apart: "subject", "Patient_ID", "animal no",
+/// "id_person".
 bool names_individuals(const std::string& label)
 {
-    constexpr std::array<std::string_view, 14> words = {
-        "subject", "subj", "sub",    "person",   "participant", "patient", "individual",
-        "id",      "pid",  "animal", "specimen", "donor",       "proband", "volunteer"};
-    constexpr std::array<std::string_view, 9> ends = {"",    "s",      "id",  "no",  "nr",
-                                                      "num", "number", "key", "code"};
+    constexpr std::array<std::string_view, 42> words = {
+        // Also of German, French, Spanish and Italian, in the plural where it is not an s.
+        "subject",   "subj",     "sub",      "person",   "participant", "patient",   "individual",
+        "id",        "pid",      "animal",   "specimen", "donor",       "proband",   "volunteer",
+        "rid",       "ptid",     "mrn",      "case",     "mouse",       "mice",      "rat",
+        "indiv",     "ind",      "name",     "personen", "patienten",   "probanden", "patientin",
+        "probandin", "tier",     "tiere",    "sujet",    "patiente",    "sujeto",    "paciente",
+        "persona",   "soggetto", "soggetti", "paziente", "pazienti",    "individuo", "individu"};
+    constexpr std::array<std::string_view, 10> ends = {"",    "s",      "id",  "no",   "nr",
+                                                       "num", "number", "key", "code", "name"};
     std::string letters = lower_case(label);
     std::erase_if(letters, [](char c) {
         return static_cast<unsigned char>(c) < 0x80 && (c < 'a' || c > 'z');
     });
-    return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
-        return letters.starts_with(word) &&
-               std::find(ends.begin(), ends.end(), std::string_view(letters).substr(word.size())) !=
-                   ends.end();
-    });
+    const auto is_called = [&](std::string_view name) {
+        return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
+            return name.starts_with(word) &&
+                   std::find(ends.begin(), ends.end(), name.substr(word.size())) != ends.end();
+        });
+    };
+    const std::string_view name = letters;
+    return is_called(name) || (name.starts_with("id") && is_called(name.substr(2)));
 }
 
 bool is_constant(const Eigen::MatrixXd& covariates)
@@ -45,7 +54,7 @@ bool is_constant(const Eigen::MatrixXd& covariates)
            (covariates.rowwise() - covariates.row(0)).isZero(0.0);
 }
 
-bool has_column(const RowQuestion& question, const std::string& label)
+bool has_column(const RepetitionQuestion& question, const std::string& label)
 {
     return std::find(question.columns.begin(), question.columns.end(), label) !=
            question.columns.end();
@@ -86,15 +95,20 @@ Counts counts_of(const std::vector<std::string>& values)
 /// By its name, and as many meshes as matter.
 bool tells_individuals_apart(const LabelColumn& label)
 {
+    // Set by hand: if a tenth are second, equal measurements of others, the variance of a mean is 1.2 times what it
+    // seems, and a test at 5 % errs in 7.4 %.
+    constexpr std::size_t meshes_a_repeat = 10;
     const Counts counts = counts_of(label.values);
     const std::size_t repeats = counts.meshes - counts.values;
     return names_individuals(label.name) && counts.values >= 2 && repeats >= 2 &&
-           10 * repeats >= label.values.size();
+           meshes_a_repeat * repeats >= label.values.size();
 }
 
 /// By the number of its values alone.
 bool has_small_blocks(const LabelColumn& label)
 {
+    // Set by hand: labels with fewer values, or with more meshes a value, are of kinds as a rule (a sex, a side, a
+    // site), which are not measured again.
     constexpr std::size_t least_values = 5;
     constexpr std::size_t largest_blocks = 20;
     const Counts counts = counts_of(label.values);
@@ -118,14 +132,17 @@ Grouping strata_of(const Eigen::MatrixXd& covariates)
 /// What shapes are asked about.
 struct Evidence
 {
-    const RowQuestion& question;
+    const RepetitionQuestion& question;
     const Eigen::MatrixXd& products;
     Grouping strata = strata_of(question.covariates);
 
     [[nodiscard]] bool is_for(const std::vector<std::string>& values) const
     {
-        constexpr std::size_t least_blocks = 3;
+        constexpr std::size_t least_blocks = 3; // two are two kinds as a rule; set by hand
+        // Of 3,000 random labels each, none is as near among the neutral faces of ict_faces600 (the nearest: 0.61),
+        // 0.03 % among all its faces and 0.6 % among poses of MakeHuman, all of these with three blocks of two.
         constexpr double near = 0.5;
+        // Half as much, set by hand: what the covariate does alone may bring near.
         constexpr double very_near = 0.25;
         const Counts counts = counts_of(values);
         if (counts.meshes < values.size() || counts.values < least_blocks ||
@@ -171,7 +188,7 @@ std::vector<std::size_t> first_of(const std::vector<std::string>& values)
 } // namespace
 
 bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
-                           const RowQuestion& question)
+                           const RepetitionQuestion& question)
 {
     if (is_constant(question.covariates)) // refused later, by its name
         return false;
@@ -190,7 +207,7 @@ bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
 }
 
 void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
-                        const RowQuestion& question, const Eigen::MatrixXd& products)
+                        const RepetitionQuestion& question, const Eigen::MatrixXd& products)
 {
     if (question.covariates.cols() == 0 || is_constant(question.covariates))
         return;
@@ -213,7 +230,7 @@ void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
         return warn(
             "whose names begin alike and whose shapes are much alike" + such_as_the_first(begun),
             question.unnamed);
-    const std::optional<Grouping> sets = close_sets(products);
+    const std::optional<Grouping> sets = single_linkage_sets(products);
     if (!sets)
         return;
     const std::vector<std::string> members = in_words(*sets);

@@ -10,8 +10,9 @@
 
 namespace shape::tools {
 
-/// What is asked of meshes, each of which counts as an independent observation.
-struct RowQuestion
+/// Whether meshes are repeated measurements of fewer things, where an analysis counts each as an independent
+/// observation: what that analysis knows, and what it says if they are.
+struct RepetitionQuestion
 {
     /// N by C; with no columns no two meshes differ in them.
     Eigen::MatrixXd covariates = {};
@@ -30,16 +31,16 @@ struct RowQuestion
 /// - all meshes have a value, and there are at least 5 of them, of 2 to 20 meshes on average.
 /// @return Whether it warned.
 bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
-                           const RowQuestion& question);
+                           const RepetitionQuestion& question);
 
 /// Warns if shapes say so, of six meshes or more: in three blocks or more, of two meshes or more on average, within
 /// which all covariates are the same, meshes differ much less from one another than from those of other blocks with
 /// the same covariates. Blocks are the values of a label, or what names have before their last separator (_, -, . or
-/// a blank), where the distances (root mean square) differ by a factor of two; or the sets of close_sets().
+/// a blank), where the distances (root mean square) differ by a factor of two; or the sets of single_linkage_sets().
 /// Where all blocks differ in their covariates they may be what these do: then of groups nothing is said, and of
 /// numbers only if distances differ by a factor of four.
 /// @param products  N by N inner products of the shapes, about any point.
 void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
-                        const RowQuestion& question, const Eigen::MatrixXd& products);
+                        const RepetitionQuestion& question, const Eigen::MatrixXd& products);
 
 } // namespace shape::tools
