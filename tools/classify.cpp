@@ -168,11 +168,11 @@ void classify_and_write(const Session& session, const Arguments& arguments,
 {
     const Grouping groups = group_by_label(meshes, arguments.by);
     const Grouping folds = group_by_label_or_each(meshes, arguments.leave_out);
-    const RowQuestion rows{.covariates = codes(groups),
-                           .columns = {arguments.by},
-                           .are_groups = true,
-                           .remedy = "then chance looks significant. Give --leave-out",
-                           .unnamed = "a label that names them"};
+    const RepetitionQuestion rows{.covariates = codes(groups),
+                                  .columns = {arguments.by},
+                                  .are_groups = true,
+                                  .remedy = "then chance looks significant. Give --leave-out",
+                                  .unnamed = "a label that names them"};
     const bool are_rows_told =
         !arguments.leave_out.empty() || warn_of_repeated_rows(session, meshes, rows);
     const Observations observed = observe();

@@ -53,7 +53,7 @@ void warn_of_oddities(const Session& session, const MeshStream& present, const C
     for (const Oddity& oddity : find_oddities(together))
         if (oddity.kind == OddityKind::Mirrored || oddity.kind == OddityKind::Size ||
             (oddity.kind == OddityKind::Copies && oddity.meshes.back() == added.size()))
-            session.warn(oddity.message);
+            session.warn(advice_on(oddity));
 }
 
 /// The meshes of the output and those that are added to it: positions that are there are passed on

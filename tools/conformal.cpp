@@ -163,7 +163,7 @@ Json write_morph(const Session& session, const Arguments& arguments, const Topol
                               100.0 * frame.largest_correction, " %"));
         frames.push_back({{"name", frame_name},
                           {"k", k},
-                          {"mended_faces", frame.corrected_faces.size()},
+                          {"corrected_faces", frame.corrected_faces.size()},
                           {"largest_correction", frame.largest_correction}});
         targets.push_back({frame_name, [&morph, k] { return morph_frame(morph, k).point; }});
     }

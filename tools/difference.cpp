@@ -77,7 +77,7 @@ void warn_of_repeated_members(const Session& session, const DifferenceOptions& o
             side.push_back(from[i] == options.from_value ? 0.0 : 1.0);
         }
     const Collection compared = subset(collection, members);
-    const RowQuestion rows{
+    const RepetitionQuestion rows{
         .covariates =
             Eigen::Map<const Eigen::VectorXd>(side.data(), static_cast<Eigen::Index>(side.size())),
         .columns = {options.from_label, options.to_label},

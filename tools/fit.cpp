@@ -21,6 +21,8 @@
 #include "libshape/io/model_file.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/model/model_prior.h"
+#include "libshape/registration/fit_verdict.h"
+#include "libshape/registration/landmark_units.h"
 #include "libshape/registration/prior_fit.h"
 #include "libshape/registration/scan_fit.h"
 #include "tools/commands.h"
@@ -52,11 +54,17 @@ struct Arguments
     Shard shard;
 };
 
+struct AllLandmarks
+{
+    std::vector<Landmark> marks;
+    fs::path of_template; ///< The first file that has some of the template; empty if none has.
+};
+
 /// The landmarks of all files; those without a scan's name belong to the mesh that the file is named
 /// after, or to the only scan.
-std::vector<Landmark> read_all_landmarks(const Arguments& arguments,
-                                         const std::vector<fs::path>& scans)
+AllLandmarks read_all_landmarks(const Arguments& arguments, const std::vector<fs::path>& scans)
 {
+    const std::string pattern = fs::path(arguments.pattern).stem().string();
     std::vector<fs::path> files;
     for (const std::string& path : arguments.landmarks) {
         if (!fs::is_directory(path)) {
@@ -71,10 +79,10 @@ std::vector<Landmark> read_all_landmarks(const Arguments& arguments,
             throw InvalidInput(join(path, ": no file of landmarks (.csv, .fcsv, .mrk.json)"));
         files.insert(files.end(), sorted.begin(), sorted.end());
     }
-    std::set<std::string> stems{fs::path(arguments.pattern).stem().string()};
+    std::set<std::string> stems{pattern};
     for (const fs::path& scan : scans)
         stems.insert(scan.stem().string());
-    std::vector<Landmark> all;
+    AllLandmarks all;
     for (const fs::path& file : files) {
         const std::string file_name = file.filename().string();
         const std::string stem = file_name.substr(0, file_name.find('.'));
@@ -90,7 +98,9 @@ std::vector<Landmark> read_all_landmarks(const Arguments& arguments,
                                             "on; add a column 'scan', or name the "
                                             "file after the scan"));
             }
-            all.push_back(std::move(landmark));
+            if (all.of_template.empty() && landmark.scan == pattern)
+                all.of_template = file;
+            all.marks.push_back(std::move(landmark));
         }
     }
     return all;
@@ -248,8 +258,7 @@ public:
         : session_(session),
           task_(task_of(session, given)),
           output_(given.output),
-          landmarks_(arguments_.landmarks.empty() ? std::vector<Landmark>{}
-                                                  : read_all_landmarks(arguments_, task_.scans)),
+          landmarks_(read_all_landmarks(arguments_, task_.scans)),
           pattern_(read_pattern(arguments_)),
           fits_(task_.scans.size())
     {
@@ -258,11 +267,12 @@ public:
                 "--rounds makes a model of the fits of a template; a model is there already");
         if (pattern_.model)
             prior_ = prior_of(*pattern_.model);
+        check_unit_of_template_landmarks();
         fitter_.emplace(topology_, pattern_.points, arguments_.fit);
         std::vector<fs::path> inputs = task_.scans;
         inputs.emplace_back(arguments_.pattern);
         places_ = fit_places(session, arguments_.output, arguments_.resume, inputs, names_);
-        if (!landmarks_.empty())
+        if (!landmarks_.marks.empty())
             warn_of_scans_without_landmarks();
         settings_ = settings_of(arguments_, topology_);
         if (arguments_.resume) {
@@ -272,11 +282,29 @@ public:
         }
     }
 
+    /// As ScanFitter::fit() does, which knows no file.
+    void check_unit_of_template_landmarks() const
+    {
+        std::vector<Eigen::Vector3d> places;
+        for (const Landmark& mark : landmarks_.marks)
+            if (mark.scan == pattern_.name)
+                places.push_back(mark.position);
+        Points points(std::ssize(places), 3);
+        for (std::size_t i = 0; i < places.size(); ++i)
+            points.row(static_cast<Eigen::Index>(i)) = places[i];
+        if (points.rows() == 0)
+            return;
+        const double within = landmark_off * bounding_box_diagonal(pattern_.points);
+        if (const auto said = other_unit_of(points, Surface(pattern_.points, topology_.faces()),
+                                            within, "the template"))
+            throw InvalidInput(join(landmarks_.of_template.string(), ": ", *said));
+    }
+
     /// They are fitted all the same, with those names of the table that may be theirs, spelt otherwise.
     void warn_of_scans_without_landmarks() const
     {
         std::set<std::string> marked;
-        for (const Landmark& mark : landmarks_)
+        for (const Landmark& mark : landmarks_.marks)
             marked.insert(mark.scan);
         std::vector<std::size_t> bare;
         for (std::size_t i = 0; i < names_.size(); ++i)
@@ -340,7 +368,7 @@ private:
     {
         const NamedMesh raw = read_mesh(task_.scans[i], {.triangulate = true});
         return {clean_scan(raw.points, raw.faces),
-                pairs_of(landmarks_, names_[i], pattern_.name, pattern_.points)};
+                pairs_of(landmarks_.marks, names_[i], pattern_.name, pattern_.points)};
     }
 
     void fit(std::size_t i)
@@ -453,16 +481,26 @@ private:
         merge_shards_of_ranks(session_, output_);
     }
 
+    /// Where the report is, if it is kept: the folder of what goes to standard output is gone when the run is over.
+    [[nodiscard]] std::string where_it_says_why() const
+    {
+        return goes_to_standard_output() ? "no report is kept with `-o -`, name a file for one"
+                                         : join(places_.table().string(), " says why");
+    }
+    [[nodiscard]] bool goes_to_standard_output() const { return session_.readable(output_) == "-"; }
+
     void conclude() const
     {
         const auto count = [&](const char* status) {
             return std::count_if(rows_.begin(), rows_.end(),
                                  [&](const Json& row) { return row["status"] == status; });
         };
-        session_.message(
-            join(counted(names_.size(), "scan"), ": ", count("good"), " good, ", count("check"),
-                 " to check, ", count("failed"), " failed; ", places_.table().string(), " says why",
-                 fitted_ > 0 ? join(", ", places_.sheet().string(), " shows them") : ""));
+        session_.message(join(counted(names_.size(), "scan"), ": ", count("good"), " good, ",
+                              count("check"), " to check, ", count("failed"), " failed; ",
+                              where_it_says_why(),
+                              fitted_ > 0 && !goes_to_standard_output()
+                                  ? join(", ", places_.sheet().string(), " shows them")
+                                  : ""));
         std::vector<std::string> outputs;
         if (fitted_ > 0 && !places_.collection.empty())
             outputs.push_back(places_.collection.string());
@@ -475,8 +513,8 @@ private:
                                 {"rounds", rounds_},
                                 {"scans", rows_}});
         if (fitted_ == 0)
-            throw NumericalError(join("no scan could be fitted; ", places_.table().string(),
-                                      " says why (--keep-failed writes the meshes all the same)"));
+            throw NumericalError(join("no scan could be fitted; ", where_it_says_why(),
+                                      " (--keep-failed writes the meshes all the same)"));
     }
 
     const Session& session_;
@@ -484,7 +522,7 @@ private:
     std::string output_; ///< Of all parts together.
     const Arguments& arguments_ = task_.arguments;
     const std::vector<std::string>& names_ = task_.names;
-    std::vector<Landmark> landmarks_;
+    AllLandmarks landmarks_;
     Pattern pattern_;
     const Topology& topology_ = pattern_.topology;
     std::optional<ShapePrior> prior_;

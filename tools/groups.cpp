@@ -157,7 +157,7 @@ struct Setting
     Grouping groups = {};
     Grouping blocks = {};
     std::unique_ptr<MeshOutput> means = nullptr;
-    RowQuestion rows = {};
+    RepetitionQuestion rows = {};
     bool are_rows_told = false; ///< Blocks are given, or labels have told that they are wanted.
 };
 

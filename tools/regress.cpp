@@ -109,10 +109,10 @@ void warn_of_dependent_rows(const Session& session, const Arguments& arguments,
 {
     if (!arguments.within.empty())
         return;
-    const RowQuestion rows{.covariates = findings.covariates,
-                           .columns = arguments.on,
-                           .remedy = "then chance looks significant. Give --within",
-                           .unnamed = "a label that names them"};
+    const RepetitionQuestion rows{.covariates = findings.covariates,
+                                  .columns = arguments.on,
+                                  .remedy = "then chance looks significant. Give --within",
+                                  .unnamed = "a label that names them"};
     if (!warn_of_repeated_rows(session, meshes, rows))
         warn_of_close_rows(session, meshes, rows, findings.effect.products);
 }

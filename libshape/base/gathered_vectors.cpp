@@ -2,6 +2,8 @@
 
 #include "libshape/base/gathered_vectors.h"
 
+#include "libshape/base/processor.h"
+
 #ifdef __x86_64__
 #include <immintrin.h>
 #endif
@@ -9,18 +11,18 @@
 namespace shape::internal {
 namespace {
 
-const double* point(const double* points, Indices indices, int i)
+const double* point(const double* points, StridedRows rows, int i)
 {
-    return points + 3 * indices.first[i * indices.stride];
+    return points + 3 * rows.first[i * rows.stride];
 }
 
-void gather_plainly(int begin, int count, const double* points, Indices at, VectorRows& vectors)
+void gather_plainly(int begin, int count, const double* points, StridedRows at, VectorRows& vectors)
 {
     for (int i = begin; i < count; ++i)
         vectors.set(i, vector3(point(points, at, i)));
 }
 
-void subtract_plainly(int begin, int count, const double* points, Indices to, Indices from,
+void subtract_plainly(int begin, int count, const double* points, StridedRows to, StridedRows from,
                       VectorRows& vectors)
 {
     for (int i = begin; i < count; ++i)
@@ -56,8 +58,8 @@ __attribute__((target("avx2"))) inline void set_four(__m256d a, __m256d b, __m25
 // The plain loop moves every number by itself, three loads, subtractions and stores a vector; here four
 // vectors are loaded whole and turned into rows by seven shuffles.
 
-__attribute__((target("avx2"))) void gather_by_fours(int count, const double* points, Indices at,
-                                                     VectorRows& vectors)
+__attribute__((target("avx2"))) void gather_by_fours(int count, const double* points,
+                                                     StridedRows at, VectorRows& vectors)
 {
     int i = 0;
     for (; i + 4 <= count; i += 4)
@@ -66,8 +68,9 @@ __attribute__((target("avx2"))) void gather_by_fours(int count, const double* po
     gather_plainly(i, count, points, at, vectors);
 }
 
-__attribute__((target("avx2"))) void subtract_by_fours(int count, const double* points, Indices to,
-                                                       Indices from, VectorRows& vectors)
+__attribute__((target("avx2"))) void subtract_by_fours(int count, const double* points,
+                                                       StridedRows to, StridedRows from,
+                                                       VectorRows& vectors)
 {
     int i = 0;
     for (; i + 4 <= count; i += 4) {
@@ -80,26 +83,24 @@ __attribute__((target("avx2"))) void subtract_by_fours(int count, const double* 
     subtract_plainly(i, count, points, to, from, vectors);
 }
 
-const bool has_avx2 = __builtin_cpu_supports("avx2");
-
 #endif
 
 } // namespace
 
-void gather(int count, const double* points, Indices at, VectorRows& vectors)
+void gather(int count, const double* points, StridedRows at, VectorRows& vectors)
 {
 #ifdef __x86_64__
-    if (has_avx2)
+    if (has_avx2())
         return gather_by_fours(count, points, at, vectors);
 #endif
     gather_plainly(0, count, points, at, vectors);
 }
 
-void gather_differences(int count, const double* points, Indices to, Indices from,
+void gather_differences(int count, const double* points, StridedRows to, StridedRows from,
                         VectorRows& vectors)
 {
 #ifdef __x86_64__
-    if (has_avx2)
+    if (has_avx2())
         return subtract_by_fours(count, points, to, from, vectors);
 #endif
     subtract_plainly(0, count, points, to, from, vectors);

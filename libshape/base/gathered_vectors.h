@@ -6,18 +6,19 @@
 
 namespace shape::internal {
 
-/// Indices first[0], first[stride], first[2 stride], ...
-struct Indices
+/// Rows of an array of points: first[0], first[stride], first[2 stride], ... A column of faces has stride 3.
+struct StridedRows
 {
     const int* first;
     int stride = 1;
 };
 
-/// Sets vectors[i] = points[at[i]], i < count <= block_size, of points x y z in memory.
-void gather(int count, const double* points, Indices at, VectorRows& vectors);
+/// Sets vectors[i] = points[at[i]], i < count <= block_size; vectors behind them stay.
+/// @param points  #P by 3, row by row. Rows are not checked: all are in [0, #P).
+void gather(int count, const double* points, StridedRows at, VectorRows& vectors);
 
 /// Sets vectors[i] = points[to[i]] - points[from[i]] likewise.
-void gather_differences(int count, const double* points, Indices to, Indices from,
+void gather_differences(int count, const double* points, StridedRows to, StridedRows from,
                         VectorRows& vectors);
 
 } // namespace shape::internal

@@ -47,7 +47,8 @@ double on_branch(double angle, double mean)
 {
     if (!is_near_fold(mean) || !is_near_fold(angle))
         return angle;
-    const double apart = angle - mean; // the choice alone depends on it: the mean's rounding changes no bit
+    const double apart =
+        angle - mean; // the choice alone depends on it: the mean's rounding changes no bit
     return apart > pi ? angle - 2.0 * pi : apart <= -pi ? angle + 2.0 * pi : angle;
 }
 

@@ -17,7 +17,8 @@ struct DecodedModelPoint
     Embedding embedding;
     Eigen::VectorXf edge_error;     ///< #V; see ResidualField.
     Eigen::VectorXf dihedral_drift; ///< #V [deg]; the same.
-    std::vector<char> broken_faces; ///< #F; 1 where the wanted lengths break the triangle inequality.
+    std::vector<char>
+        broken_faces; ///< #F; 1 where the wanted lengths break the triangle inequality.
 };
 
 /// Meshes of points of a model that came as a block. Needs no package: of the portable core.

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 
+#include "libshape/base/processor.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/blas_turn.h"
 
@@ -119,7 +120,7 @@ using Kernels = std::array<std::array<AddRows, most_columns>, most_rows>;
 Kernels best_kernels()
 {
 #ifdef __x86_64__
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    if (has_fused_avx2())
         return {{{add_rows_fused<1, 1>, add_rows_fused<1, 2>, add_rows_fused<1, 3>,
                   add_rows_fused<1, 4>},
                  {add_rows_fused<2, 1>, add_rows_fused<2, 2>, add_rows_fused<2, 3>,
@@ -163,9 +164,8 @@ using AddScaledRows = void (*)(const double* a, Eigen::Index a_stride, const dou
 ///         rows 1 to 3, a stride apart                  the next `depth` - 1 rows, a stride apart
 ///     a:  row 0:  a00 a01 a02 a03, each of them in all lanes for row 0, 1, 2, 3 of c
 ///
-/// The plain loop loads and stores c for every term; here 4 rows of 3 vectors stay in registers, and three
-/// loads of b serve twelve products. As the terms of an entry are added to it one after another, bits do
-/// not depend on how rows and columns are cut into pieces.
+/// As the terms of an entry are added to it one after another, bits do not depend on how rows and columns are
+/// cut into pieces.
 template <int rows, int vectors>
 void add_scaled_rows(const double* a, Eigen::Index a_stride, const double* b, Eigen::Index b_stride,
                      Eigen::Index depth, double* c, Eigen::Index c_stride)
@@ -224,7 +224,7 @@ using ScaledKernels = std::array<std::array<AddScaledRows, most_vectors>, most_s
 ScaledKernels best_scaled_kernels()
 {
 #ifdef __x86_64__
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    if (has_fused_avx2())
         return {{{add_scaled_rows_fused<1, 1>, add_scaled_rows_fused<1, 2>,
                   add_scaled_rows_fused<1, 3>},
                  {add_scaled_rows_fused<2, 1>, add_scaled_rows_fused<2, 2>,
@@ -257,7 +257,7 @@ void add_last_columns(AddScaledRows kernel, Eigen::Index first, const ConstBlock
 void add_scaled_rows_of(const ConstBlock& a, const ConstBlock& b, Block c)
 {
     static const ScaledKernels kernels = best_scaled_kernels();
-    constexpr Eigen::Index width = 192; // of which few_rows rows stay in the first cache
+    constexpr Eigen::Index width = 192;
     for (Eigen::Index first = 0; first < b.cols(); first += width)
         for (Eigen::Index i = 0; i < c.rows(); i += most_scaled_rows) {
             const Eigen::Index rows = std::min(most_scaled_rows, c.rows() - i);
@@ -292,8 +292,9 @@ void add_product_with_rows(const ConstBlock& a, const ConstBlock& b, Block c)
 
 void add_product_of_columns(const ConstBlock& a, const ConstBlock& b, Block c)
 {
-    for (Eigen::Index first = 0; first < a.rows(); first += few_rows) {
-        const Eigen::Index count = std::min(few_rows, a.rows() - first);
+    constexpr Eigen::Index batch = 16; // rows of 192 columns, which the first cache holds
+    for (Eigen::Index first = 0; first < a.rows(); first += batch) {
+        const Eigen::Index count = std::min(batch, a.rows() - first);
         add_scaled_rows_of(a.middleRows(first, count), b.middleRows(first, count), c);
     }
 }

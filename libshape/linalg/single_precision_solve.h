@@ -68,7 +68,7 @@ private:
         /// All of it but the children.
         [[nodiscard]] auto numbers()
         {
-            return std::array{&first_column, &columns,    &reached, &place,
+            return std::array{&first_column, &columns,     &reached,   &place,
                               &above,        &first_block, &end_block, &first_row,
                               &end_row,      &first_value, &end_value, &parent};
         }

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "libshape/base/format.h"
-#include "libshape/base/rounded.h"
 #include "libshape/base/order_statistics.h"
+#include "libshape/base/rounded.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/dense.h"

@@ -23,11 +23,12 @@ std::string facts_html(const std::vector<std::pair<std::string, std::string>>& f
 
 std::string table_html(const std::vector<std::vector<std::string>>& table)
 {
-    std::string html = "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Modes\"><table>\n";
+    std::string html =
+        "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Modes\"><table>\n";
     for (std::size_t r = 0; r < table.size(); ++r) {
         html += r == 0 ? "<thead><tr>" : "<tr>";
         for (std::size_t c = 0; c < table[r].size(); ++c) {
-            const std::string_view tag = r == 0 ? "th scope=\"col\""
+            const std::string_view tag = r == 0   ? "th scope=\"col\""
                                          : c == 0 ? "th scope=\"row\""
                                                   : "td";
             html += join("<", tag, ">", escape_xml(table[r][c]), "</", tag.substr(0, 2), ">");

@@ -6,8 +6,8 @@
 
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
-#include "libshape/io/mesh_file.h"
 #include "libshape/io/label_file.h"
+#include "libshape/io/mesh_file.h"
 #include "tests/support/data.h"
 #include "tests/support/meshes.h"
 

@@ -9,6 +9,8 @@ namespace shape::test {
 using namespace internal;
 namespace {
 
+const std::string repair = "`shape check MESHES --fix DIR`";
+
 class Check : public ProgramTest
 {
 protected:
@@ -76,7 +78,8 @@ TEST_F(Check, SeamsAreSaidAndRepaired)
     const CutMesh cut = cut_along_the_equator(sphere(0));
     for (unsigned i = 0; i < 7; ++i)
         write(i, cut.points(sphere(i).points), cut.faces);
-    expect_said("seam", {"boundary vertices lie on one another", "m0", "UV", "--fix"});
+    expect_said("seam",
+                {"boundary vertices lie on one another", "m0", "UV", "weld them: " + repair});
     const Collection repaired = fixed();
     EXPECT_EQ(repaired.topology.faces(), sphere(0).topology.faces());
     EXPECT_EQ(repaired.points[5], sphere(5).points);
@@ -110,6 +113,12 @@ TEST_F(Check, SplitPartsOfASharpSolidAreSaidToBeDoubled)
     const Outcome collected = shape({"collect", "cube.obj", "-o", "c.h5"});
     for (const char* part : {"4 of 8 vertices lie on others", "`shape check --fix DIR` welds them"})
         EXPECT_NE(collected.err.find(part), std::string::npos) << collected.err;
+    folder_.write("turned.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 1 1 0\nv 2 1 0\nv 1 2 0\nf 1 2 3\nf 2 3 "
+                  "4\nf 5 6 7\n");
+    const Outcome turned = shape({"collect", "turned.obj", "-o", "c.h5"});
+    EXPECT_NE(turned.err.find("flip one"), std::string::npos) << turned.err;
+    EXPECT_EQ(turned.err.find("welds them"), std::string::npos) << turned.err;
     EXPECT_EQ(shape({"check", "cube.obj", "--fix", "repaired"}).exit_code, 0);
     EXPECT_EQ(read_mesh(folder_ / "repaired/cube.ply").points.rows(), 6);
 }
@@ -137,7 +146,7 @@ TEST_F(Check, OffersRepairsToWhatCanBeReadAlone)
 TEST_F(Check, MirrorImagesAreSaidAndRepaired)
 {
     write(2, mirror_image(sphere(2).points), sphere(2).topology.faces());
-    expect_said("mirrored", {"m2 is a mirror image", "inside out"});
+    expect_said("mirrored", {"m2 is a mirror image", "inside out", "leave it out: " + repair});
     EXPECT_EQ(fixed().points[2], sphere(2).points);
 }
 
@@ -158,7 +167,7 @@ TEST_F(Check, AllInsideOutIsSaidAndRepaired)
 {
     for (unsigned i = 0; i < 7; ++i)
         write(i, sphere(i).points, reversed_faces(sphere(i).topology.faces()));
-    expect_said("inside_out", {"all meshes are inside out"});
+    expect_said("inside_out", {"all meshes are inside out", "on export), or " + repair});
     EXPECT_EQ(fixed().topology.faces(), sphere(0).topology.faces());
 }
 
@@ -166,7 +175,8 @@ TEST_F(Check, OtherUnitsAreSaidAndRepaired)
 {
     write(1, 1000.0 * sphere(1).points, sphere(1).topology.faces());
     write(6, 1000.0 * sphere(6).points, sphere(6).topology.faces());
-    expect_said("size", {"m1 and m6 are ", "millimetres and metres"});
+    expect_said("size", {"m1 and m6 are ", "millimetres and metres",
+                         "(" + repair + " scales by units where the ratio leaves no doubt)"});
     EXPECT_TRUE(fixed().points[6].isApprox(sphere(6).points, 1e-12));
 }
 
@@ -216,16 +226,18 @@ TEST_F(Check, FixWritesWhatIsSoundAndSaysWhatIsLeft)
 
 TEST_F(Check, FixSplitsIntoPartsThatCorrespondToTheSamePartAlone)
 {
-    const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\n"
-                             "f 1 2 3\nf 3 2 4\nf 5 6 7\n";
+    const std::string text =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\n"
+        "f 1 2 3\nf 3 2 4\nf 5 6 7\n";
     folder_.write("pieces/a.obj", text);
     folder_.write("pieces/b.obj", text);
     const Outcome outcome =
         shape({"check", "pieces", "--fix", "parts", "--components", "split", "--json"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_TRUE(Json::parse(outcome.out)["fix"]["left"].empty()) << outcome.out;
-    EXPECT_EQ(files_in(folder_ / "parts"),
-              (std::vector<std::string>{"a_part1.ply", "a_part2.ply", "b_part1.ply", "b_part2.ply"}));
+    EXPECT_EQ(
+        files_in(folder_ / "parts"),
+        (std::vector<std::string>{"a_part1.ply", "a_part2.ply", "b_part1.ply", "b_part2.ply"}));
 }
 
 TEST_F(Check, FixNeverWritesBesideTheInput)

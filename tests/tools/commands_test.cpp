@@ -79,6 +79,30 @@ TEST_F(Commands, MeshFilesOfOtherFormatsAreNotPassedOverInSilence)
     }
 }
 
+TEST_F(Commands, CompressedMeshesAndCollectionsAreNotPassedOverInSilence)
+{
+    const std::string mesh = folder_.read("a.ply");
+    folder_.write("set/x.ply", mesh);
+    folder_.write("y.ply", folder_.read("b.ply"));
+    for (const char* name : {"set/a.PLY.gz", "set/b.obj.zip", "set/c.vtk.xz", "set/d.stl.bz2",
+                             "set/notes.txt.gz", "set/all.zip"})
+        folder_.write(name, "packed");
+    (void)run({"collect", "y.ply", "-o", "set/more.h5"});
+    const auto said = [&](const Arguments& paths) {
+        const Outcome outcome = run_shape(
+            folder_.path(), Arguments{"collect"} + paths + Arguments{"-o", "f.h5", "--force"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.err;
+    };
+    const std::string first = said({"set"});
+    EXPECT_NE(first.find("set: 4 compressed mesh files passed over, first a.PLY.gz; unpack them"),
+              std::string::npos)
+        << first;
+    EXPECT_NE(first.find("set: 1 collection or model, more.h5, is not taken"), std::string::npos)
+        << first;
+    EXPECT_EQ(said({"set", "set/more.h5"}).find("is not taken"), std::string::npos);
+}
+
 TEST_F(Commands, MeshesInSubfoldersAreNotPassedOverInSilence)
 {
     folder_.write("set/x.ply", folder_.read("a.ply"));

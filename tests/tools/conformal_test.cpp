@@ -83,7 +83,7 @@ TEST_F(Conformal, MorphsFromTheMeshToTheSphere)
     ASSERT_EQ(figures["frames"].size(), 5u);
     EXPECT_EQ(figures["frames"][2]["k"], 0.5);
     EXPECT_EQ(figures["frames"][2]["name"], "frame_0002");
-    EXPECT_EQ(figures["frames"][2]["mended_faces"], 0);
+    EXPECT_EQ(figures["frames"][2]["corrected_faces"], 0);
     for (const Json& embedding : figures["embeddings"])
         EXPECT_LE(embedding["edge_max"], 5e-3);
     EXPECT_LE((lengths("morph/frame_0000.ply") - lengths("head.ply")).lpNorm<Eigen::Infinity>(),

@@ -142,6 +142,14 @@ TEST_F(Fit, FitsScansThatWereMadeUp)
     EXPECT_EQ(outcome({"synth", "scans", "--of", "faces", "--count", "3", "-o", "t"}).exit_code, 2);
 }
 
+TEST_F(Fit, NamesNoReportThatIsNotKept)
+{
+    const Outcome piped = outcome({"fit", "pattern.ply", "scans/s0.ply", "-o", "-"});
+    EXPECT_EQ(piped.exit_code, 0) << piped.err;
+    EXPECT_NE(piped.err.find("no report is kept with `-o -`"), std::string::npos) << piped.err;
+    EXPECT_EQ(piped.err.find("/shape-"), std::string::npos) << piped.err;
+}
+
 TEST_F(Fit, SaysInOneLineWhatItCannotUse)
 {
     const auto expect = [&](const Arguments& arguments, int code, const std::string& part) {
@@ -161,6 +169,18 @@ TEST_F(Fit, SaysInOneLineWhatItCannotUse)
            "is not on the template");
     write_bytes(folder_ / "marks.csv", "scan,name,vertex,x,y,z\ns0,nose,7000,1,0,0\n");
     expect({"fit", "pattern.ply", scan, "-o", "out", "--landmarks", "marks.csv"}, 3, "vertex 7000");
+    const Points places = points("pattern.ply");
+    std::string marks = "scan,name,x,y,z\n";
+    for (const int v : {0, 100, 200, 300, 400})
+        for (const auto& [mesh, factor] : {std::pair{"pattern", 0.1}, {"s0", 1.0}}) {
+            marks += std::string(mesh) + ",l" + std::to_string(v);
+            for (int k = 0; k < 3; ++k)
+                marks += "," + print_number(factor * places(v, k));
+            marks += "\n";
+        }
+    write_bytes(folder_ / "marks.csv", marks);
+    expect({"fit", "pattern.ply", "scans", "-o", "out", "--landmarks", "marks.csv"}, 3,
+           "error: marks.csv: the landmarks of the template look as if");
 }
 
 } // namespace

@@ -127,6 +127,40 @@ TEST_F(LabelledMeshes, AccentsMatchInEitherSpelling)
     EXPECT_EQ(run({"collect", "c.h5", "--only", "who=" + decomposed, "-o", "e.h5"})["meshes"], 1);
 }
 
+TEST_F(LabelledMeshes, NamesThatATableTakesForOneAreWarnedOf)
+{
+    const Arguments collect{"collect", "n", "-o", "c.h5", "--force"};
+    folder_.write("n/u\xCC\x88x.ply", folder_.read("set/m0.ply"));
+    EXPECT_EQ(shape(collect).err.find("composition"), std::string::npos);
+    folder_.write("n/\xC3\xBCx.ply", folder_.read("set/m1.ply"));
+    const Outcome outcome = shape(collect);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("composition of accents alone"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("n/\xC3\xBCx.ply"), std::string::npos) << outcome.err;
+}
+
+TEST_F(LabelledMeshes, IndividualsAreKnownByTheNameOfTheirColumn)
+{
+    const Arguments groups{"groups", "set",   "--labels",       "l.csv", "--by",   "sex",
+                           "-o",     "g.csv", "--permutations", "10",    "--force"};
+    const auto said_of = [&](const std::string& name) {
+        std::string text = "mesh,sex," + name + "\n";
+        for (int i = 0; i < 10; ++i) // four individuals are too few for labels of other names
+            text += join("m", i, ",", i < 5 ? "f" : "m", ",p", i < 5 ? i % 2 : 2 + i % 2, "\n");
+        folder_.write("l.csv", text);
+        const Outcome outcome = shape(groups);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.err.find("those of one " + name + " (4 of them) are repeated") !=
+               std::string::npos;
+    };
+    for (const char* name : {"RID", "PTID", "mrn", "case", "Mouse_no", "rats", "indiv", "name",
+                             "ID_person", "id-subject", "Patienten-ID", "Tier", "sujet", "sujetos",
+                             "paciente", "soggetto", "paziente"})
+        EXPECT_TRUE(said_of(name)) << name;
+    for (const char* name : {"site", "idea", "rating", "casual", "frontier"})
+        EXPECT_FALSE(said_of(name)) << name;
+}
+
 TEST_F(LabelledMeshes, RepeatedScansAreRegressedByTheirMeansAndElseWarnedOf)
 {
     std::string text = "mesh,person,age,dose,grams\n";

@@ -71,6 +71,16 @@ TEST_F(Outputs, MeshesOfALongerRunThatStayAreSaid)
         << said;
 }
 
+TEST_F(Outputs, ASingleMeshAmongOthersIsSaid)
+{
+    (void)run({"stats", "a.ply", "b.ply", "-o", "model.h5"});
+    folder_.write("set/a.ply", folder_.read("a.ply"));
+    const std::string said = run({"generate", "model.h5", "--mean", "-o", "set"}).err;
+    EXPECT_NE(said.find("set: holds 1 other mesh, such as a.ply"), std::string::npos) << said;
+    EXPECT_EQ(run({"generate", "model.h5", "--mean", "-o", "set/m2.ply"}).err.find("holds"),
+              std::string::npos);
+}
+
 TEST_F(Outputs, ADirectoryThatExistsTakesNewFiles)
 {
     folder_.write("new/mine.txt", "mine");

@@ -53,6 +53,17 @@ TEST_F(Streams, MeshesTablesAndCollectionsComeFromStandardInput)
     (void)run({"generate", "model.h5", "--mean", "-o", "mean.obj"});
     for (const char* file : {"mean.off", "mean.obj"})
         EXPECT_EQ(shape({"check", "-"}, file).exit_code, 0);
+    (void)run({"generate", "model.h5", "--mean", "-o", "mean.stl"});
+    std::string binary = folder_.read("mean.stl");
+    binary.replace(0, 80, std::string(80, '\0')); // a head may say anything, or nothing
+    folder_.write("bare.stl", binary);
+    folder_.write("cut.stl", binary.substr(0, binary.size() - 7));
+    for (const char* file : {"mean.stl", "bare.stl"}) {
+        const Outcome outcome = shape({"check", "-"}, file);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
+    const Outcome cut = shape({"check", "-"}, "cut.stl");
+    EXPECT_NE((cut.out + cut.err).find("is this an STL file?"), std::string::npos) << cut.err;
     const Outcome labelled =
         shape({"collect", "a.ply", "b.ply", "c.ply", "--labels", "-", "-o", "g.h5"}, "labels.csv");
     EXPECT_EQ(labelled.exit_code, 0) << labelled.err;

@@ -191,6 +191,7 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
     }
     prepare_animation(arguments, names.size());
     format_ = arguments.format.empty() ? MeshFormat::Ply : mesh_format("x." + arguments.format);
+    takes_directory_ = true;
     directory_ = path.has_filename() ? path : path.parent_path();
     prepare_writing(arguments, directory_);
     for (const std::string& name : file_names(names))
@@ -357,7 +358,7 @@ void MeshOutput::commit()
                                     : staging_ / path.filename(),
                        path);
         }
-        if (mesh_count_ > 1)
+        if (takes_directory_)
             note_other_meshes();
     } else {
         fs::rename(staging_, directory_);

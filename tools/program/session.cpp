@@ -45,7 +45,8 @@ std::string one_line(std::string text)
     constexpr std::size_t most = 4000;
     if (text.size() > most) {
         std::size_t end = most;
-        while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) // within a character of UTF-8
+        while ((static_cast<unsigned char>(text[end]) & 0xC0U) ==
+               0x80U) // within a character of UTF-8
             --end;
         const std::size_t rest = text.size() - end;
         text.resize(end);

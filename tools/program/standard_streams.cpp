@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -44,6 +45,22 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 10> outputs 
 constexpr std::array<std::string_view, 4> folders = {"--fix", "--means", "--expected",
                                                      "--corrected"};
 
+/// Whether the content is that of a binary STL file, whose head may say anything: its length tells, or, where that is
+/// not right, a byte that no text has; UTF-16 is text all the same.
+bool is_binary_stl(std::string_view content)
+{
+    constexpr std::size_t head = 84; // [byte]
+    if (content.size() < head)
+        return false;
+    std::uint32_t count = 0;
+    std::memcpy(&count, content.data() + head - sizeof count, sizeof count);
+    if (content.size() == head + 50 * std::size_t{count})
+        return true;
+    const bool is_utf16 = content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF") ||
+                          (content[0] == '\0') != (content[1] == '\0');
+    return !is_utf16 && content.substr(0, head).find('\0') != content.npos;
+}
+
 /// Which ending the content of a file asks for; tables are read whatever their name.
 std::string ending_of(std::string_view content)
 {
@@ -57,7 +74,7 @@ std::string ending_of(std::string_view content)
         return ".ply";
     if (content.starts_with("glTF"))
         return ".glb";
-    if (content.starts_with("solid"))
+    if (content.starts_with("solid") || is_binary_stl(content))
         return ".stl";
     if (content.starts_with("# vtk"))
         return ".vtk";

@@ -66,8 +66,8 @@ ClosureEnergy::ClosureEnergy(const Topology& topology, const Points& corner_angl
     step_edge_.assign(rows, Eigen::Array<int, lanes, 1>::Constant(edge_count));
     edge_slots_.setConstant(edge_count, 2, static_cast<int>(rows * lanes));
     Points sines(corner_angles.rows(), 3), cosines(corner_angles.rows(), 3);
-    sines_cosines(corner_angles.data(), to_size(corner_angles.size()),
-                  sines.data(), cosines.data());
+    sines_cosines(corner_angles.data(), to_size(corner_angles.size()), sines.data(),
+                  cosines.data());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const auto ring = topology.outgoing(vertices[i]);
         const auto lane = static_cast<Eigen::Index>(i % lanes);

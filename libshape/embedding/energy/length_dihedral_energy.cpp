@@ -355,24 +355,9 @@ void LengthDihedralEnergy::add_collapses(const VectorXd& points)
     }
 }
 
-double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient)
+void LengthDihedralEnergy::measure_edges(const VectorXd& points)
 {
     const Topology& t = topology_;
-    const int* const faces = t.faces().data();
-    const int* const face_edges = t.face_edges().data();
-    normals_.resize(t.face_count(), 3);
-    inverse_squares_.resize(t.face_count());
-    for_blocks(t.face_count(), [&](int first, int count) {
-        VectorRows p, q, r, normal;
-        const int* const corners = faces + 3 * first;
-        gather(count, points.data(), {corners, 3}, p);
-        gather(count, points.data(), {corners + 1, 3}, q);
-        gather(count, points.data(), {corners + 2, 3}, r);
-        face_normals(count, p, q, r, normal, inverse_squares_.data() + first);
-        for (int i = 0; i < count; ++i)
-            store(normal[i], normals_.data() + 3 * (first + i));
-    });
-
     for (VectorXd* const of_edges : {&lengths_, &energies_, &pulls_, &moments_})
         of_edges->resize(t.edge_count());
     for_blocks(t.edge_count(), [&](int first, int count) {
@@ -398,6 +383,39 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
                    inverse_lengths_.data() + first, energies_.data() + first, pulls_.data() + first,
                    angles);
     });
+}
+
+double LengthDihedralEnergy::add_hold(const VectorXd& points, VectorXd& gradient) const
+{
+    if (hold_weights_.size() == 0)
+        return 0.0;
+    for_blocks(topology_.vertex_count(), [&](int first, int count) {
+        for (int v = first; v < first + count; ++v)
+            gradient.segment<3>(3 * v) +=
+                2.0 * hold_weights_[v] *
+                (points.segment<3>(3 * v) - held_points_.segment<3>(3 * v));
+    });
+    return hold_energy(points);
+}
+
+double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient)
+{
+    const Topology& t = topology_;
+    const int* const faces = t.faces().data();
+    const int* const face_edges = t.face_edges().data();
+    normals_.resize(t.face_count(), 3);
+    inverse_squares_.resize(t.face_count());
+    for_blocks(t.face_count(), [&](int first, int count) {
+        VectorRows p, q, r, normal;
+        const int* const corners = faces + 3 * first;
+        gather(count, points.data(), {corners, 3}, p);
+        gather(count, points.data(), {corners + 1, 3}, q);
+        gather(count, points.data(), {corners + 2, 3}, r);
+        face_normals(count, p, q, r, normal, inverse_squares_.data() + first);
+        for (int i = 0; i < count; ++i)
+            store(normal[i], normals_.data() + 3 * (first + i));
+    });
+    measure_edges(points);
 
     if (areas_kept_)
         add_collapses(points);
@@ -426,15 +444,7 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
             return std::accumulate(energies_.data() + begin, energies_.data() + end, 0.0);
         });
     energy += of_sums + add_gaps(points, gradient);
-    if (hold_weights_.size() > 0) {
-        for_blocks(t.vertex_count(), [&](int first, int count) {
-            for (int v = first; v < first + count; ++v)
-                gradient.segment<3>(3 * v) +=
-                    2.0 * hold_weights_[v] *
-                    (points.segment<3>(3 * v) - held_points_.segment<3>(3 * v));
-        });
-        energy += hold_energy(points);
-    }
+    energy += add_hold(points, gradient);
     return energy;
 }
 

@@ -142,6 +142,8 @@ public:
     [[nodiscard]] const Eigen::VectorXd& cosines() const { return cosines_; }
 
 private:
+    void measure_edges(const Eigen::VectorXd& points); ///< After the normals.
+    [[nodiscard]] double add_hold(const Eigen::VectorXd& points, Eigen::VectorXd& gradient) const;
     void add_collapses(const Eigen::VectorXd& points);
     [[nodiscard]] double add_sums();
     [[nodiscard]] double add_gaps(const Eigen::VectorXd& points, Eigen::VectorXd& gradient) const;
