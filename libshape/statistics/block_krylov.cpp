@@ -207,16 +207,16 @@ std::vector<std::span<double>> BlockKrylov::sums()
     return arrays;
 }
 
-void BlockKrylov::add(Index number, const RowMatrix& rows)
+void BlockKrylov::add(Index first, const RowMatrix& rows)
 {
     if (mean_.size() == 0)
         mean_ = rows.colwise().mean().transpose();
-    for (Index first = 0; first < rows.rows();) {
-        const Index count = std::min(rows.rows() - first, held_.rows() - held_count_);
-        hold(rows, first, count);
+    for (Index row = 0; row < rows.rows();) {
+        const Index count = std::min(rows.rows() - row, held_.rows() - held_count_);
+        hold(rows, row, count);
         for (Index i = 0; i < count; ++i)
-            held_numbers_.push_back(number + first + i);
-        first += count;
+            held_numbers_.push_back(first + row + i);
+        row += count;
         if (held_count_ == held_.rows())
             flush();
     }

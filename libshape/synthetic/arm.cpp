@@ -16,7 +16,7 @@ using std::numbers::pi;
 
 // A life-size arm in centimetres: shoulder at 0, elbow, wrist, finger tips.
 constexpr double length = 62.0;
-constexpr double radius = 4.5;
+constexpr double arm_radius = 4.5;
 constexpr double elbow = 29.0;
 
 /// Angle 0 is the inner side of the elbow (the biceps); `flexed` is 0 straight, 1 bent.
@@ -25,10 +25,10 @@ Eigen::Vector3d arm_point(const TubeVertex& vertex, const Bend& bend, double fle
     const double x = vertex.along;
     const double inner = std::cos(vertex.angle);
     const double side = std::sin(vertex.angle);
-    double r = radius + 1.2 * bump(x, 2.0, 6.0) // shoulder
-               - 0.6 * bump(x, elbow, 3.5)      // elbow
-               - 1.9 * ramp(x, 38.0, 50.0)      // wrist
-               + 0.5 * bump(x, 36.0, 5.0);      // forearm
+    double r = arm_radius + 1.2 * bump(x, 2.0, 6.0) // shoulder
+               - 0.6 * bump(x, elbow, 3.5)          // elbow
+               - 1.9 * ramp(x, 38.0, 50.0)          // wrist
+               + 0.5 * bump(x, 36.0, 5.0);          // forearm
     r += (0.7 + 1.3 * flexed) * bump(x, 16.0 - 1.5 * flexed, 4.5) * std::max(inner, 0.0) * inner;
     r += (0.6 - 0.4 * flexed) * bump(x, 13.0, 6.0) * std::max(-inner, 0.0) * -inner;
     r += (0.3 + 0.9 * flexed) * bump(x, elbow + 0.5, 2.2) * std::pow(std::max(-inner, 0.0), 4);
@@ -46,7 +46,7 @@ Eigen::Vector3d arm_point(const TubeVertex& vertex, const Bend& bend, double fle
 
 Collection make_arm(const SyntheticOptions& options)
 {
-    const Tube grid = tube({.length = length, .radius = radius, .vertices = options.vertices});
+    const Tube grid = tube({.length = length, .radius = arm_radius, .vertices = options.vertices});
     Members members(grid.faces, {"bend_deg"});
     for (int pose = 0; pose < options.count; ++pose) {
         const double flexed = static_cast<double>(pose) / (options.count - 1);

@@ -98,11 +98,11 @@ public:
     [[nodiscard]] bool exists() const
     {
         for (std::size_t end = name_.find('/', 1); true; end = name_.find('/', end + 1)) {
-            const std::string part = name_.substr(0, end);
-            if (checked(H5Lexists(file_.id, part.c_str(), H5P_DEFAULT)) == 0)
+            const std::string prefix = name_.substr(0, end);
+            if (checked(H5Lexists(file_.id, prefix.c_str(), H5P_DEFAULT)) == 0)
                 return false;
             H5L_info_t info;
-            checked(H5Lget_info(file_.id, part.c_str(), &info, H5P_DEFAULT));
+            checked(H5Lget_info(file_.id, prefix.c_str(), &info, H5P_DEFAULT));
             if (info.type != H5L_TYPE_HARD)
                 fail("is a link to elsewhere; only plain members are read");
             if (end == std::string::npos)
