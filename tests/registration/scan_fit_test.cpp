@@ -81,15 +81,21 @@ TEST(ScanFitter, TurnsAScanThatIsInsideOut)
     EXPECT_LT(rms(straight.points, turned.points), 1e-3 * straight.diagonal);
 }
 
-TEST(ScanFitter, MeetsLandmarks)
+/// On the pattern and where widened() brings them.
+LandmarkPairs five_landmarks(const TestMesh& mesh)
 {
-    const TestMesh mesh = pattern();
-    const Points truth = widened(mesh.points);
     const std::vector<int> vertices{0, 100, 200, 300, 400};
     LandmarkPairs marks;
     marks.names = {"a", "b", "c", "d", "e"};
     marks.on_template = mesh.points(vertices, Eigen::all);
-    marks.on_scan = truth(vertices, Eigen::all);
+    marks.on_scan = widened(mesh.points)(vertices, Eigen::all);
+    return marks;
+}
+
+TEST(ScanFitter, MeetsLandmarks)
+{
+    const TestMesh mesh = pattern();
+    const LandmarkPairs marks = five_landmarks(mesh);
     const ScanFit fit = ScanFitter(mesh.topology, mesh.points).fit(scan_of(wide_scan()), marks);
     ASSERT_EQ(fit.landmark_errors.size(), 5);
     EXPECT_LT(fit.landmark_errors.maxCoeff(), 1e-3 * fit.diagonal);
@@ -99,12 +105,8 @@ TEST(ScanFitter, MeetsLandmarks)
 TEST(ScanFitter, SaysThatLandmarksLookLikeAnotherUnit)
 {
     const TestMesh mesh = pattern();
-    const Points truth = widened(mesh.points);
-    const std::vector<int> vertices{0, 100, 200, 300, 400};
-    LandmarkPairs marks;
-    marks.names = {"a", "b", "c", "d", "e"};
-    marks.on_template = mesh.points(vertices, Eigen::all);
-    marks.on_scan = 0.1 * truth(vertices, Eigen::all);
+    LandmarkPairs marks = five_landmarks(mesh);
+    marks.on_scan *= 0.1;
     const ScanFitter fitter(mesh.topology, mesh.points);
     const ScanFit fit = fitter.fit(scan_of(wide_scan()), marks);
     EXPECT_NE(fit.status, FitStatus::Good);
