@@ -235,6 +235,45 @@ test("what one sees can be chosen", async () => {
     await close(page);
 });
 
+test("while something moves the processor draws what WebGL draws at rest", async () => {
+    // Light found at vertices is the same as at pixels where faces are small; of sixteen faces the places alone are.
+    for (const [name, hash, colour, most] of [["faces.html", "#s=-6", "none", 4], ["faces.html", "#s=1,2", "displacement", 4], ["small.html", "", "none", 30]]) {
+        const page = await open(name, { hash });
+        await settled(page);
+        await page.locator("#colour").selectOption(colour);
+        for (const view of ["front", "left", "back"]) {
+            await page.locator("#view").selectOption(view);
+            const { filled, apart, off } = await page.evaluate(async () => {
+                await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+                const sheet = document.querySelector("canvas.sheet");
+                const { width, height } = sheet;
+                const pixels = (...pictures) => {
+                    const context = new OffscreenCanvas(width, height).getContext("2d");
+                    for (const picture of pictures) context.drawImage(picture, 0, 0, width, height);
+                    return context.getImageData(0, 0, width, height).data;
+                };
+                const ground = new OffscreenCanvas(width, height);
+                Object.assign(ground.getContext("2d"), { fillStyle: "#00ff00" }).fillRect(0, 0, width, height);
+                const own = pixels(ground, sheet);
+                const theirs = pixels(await createImageBitmap(await window.explore.viewer.picture("#00ff00")));
+                let [filled, apart, off] = [0, 0, 0];
+                for (let i = 0; i < own.length; i += 4) {
+                    if (own[i + 1] === 255 && own[i] === 0) continue;
+                    const difference = Math.max(...[0, 1, 2].map((k) => Math.abs(own[i + k] - theirs[i + k])));
+                    ++filled;
+                    apart += difference;
+                    if (difference > 40) ++off;
+                }
+                return { filled, apart: apart / filled, off: off / filled };
+            });
+            assert.ok(filled > 3000, `${name}, ${view}: ${filled} pixels`);
+            assert.ok(apart < most, `${name}, ${view}: ${apart} of 255 apart on average`);
+            assert.ok(off < 0.02, `${name}, ${view}: ${off} of the pixels are others`); // along the silhouette, that WebGL smooths
+        }
+        await close(page);
+    }
+});
+
 test("anybody can read it", async () => {
     for (const [width, colorScheme] of [[1280, "light"], [390, "light"], [390, "dark"]]) {
         const page = await open("faces.html", { width, height: 844, colorScheme });

@@ -55,30 +55,34 @@ function show() {
     amountSliders.forEach((slider, i) => slider.show(place.amounts[i]));
     valueSliders.forEach((slider, i) => slider.show(place.values[i]));
     plot?.show(scores);
-    showCommand();
+    tellWhenCalm();
 }
 
 /// Ends a move: what undo goes back to, and what the address says.
 function settle() {
     history.push(place);
-    tellPlace();
+    showHistory();
 }
 
-/// The address follows when nothing has moved for a while: each change of it keeps the browser busy, and
-/// browsers ignore more than some hundred a minute.
-let addressTimer: ReturnType<typeof setTimeout> | undefined;
-
-function tellPlace() {
+function showHistory() {
     find<HTMLButtonElement>("#undo").disabled = !history.canUndo;
     find<HTMLButtonElement>("#redo").disabled = !history.canRedo;
-    clearTimeout(addressTimer);
-    addressTimer = setTimeout(writeAddress, 200);
 }
 
-function writeAddress() {
-    clearTimeout(addressTimer);
+/// The address and the command follow when nothing has moved for a while: each change of them keeps the browser busy, and
+/// browsers ignore more than some hundred of the address a minute.
+let calm: ReturnType<typeof setTimeout> | undefined;
+
+function tellWhenCalm() {
+    clearTimeout(calm);
+    calm = setTimeout(tellPlace, 200);
+}
+
+function tellPlace() {
+    clearTimeout(calm);
     const link = linkOf(place, facts);
     window.history.replaceState(null, "", link ? `#${link}` : location.pathname + location.search);
+    showCommand();
 }
 
 function goTo(to: Place, text = "") {
@@ -176,7 +180,7 @@ function take(shape: Shape) {
     ++shapes;
     showCertificate(shape);
     draw();
-    showCommand();
+    if (shape.quality === "fine") showCommand();
     if (isFirst) {
         viewer.frame(shape.points);
         find<HTMLSelectElement>("#view").value = "front";
@@ -347,7 +351,7 @@ function goBack(to: Place | null) {
     stopPlaying();
     place = to;
     show();
-    tellPlace();
+    showHistory();
 }
 
 const views: Record<string, [number, number, number]> = {
@@ -398,10 +402,13 @@ function setUpButtons() {
         navigator.clipboard.writeText(text).then(() => say(`${what} copied.`), () => say(`Copy it by hand: ${text}`));
     on("#copy-link", () => {
         settle();
-        writeAddress();
+        tellPlace();
         copy(location.href, "Link");
     });
-    on("#copy-command", () => copy(find("#command").textContent!, "Command"));
+    on("#copy-command", () => {
+        tellPlace();
+        copy(find("#command").textContent!, "Command");
+    });
     document.querySelectorAll<HTMLElement>("[data-save]").forEach((button) =>
         button.addEventListener("click", () => saveAs(button.dataset.save!)));
 
@@ -505,6 +512,9 @@ Object.assign(window, {
         },
         get decoder() {
             return decoder;
+        },
+        get viewer() {
+            return viewer;
         },
         get place() {
             return place;

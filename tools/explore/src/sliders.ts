@@ -25,6 +25,7 @@ export class Slider {
     private range: HTMLInputElement;
     private field: HTMLInputElement;
     readonly play: HTMLButtonElement | null = null;
+    private shown = NaN;
     private factor = 1; // of the field: typed units a unit of the value
 
     constructor(private options: SliderOptions) {
@@ -76,6 +77,8 @@ export class Slider {
     }
 
     show(value: number) {
+        if (value === this.shown && this.field.getAttribute("aria-invalid") !== "true") return;
+        this.shown = value;
         this.range.value = String(value);
         this.range.setAttribute("aria-valuetext", `${value.toFixed(2)} ${this.options.unit}`);
         if (document.activeElement !== this.field || this.field.getAttribute("aria-invalid") !== "true") {
@@ -88,6 +91,7 @@ export class Slider {
 
     typeIn(factor: number) {
         this.factor = factor;
+        this.shown = NaN;
     }
 }
 

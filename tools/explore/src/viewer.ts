@@ -2,8 +2,11 @@
 
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { make } from "./dom";
+import { Rasterizer, type Solid } from "./rasterizer";
 
 const skin = 0xd9ccbd;
+const brokenColour = 0xb0006d;
 
 /// Whether the processor draws, for want of a graphics card: then every pixel and every sample of it counts.
 function isDrawnBySoftware(): boolean {
@@ -26,9 +29,9 @@ function isClosed(faces: Uint32Array): boolean {
     return open.size === 0;
 }
 
-/// Draws one mesh that changes, and a ghost of another, seen from anywhere. Software draws four times as many pictures
-/// a second (docs/explore.md) by one sample a pixel, of large meshes a quarter, plain light and, of closed meshes, front
-/// faces alone; once nothing moves, the picture is drawn again with four pixels for one.
+/// Draws one mesh that changes, and a ghost of another, seen from anywhere. For want of a graphics card a mesh alone is drawn by
+/// our own rasterizer while something moves, on a sheet before the canvas, with a quarter of the pixels; what else there is, and
+/// every picture once nothing moves, by WebGL, then with four pixels for one. docs/explore.md says what each costs.
 export class Viewer {
     private renderer: THREE.WebGLRenderer;
     private scene = new THREE.Scene();
@@ -46,6 +49,12 @@ export class Viewer {
     private ghost: THREE.Mesh;
     private ghostGeometry = new THREE.BufferGeometry();
     private wires: THREE.Mesh;
+    private lamps = [new THREE.DirectionalLight(0xfff8ef, 2.1), new THREE.DirectionalLight(0xdfeaff, 0.5)];
+    private air = new THREE.HemisphereLight(0xf4f8ff, 0x98908a, 1.15);
+    private rasterizer = new Rasterizer();
+    private sheet: HTMLCanvasElement | null = null; // what the rasterizer draws; hidden while WebGL's picture is seen
+    private solid: Solid | null = null;
+    private isClosed = false;
     private centre = new THREE.Vector3();
     private radius = 1;
     private wanted = false;
@@ -57,18 +66,17 @@ export class Viewer {
     constructor(private canvas: HTMLCanvasElement, view: number[]) {
         this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isSoftware, alpha: true });
         this.renderer.setPixelRatio(this.pixelRatio);
-        const lamp = new THREE.DirectionalLight(0xfff8ef, 2.1);
-        lamp.position.set(-0.6, 0.7, 1);
-        const back = new THREE.DirectionalLight(0xdfeaff, 0.5);
-        back.position.set(0.8, -0.2, 0.6);
-        this.camera.add(lamp, back);
-        this.scene.add(this.camera, new THREE.HemisphereLight(0xf4f8ff, 0x98908a, 1.15), this.model);
+        this.lamps[0].position.set(-0.6, 0.7, 1);
+        this.lamps[1].position.set(0.8, -0.2, 0.6);
+        this.camera.add(...this.lamps);
+        this.scene.add(this.camera, this.air, this.model);
+        this.model.visible = false; // until there is a shape: what is drawn without normals stays faceted
         this.model.matrixAutoUpdate = false;
         const [a, b, c, d, e, f, g, h, i] = view;
         this.model.matrix.set(a, b, c, 0, d, e, f, 0, g, h, i, 0, 0, 0, 0, 1);
 
         const brokenMaterial = new THREE.MeshBasicMaterial({
-            color: 0xb0006d, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2,
+            color: brokenColour, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2,
         });
         const wireMaterial = new THREE.MeshBasicMaterial({ color: 0x1d2733, wireframe: true, transparent: true, opacity: 0.35 });
         const ghostMaterial = new THREE.MeshStandardMaterial({
@@ -86,6 +94,11 @@ export class Viewer {
         this.controls = new OrbitControls(this.camera, canvas);
         this.controls.enableDamping = false;
         this.controls.addEventListener("change", () => this.draw());
+        if (this.isSoftware) {
+            this.sheet = make<HTMLCanvasElement>("canvas", { class: "sheet", "aria-hidden": "true" });
+            this.sheet.hidden = true;
+            canvas.after(this.sheet);
+        }
         new ResizeObserver(() => this.resize()).observe(canvas);
     }
 
@@ -98,7 +111,8 @@ export class Viewer {
         this.geometry.setAttribute("color", color);
         this.brokenGeometry.setAttribute("position", position);
         this.brokenGeometry.setIndex([]);
-        if (this.isSoftware && isClosed(faces)) this.material.side = THREE.FrontSide;
+        this.isClosed = isClosed(faces);
+        if (this.isSoftware && this.isClosed) this.material.side = THREE.FrontSide;
         this.ghostGeometry.setIndex(index);
         this.ghostGeometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * vertices), 3));
         this.ghostGeometry.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(3 * vertices), 3));
@@ -121,6 +135,9 @@ export class Viewer {
         }
         this.broken.visible = broken.length > 0;
         if (broken.length > 0) this.brokenGeometry.setIndex(new THREE.BufferAttribute(broken, 1));
+        const faces = this.geometry.index!.array as Uint32Array;
+        this.solid = { points, normals, faces, colours, broken, isClosed: this.isClosed };
+        this.model.visible = true;
         this.draw();
     }
 
@@ -201,6 +218,47 @@ export class Viewer {
     private drawSmoothly() {
         this.renderer.setPixelRatio(2 * Math.min(devicePixelRatio, 1));
         this.renderer.render(this.scene, this.camera);
+        this.showSheet(false);
+    }
+
+    /// In place of what WebGL drew, which the browser need not put together with the page meanwhile.
+    private showSheet(on: boolean) {
+        if (!this.sheet || this.sheet.hidden === !on) return;
+        this.sheet.hidden = !on;
+        this.canvas.style.opacity = on ? "0" : "";
+    }
+
+    /// The mesh alone, on the sheet.
+    private drawOnSheet(sheet: HTMLCanvasElement, solid: Solid) {
+        const ratio = Math.min(devicePixelRatio, 1);
+        const width = Math.max(1, Math.round(this.canvas.clientWidth * ratio));
+        const height = Math.max(1, Math.round(this.canvas.clientHeight * ratio));
+        if (sheet.width !== width) sheet.width = width;
+        if (sheet.height !== height) sheet.height = height;
+        this.camera.updateMatrixWorld();
+        const toModel = this.model.matrix.clone().invert();
+        const toClip = this.camera.projectionMatrix.clone().multiply(this.camera.matrixWorldInverse).multiply(this.model.matrix);
+        const lit = (light: THREE.Light) => light.color.clone().multiplyScalar(light.intensity);
+        const picture = this.rasterizer.draw(solid, {
+            colour: new THREE.Color(skin),
+            broken: new THREE.Color(brokenColour),
+            lamps: this.lamps.map((lamp) => ({
+                direction: lamp.position.clone().applyMatrix4(this.camera.matrixWorld).transformDirection(toModel),
+                light: lit(lamp),
+            })),
+            up: new THREE.Vector3(0, 1, 0).transformDirection(toModel),
+            sky: lit(this.air),
+            ground: this.air.groundColor.clone().multiplyScalar(this.air.intensity),
+        }, toClip, width, height);
+        sheet.getContext("2d", { willReadFrequently: true })!.putImageData(picture, 0, 0);
+        this.showSheet(true);
+    }
+
+    private drawMoving() {
+        if (this.sheet && this.solid && !this.ghost.visible && !this.wires.visible) return this.drawOnSheet(this.sheet, this.solid);
+        if (this.renderer.getPixelRatio() !== this.pixelRatio) this.renderer.setPixelRatio(this.pixelRatio);
+        this.renderer.render(this.scene, this.camera);
+        this.showSheet(false);
     }
 
     /// With the next frame of the screen.
@@ -213,8 +271,7 @@ export class Viewer {
         }
         requestAnimationFrame(() => {
             this.wanted = false;
-            if (this.renderer.getPixelRatio() !== this.pixelRatio) this.renderer.setPixelRatio(this.pixelRatio);
-            this.renderer.render(this.scene, this.camera);
+            this.drawMoving();
             ++this.frames;
             const now = performance.now();
             this.drawn = [...this.drawn.filter((moment) => moment > now - 1000), now];
