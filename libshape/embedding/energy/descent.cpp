@@ -161,7 +161,7 @@ struct Descender::State
     ConjugateGradients conjugate_gradients;
     LaneVectors pull; // then the residual
     LaneVectors step;
-    VectorXd gradient, next, next_gradient;
+    VectorXd gradient, next;
     VectorXd edge_energies;
 
     State(LengthDihedralEnergy& of, const SinglePrecisionSolve& by)
@@ -174,6 +174,7 @@ struct Descender::State
                                        int max_steps, double least)
     {
         matrix.linearise(points);
+        energy.find_gradient(points, gradient);
         to_lanes(gradient.data(), gradient.size() / 3, -0.5 * matrix.unit(), pull);
         return conjugate_gradients.solve(matrix, preconditioner, held, pull, max_steps, least,
                                          step);
@@ -189,7 +190,7 @@ struct Descender::State
                     points.segment<3>(3 * i) +
                     scale * matrix.unit() * step.col(i).head<3>().cast<double>();
         });
-        return energy.evaluate(next, next_gradient);
+        return energy.evaluate(next);
     }
 };
 
@@ -214,7 +215,7 @@ Descent Descender::descend(VectorXd start, const DescentOptions& options)
     State& s = *state_;
     Descent result;
     result.points = std::move(start);
-    result.energy = s.energy.evaluate(result.points, s.gradient);
+    result.energy = s.energy.evaluate(result.points);
     if (!std::isfinite(result.energy))
         throw NumericalError("descent: the energy is not finite at the start");
     result.converged = result.energy <= options.value_tolerance;
@@ -248,7 +249,7 @@ Descent Descender::descend(VectorXd start, const DescentOptions& options)
                     2.0 * decrease <= taken * options.decrease_tolerance * result.energy;
                 break;
             }
-            (void)s.energy.evaluate(result.points, s.gradient); // solve anew without them
+            (void)s.energy.evaluate(result.points); // solve anew without them
             continue;
         }
         const double lowered = result.energy - value;
@@ -260,7 +261,6 @@ Descent Descender::descend(VectorXd start, const DescentOptions& options)
         held.clear();
         result.points.swap(s.next);
         s.edge_energies = s.energy.edge_energies();
-        s.gradient.swap(s.next_gradient);
         result.energy = value;
         if (agreement > good_agreement)
             steps = steps + steps / 2;

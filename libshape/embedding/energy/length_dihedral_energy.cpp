@@ -285,17 +285,24 @@ double LengthDihedralEnergy::lack(const Gap& gap, const VectorXd& points)
     return std::max(0.0, gap.least - reached);
 }
 
-double LengthDihedralEnergy::add_gaps(const VectorXd& points, VectorXd& gradient) const
+double LengthDihedralEnergy::gap_energy(const VectorXd& points) const
 {
     double energy = 0.0;
     for (const Gap& gap : gaps_) {
         const double lacking = lack(gap, points);
         energy += gap.stiffness * lacking * lacking;
+    }
+    return energy;
+}
+
+void LengthDihedralEnergy::add_gaps(const VectorXd& points, VectorXd& gradient) const
+{
+    for (const Gap& gap : gaps_) {
+        const double lacking = lack(gap, points);
         for (std::size_t i = 0; i < gap.vertices.size(); ++i)
             gradient.segment<3>(3 * gap.vertices[i]) -=
                 2.0 * gap.stiffness * lacking * gap.factors[i] * gap.direction;
     }
-    return energy;
 }
 
 /// What held sums add to E, and to its gradient by the moments of their edges.
@@ -385,24 +392,22 @@ void LengthDihedralEnergy::measure_edges(const VectorXd& points)
     });
 }
 
-double LengthDihedralEnergy::add_hold(const VectorXd& points, VectorXd& gradient) const
+void LengthDihedralEnergy::add_hold(const VectorXd& points, VectorXd& gradient) const
 {
     if (hold_weights_.size() == 0)
-        return 0.0;
+        return;
     for_blocks(topology_.vertex_count(), [&](int first, int count) {
         for (int v = first; v < first + count; ++v)
             gradient.segment<3>(3 * v) +=
                 2.0 * hold_weights_[v] *
                 (points.segment<3>(3 * v) - held_points_.segment<3>(3 * v));
     });
-    return hold_energy(points);
 }
 
-double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient)
+double LengthDihedralEnergy::evaluate(const VectorXd& points)
 {
     const Topology& t = topology_;
     const int* const faces = t.faces().data();
-    const int* const face_edges = t.face_edges().data();
     normals_.resize(t.face_count(), 3);
     inverse_squares_.resize(t.face_count());
     for_blocks(t.face_count(), [&](int first, int count) {
@@ -420,7 +425,20 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
     if (areas_kept_)
         add_collapses(points);
     const double of_sums = add_sums();
+    double energy = parallel_sum(
+        to_size(t.edge_count()), 8 * block_size, [&](std::size_t begin, std::size_t end) {
+            return std::accumulate(energies_.data() + begin, energies_.data() + end, 0.0);
+        });
+    energy += of_sums + gap_energy(points);
+    if (hold_weights_.size() > 0)
+        energy += hold_energy(points);
+    return energy;
+}
 
+void LengthDihedralEnergy::find_gradient(const VectorXd& points, VectorXd& gradient)
+{
+    const Topology& t = topology_;
+    const int* const face_edges = t.face_edges().data();
     lifts_.resize(t.halfedge_count());
     for_blocks(t.face_count(), [&](int first, int count) {
         VectorRows length{}, moment{}, lift{};
@@ -439,12 +457,14 @@ double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient
         gather_gradient(static_cast<int>(begin), static_cast<int>(end), t, points.data(),
                         normals_.data(), lifts_.data(), pulls_.data(), gradient.data());
     });
-    double energy = parallel_sum(
-        to_size(t.edge_count()), 8 * block_size, [&](std::size_t begin, std::size_t end) {
-            return std::accumulate(energies_.data() + begin, energies_.data() + end, 0.0);
-        });
-    energy += of_sums + add_gaps(points, gradient);
-    energy += add_hold(points, gradient);
+    add_gaps(points, gradient);
+    add_hold(points, gradient);
+}
+
+double LengthDihedralEnergy::evaluate(const VectorXd& points, VectorXd& gradient)
+{
+    const double energy = evaluate(points);
+    find_gradient(points, gradient);
     return energy;
 }
 

@@ -119,9 +119,16 @@ public:
     /// Of the last evaluate().
     [[nodiscard]] const std::vector<Collapse>& collapses() const { return collapses_; }
 
-    /// Value and gradient [1/length]. A face without area adds nothing to the gradient of angles.
+    /// E alone.
     /// @param points  #V by 3, row by row in one vector [length].
     /// Cost: O(#E). Works in memory that is kept: not safe to call concurrently.
+    [[nodiscard]] double evaluate(const Eigen::VectorXd& points);
+
+    /// Of E at the points of the last evaluate() [1/length]. A face without area adds nothing to the gradient of
+    /// angles. Cost: half of evaluate().
+    void find_gradient(const Eigen::VectorXd& points, Eigen::VectorXd& gradient);
+
+    /// Both.
     [[nodiscard]] double evaluate(const Eigen::VectorXd& points, Eigen::VectorXd& gradient);
 
     // Of the last evaluate():
@@ -143,10 +150,11 @@ public:
 
 private:
     void measure_edges(const Eigen::VectorXd& points); ///< After the normals.
-    [[nodiscard]] double add_hold(const Eigen::VectorXd& points, Eigen::VectorXd& gradient) const;
     void add_collapses(const Eigen::VectorXd& points);
     [[nodiscard]] double add_sums();
-    [[nodiscard]] double add_gaps(const Eigen::VectorXd& points, Eigen::VectorXd& gradient) const;
+    [[nodiscard]] double gap_energy(const Eigen::VectorXd& points) const;
+    void add_gaps(const Eigen::VectorXd& points, Eigen::VectorXd& gradient) const;
+    void add_hold(const Eigen::VectorXd& points, Eigen::VectorXd& gradient) const;
 
     Topology topology_;
     ShapePoint target_;
@@ -164,7 +172,7 @@ private:
     Eigen::VectorXd held_points_;
     Eigen::VectorXd hold_weights_;
 
-    // What evaluate() works in. Pages that are asked for anew at every step cost more than the work.
+    // What they work in. Pages that are asked for anew at every step cost more than the work.
     Points normals_;                  // of the faces, as long as twice the area
     Eigen::VectorXd inverse_squares_; // of the normals, bounded; see face_normals()
     Eigen::VectorXd lengths_;
