@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,17 +13,22 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/rounded.h"
 #include "libshape/conformal/sphere_map.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/io/mesh_endings.h"
+#include "libshape/io/table_file.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/joined_labels.h"
 #include "libshape/mesh/mesh_repair.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/model/outlying_meshes.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
 #include "tools/output/mesh_output.h"
+#include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -66,7 +72,8 @@ struct Result
     std::vector<Finding> warnings;    ///< What concerns several meshes at once.
     std::optional<Topology> topology; ///< The topology that meshes in correspondence share.
     std::vector<NamedMesh> readable;
-    std::vector<std::string> triangulated; ///< Names of those that were split into triangles.
+    Labels labels;                      ///< Of the readable ones, as collection files hold them.
+    std::set<std::string> triangulated; ///< Paths of those that were split into triangles.
     std::vector<std::pair<std::string, std::string>> unreadable; ///< Names of the rest, and why.
 };
 
@@ -95,6 +102,8 @@ const char* kind_name(DefectKind kind)
             return "not_finite";
         case DefectKind::DegenerateTriangle:
             return "degenerate_triangle";
+        case DefectKind::SizeOutOfRange:
+            return "size_out_of_range";
     }
     return "";
 }
@@ -134,8 +143,8 @@ std::vector<Finding> find_all(const NamedMesh& mesh, const NamedMesh& reference,
         return finding.kind == kind_name(DefectKind::SeveralComponents) ||
                finding.kind == kind_name(DefectKind::BowTie);
     });
-    if (split != findings.end())
-        split->message += describe_coincident(mesh.points);
+    if (split != findings.end() && has_triangles)
+        split->message += describe_coincident(mesh.faces, mesh.points);
     if (findings.empty())
         append_boundaries(findings, mesh);
     const std::string difference = describe_correspondence_break(reference, mesh);
@@ -161,6 +170,8 @@ const char* kind_name(OddityKind kind)
     switch (kind) {
         case OddityKind::Seam:
             return "seam";
+        case OddityKind::NearSeam:
+            return "near_seam";
         case OddityKind::Mirrored:
             return "mirrored";
         case OddityKind::InsideOut:
@@ -173,28 +184,49 @@ const char* kind_name(OddityKind kind)
     return "";
 }
 
-/// Vertices of the boundary that lie on one another in single meshes only, as closed lips do.
+/// Vertices of the boundary that lie on or near one another in single meshes only, as closed lips do.
 void find_touching(const Collection& collection, const std::vector<std::size_t>& index,
                    Result& result)
 {
     if (collection.topology.is_closed())
         return;
     for (std::size_t i = 0; i < collection.size(); ++i) {
+        const SeamVertices seams =
+            seam_vertices(collection.topology.faces(), std::span(collection.points).subspan(i, 1));
         std::size_t count = 0;
-        int first = -1;
-        for (const VertexGroup& group :
-             coincident_vertices(std::span(collection.points).subspan(i, 1)))
-            if (std::ranges::all_of(
-                    group, [&](int v) { return collection.topology.is_boundary_vertex(v); })) {
+        int first = collection.topology.vertex_count();
+        for (const auto* groups : {&seams.coincident, &seams.near})
+            for (const VertexGroup& group : *groups) {
                 count += group.size();
-                first = first < 0 ? group.front() : first;
+                first = std::min(first, group.front());
             }
         if (count > 0)
             result.meshes[index[i]].warnings.push_back(
                 {"touching", -1, first,
-                 join(count, " boundary vertices lie on others in this mesh, first vertex ", first,
-                      "; blends open them there")});
+                 join(count, " boundary vertices lie on others",
+                      seams.near.empty()
+                          ? ""
+                          : join(" or up to ", rounded(seams.gap), " of the diagonal away"),
+                      " in this mesh, first vertex ", first, "; blends open them there")});
     }
+}
+
+/// Two names that are one to a table of labels.
+void check_names(Result& result)
+{
+    std::vector<std::string> names;
+    std::vector<std::string> paths;
+    for (const CheckedMesh& mesh : result.meshes) {
+        names.push_back(mesh.name);
+        paths.push_back(mesh.path);
+    }
+    const auto alike = find_names_alike(names, paths);
+    if (!alike)
+        return;
+    const Finding finding{"names_alike", -1, -1, alike->message};
+    result.warnings.push_back(finding);
+    for (const std::size_t i : {alike->first, alike->second})
+        result.meshes[i].warnings.push_back(finding);
 }
 
 /// What is odd about the sound meshes together.
@@ -224,7 +256,8 @@ void check_together(Result& result)
     bool has_seam = false;
     for (const Oddity& oddity : find_oddities(collection)) {
         warn(kind_name(oddity.kind), oddity.meshes, -1, advice_on(oddity));
-        has_seam = has_seam || oddity.kind == OddityKind::Seam;
+        has_seam =
+            has_seam || oddity.kind == OddityKind::Seam || oddity.kind == OddityKind::NearSeam;
     }
     if (!has_seam)
         find_touching(collection, index, result);
@@ -254,6 +287,7 @@ Result check_all(const Session& session, const Arguments& arguments)
                                      "the mesh cannot be read"});
             result.meshes.back().is_readable = false;
         }
+        append_labels(result.labels, result.readable.size(), content.labels, content.meshes.size());
         for (NamedMesh& mesh : content.meshes) {
             // The first mesh that can be read is what the others are compared with.
             const NamedMesh& reference = result.readable.empty() ? mesh : result.readable.front();
@@ -270,6 +304,7 @@ Result check_all(const Session& session, const Arguments& arguments)
     }
     progress("checking", files.size(), files.size());
     notes.say(notices);
+    check_names(result);
     check_together(result);
     return result;
 }
@@ -376,7 +411,7 @@ void read_polygons(Result& result)
         try {
             FileContent content = read_mesh_file(mesh.path, true);
             for (NamedMesh& split : content.meshes) {
-                result.triangulated.push_back(split.name);
+                result.triangulated.insert(split.path);
                 readable.push_back(std::move(split));
             }
         } catch (const InvalidInput& error) {
@@ -394,85 +429,188 @@ std::string part_of(const std::string& name, Components components)
     return components == Components::Split && at != std::string::npos ? name.substr(at) : "";
 }
 
-/// Writes what can be repaired; returns the figures.
-Json fix(const Session& session, const Arguments& arguments, Result& result)
+/// What --fix writes, and what it leaves.
+struct Fixed
 {
-    const std::vector<std::filesystem::path> inputs = input_files(arguments.meshes);
+    std::vector<NamedMesh> sound;
+    Json left = Json::array();
+    std::string text; ///< Of what is left.
+
+    void leave(const std::string& name, const std::string& place, bool is_written,
+               const std::string& why)
+    {
+        left.push_back({{"name", name}, {"written", is_written}, {"message", why}});
+        text += join("  left to repair: ", place,
+                     is_written ? " (written): " : " (not written): ", why, "\n");
+    }
+};
+
+/// The directory of --fix is none of the inputs', nor spelled as a file is.
+void check_fix_directory(const Arguments& arguments)
+{
     const std::filesystem::path directory = arguments.fixed.path;
-    for (const std::filesystem::path& input : inputs) {
+    const std::string name = directory.filename().string();
+    const bool is_file =
+        without_mesh_ending(name) != name ||
+        std::ranges::any_of(std::array{".h5", ".csv", ".json", ".html"},
+                            [&](const char* ending) { return has_ending(directory, ending); });
+    if (is_file && !std::filesystem::is_directory(directory))
+        throw UsageError(join("--fix: '", directory.string(),
+                              "' has the ending of a file; name a directory for the repaired "
+                              "meshes, such as '",
+                              std::filesystem::path(directory).replace_extension().string(), "'"));
+    for (const std::filesystem::path& input : input_files(arguments.meshes)) {
         const std::filesystem::path parent = input.has_parent_path() ? input.parent_path() : ".";
         if (std::filesystem::exists(directory) && std::filesystem::equivalent(parent, directory))
             throw UsageError(
                 join("--fix: '", directory.string(), "' holds the input; name another directory"));
     }
-    read_polygons(result);
-    RepairedMeshes repaired =
-        repair_meshes(std::move(result.readable), {.components = arguments.components});
-    if (!result.triangulated.empty()) {
-        std::vector<std::size_t> all(result.triangulated.size());
-        std::iota(all.begin(), all.end(), 0);
-        repaired.changes.insert(repaired.changes.begin(), join(list_names(result.triangulated, all),
-                                                               ": polygons split into triangles"));
+}
+
+/// Takes out the meshes that have the name of one before them: one of a name can be written.
+void take_out_repeated(std::vector<NamedMesh>& meshes, Fixed& fixed)
+{
+    std::map<std::string, std::string> path_of;
+    std::vector<NamedMesh> others;
+    for (NamedMesh& mesh : meshes) {
+        const auto [first, is_new] = path_of.try_emplace(mesh.name, mesh.path);
+        if (is_new)
+            others.push_back(std::move(mesh));
+        else
+            fixed.leave(mesh.name, mesh.path, false,
+                        join("repeated_name: the mesh of ", first->second, " is called '",
+                             mesh.name, "' too; rename one of the files"));
     }
-    std::vector<std::string> names;
-    std::vector<NamedMesh> sound;
+    meshes = std::move(others);
+}
+
+/// Keeps what can be written, and says what is left to repair.
+void sort_out(std::vector<NamedMesh> meshes, const Arguments& arguments, Fixed& fixed)
+{
+    std::set<std::string> taken;
     std::map<std::string, std::size_t> first_of_part; // among the sound ones
-    Json left = Json::array();
-    std::string text;
-    for (const auto& [name, why] : result.unreadable) {
-        left.push_back({{"name", name}, {"written", false}, {"message", why}});
-        text += join("  left to repair: ", name, " (not written): ", why, "\n");
-    }
-    for (NamedMesh& mesh : repaired.meshes) {
+    for (NamedMesh& mesh : meshes) {
         const std::string part = part_of(mesh.name, arguments.components);
         const auto first = first_of_part.find(part);
         const std::vector<Finding> findings =
-            find_all(mesh, first == first_of_part.end() ? mesh : sound[first->second],
+            find_all(mesh, first == first_of_part.end() ? mesh : fixed.sound[first->second],
                      static_cast<int>(arguments.limit));
-        const bool is_repeated = std::ranges::find(names, mesh.name) != names.end();
+        const bool is_repeated = taken.contains(mesh.name);
         const bool is_sound = !is_repeated && std::ranges::all_of(findings, [](const Finding& f) {
             return f.kind == "correspondence";
         });
-        if (!findings.empty() || is_repeated) {
-            const std::string why = is_repeated
-                                        ? "repeated_name: another mesh has this name"
-                                        : findings.front().kind + ": " + findings.front().message;
-            left.push_back({{"name", mesh.name}, {"written", is_sound}, {"message", why}});
-            text += join("  left to repair: ", mesh.name,
-                         is_sound ? " (written): " : " (not written): ", why, "\n");
-        }
+        if (!findings.empty() || is_repeated)
+            fixed.leave(mesh.name, mesh.name, is_sound,
+                        is_repeated ? "repeated_name: another mesh has this name"
+                                    : findings.front().kind + ": " + findings.front().message);
         if (is_sound) {
-            first_of_part.emplace(part, sound.size());
-            names.push_back(mesh.name);
-            sound.push_back(std::move(mesh));
+            first_of_part.emplace(part, fixed.sound.size());
+            taken.insert(mesh.name);
+            fixed.sound.push_back(std::move(mesh));
         }
     }
+}
+
+/// The labels of the meshes that are written, by the names of their files.
+Table label_table(const Labels& labels, const std::map<std::string, std::size_t>& rows,
+                  const std::vector<NamedMesh>& meshes, const std::vector<std::string>& paths,
+                  Components components)
+{
+    Table table{{"mesh"}, {}};
+    for (const LabelColumn& column : labels)
+        table.columns.push_back(column.name);
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        const std::string& name = meshes[i].name;
+        auto found = rows.find(name);
+        if (found == rows.end()) // a part of a mesh
+            found = rows.find(name.substr(0, name.size() - part_of(name, components).size()));
+        std::vector<std::string> row{std::filesystem::path(paths[i]).stem().string()};
+        for (const LabelColumn& column : labels)
+            row.push_back(found == rows.end() ? "" : column.values[found->second]);
+        table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
+/// Writes the meshes, and beside them the labels, if they have some; returns the paths.
+std::vector<std::string> write_fixed(const Session& session, const Arguments& arguments,
+                                     const Labels& labels,
+                                     const std::map<std::string, std::size_t>& rows,
+                                     const std::vector<NamedMesh>& meshes)
+{
+    if (meshes.empty())
+        return {};
+    std::vector<std::string> names;
+    for (const NamedMesh& mesh : meshes)
+        names.push_back(mesh.name);
+    MeshOutputArguments place = arguments.fixed;
+    place.path = (std::filesystem::path(place.path) / "").string();
+    std::vector<std::string> further;
+    if (!labels.empty())
+        further.push_back("labels.csv");
+    MeshOutput output(session, place, names, input_files(arguments.meshes), further);
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        output.write(i, meshes[i].points, meshes[i].faces);
+    for (const std::string& file : further)
+        write_table(output.staged(file),
+                    label_table(labels, rows, meshes, output.paths(), arguments.components));
+    output.commit();
+    return output.paths();
+}
+
+/// Writes what can be repaired; returns the figures.
+Json fix(const Session& session, const Arguments& arguments, Result& result)
+{
+    std::map<std::string, std::size_t> rows; // of the labels
+    for (std::size_t i = 0; i < result.readable.size(); ++i)
+        rows.emplace(result.readable[i].name, i);
+    read_polygons(result);
+    Fixed fixed;
+    for (const auto& [name, why] : result.unreadable)
+        fixed.leave(name, name, false, why);
+    take_out_repeated(result.readable, fixed);
+    std::vector<std::string> triangulated;
+    for (const NamedMesh& mesh : result.readable)
+        if (result.triangulated.contains(mesh.path))
+            triangulated.push_back(mesh.name);
+    RepairedMeshes repaired = repair_meshes(
+        std::move(result.readable),
+        {.components = arguments.components, .find_outliers = [](const Collection& collection) {
+             std::vector<std::size_t> meshes;
+             for (const OutlyingMesh& outlier : find_outlying_meshes(collection))
+                 meshes.push_back(outlier.mesh);
+             return meshes;
+         }});
+    if (!triangulated.empty()) {
+        std::vector<std::size_t> all(triangulated.size());
+        std::iota(all.begin(), all.end(), 0);
+        repaired.changes.insert(repaired.changes.begin(), join(list_names(triangulated, all),
+                                                               ": polygons split into triangles"));
+    }
+    sort_out(std::move(repaired.meshes), arguments, fixed);
+    const std::vector<std::string> outputs =
+        write_fixed(session, arguments, result.labels, rows, fixed.sound);
     std::string list;
     for (const std::string& change : repaired.changes)
         list += join("  ", change, "\n");
-    for (const std::string& size : repaired.kept)
-        text += join("  left as it is: ", size, "\n");
-    Json outputs = Json::array();
-    if (!sound.empty()) {
-        MeshOutputArguments place = arguments.fixed;
-        place.path = (directory / "").string();
-        MeshOutput output(session, place, names, inputs);
-        for (std::size_t i = 0; i < sound.size(); ++i)
-            output.write(i, sound[i].points, sound[i].faces);
-        output.commit();
-        outputs = output.paths();
-    }
-    session.message(join(directory.string(), ": ", counted(sound.size(), "mesh", "meshes"),
+    for (const std::string& odd : repaired.kept)
+        fixed.text += join("  left as it is: ", odd, "\n");
+    if (outputs.size() > fixed.sound.size())
+        fixed.text += join("  labels: ", outputs.back(), ", for --labels: files of single meshes ",
+                           "hold none\n");
+    session.message(join(arguments.fixed.path, ": ", counted(fixed.sound.size(), "mesh", "meshes"),
                          " written, ", counted(repaired.changes.size(), "change"),
-                         repaired.changes.empty() ? "" : ":", "\n", list, text));
+                         repaired.changes.empty() ? "" : ":", "\n", list, fixed.text));
     return {{"outputs", outputs},
             {"changes", repaired.changes},
             {"kept", repaired.kept},
-            {"left", left}};
+            {"left", fixed.left}};
 }
 
 void run(const Session& session, const Arguments& arguments)
 {
+    if (!arguments.fixed.path.empty())
+        check_fix_directory(arguments);
     Result result = check_all(session, arguments);
     const auto broken = count_broken(result);
     if (!session.json)
@@ -508,11 +646,12 @@ Run set_up_check(CLI::App& command)
         "Say which mesh breaks what, where, and how it could be repaired: syntax, indices,\n"
         "manifold edges and vertices, orientation, one component, degenerate triangles, the\n"
         "inequalities of edge-length space, and correspondence with the first mesh. Warns of what\n"
-        "is seldom meant: seams (vertices that lie on one another), mirror images, surfaces that\n"
-        "are inside out, sizes in other units, meshes far from all others. Says also whether\n"
-        "`shape conformal` can map the surface to the sphere. Indices count from 0. The exit code\n"
-        "is 3 if anything is broken, with --fix if something is left to repair; warnings alone\n"
-        "leave it 0.");
+        "is seldom meant: seams (vertices that lie on or near one another), mirror images,\n"
+        "surfaces that are inside out, sizes in other units, copies, meshes far from all others,\n"
+        "names that tables of labels take for one. Says also whether `shape conformal` can map "
+        "the\n"
+        "surface to the sphere. Indices count from 0. The exit code is 3 if anything is broken,\n"
+        "with --fix if something is left to repair; warnings alone leave it 0.");
     command.footer(
         "Examples:\n"
         "  shape check faces/ --verbose\n"
@@ -529,7 +668,9 @@ Run set_up_check(CLI::App& command)
             "Write repaired copies of the meshes into this directory and list what was done:\n"
             "polygons split, seams welded, repeated faces and vertices without a face taken\n"
             "away, faces turned, pieces chosen, mirror images and surfaces that are inside out\n"
-            "turned back, units made one. Meshes in correspondence stay so")
+            "turned back, millimetres, centimetres and metres made one. What would be a guess is\n"
+            "left and said: inches and feet, meshes far from all others, patches that nearly\n"
+            "meet. Meshes in correspondence stay so; labels go into labels.csv")
         ->option_text("DIR");
     add_choice(
         command, "--components", arguments->components,

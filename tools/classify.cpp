@@ -116,24 +116,18 @@ std::string draw_variates(const MeshLabels& meshes, const PointPlotArguments& po
     return plot_svg(plot);
 }
 
-/// What was asked for; else the default, or as many as the meshes leave that are learnt from without
-/// the largest fold, less the groups.
-int chosen_modes(const Session& session, const Arguments& arguments, const Grouping& groups,
-                 const Grouping& folds)
+/// With the modes that were asked for; else with the default, or as many as the meshes have.
+CrossValidation validate(const Session& session, const Arguments& arguments,
+                         const Eigen::MatrixXd& products, const Grouping& groups,
+                         const Grouping& folds)
 {
     if (arguments.modes)
-        return static_cast<int>(*arguments.modes);
-    std::size_t largest = 0;
-    for (const std::vector<int>& fold : members(folds))
-        largest = std::max(largest, fold.size());
-    const int most =
-        static_cast<int>(groups.size()) - static_cast<int>(largest) - groups.group_count();
-    if (most >= default_modes)
-        return default_modes;
-    const int modes = std::max(most, 1);
-    session.message(join(modes, modes == 1 ? " mode is" : " modes are",
-                         " used, as many as the meshes allow (--modes)"));
-    return modes;
+        return cross_validate(products, groups, folds, static_cast<int>(*arguments.modes));
+    CrossValidation result = cross_validate_up_to(products, groups, folds, default_modes);
+    if (result.modes < default_modes)
+        session.message(join(result.modes, result.modes == 1 ? " mode is" : " modes are",
+                             " used, as many as the meshes allow (--modes)"));
+    return result;
 }
 
 void check_outputs(const Session& session, const Arguments& arguments)
@@ -179,14 +173,14 @@ void classify_and_write(const Session& session, const Arguments& arguments,
     if (!are_rows_told)
         warn_of_close_rows(session, meshes, rows, observed.products);
     throw_if_stop_requested();
-    const int modes = chosen_modes(session, arguments, groups, folds);
-    const CrossValidation result = cross_validate(observed.products, groups, folds, modes);
+    const CrossValidation result = validate(session, arguments, observed.products, groups, folds);
     throw_if_stop_requested();
 
     const Table confusion = confusion_table(arguments.by, groups, result);
-    const std::string plot = arguments.plot.empty() ? std::string()
-                                                    : draw_variates(meshes, arguments.points,
-                                                                    groups, observed.scores(modes));
+    const std::string plot =
+        arguments.plot.empty()
+            ? std::string()
+            : draw_variates(meshes, arguments.points, groups, observed.scores(result.modes));
     std::vector<std::string> outputs{arguments.output};
     write_table(arguments.output, confusion);
     if (!arguments.predictions.empty()) {
@@ -207,7 +201,7 @@ void classify_and_write(const Session& session, const Arguments& arguments,
     if (observed.passes > 0)
         figures["passes"] = observed.passes;
     figures.update(space_figures(observed.space));
-    figures["modes"] = modes;
+    figures["modes"] = result.modes;
     figures["folds"] = folds.group_count();
     figures["groups"] = groups.names;
     figures["confusion"] = Json::array();
@@ -290,7 +284,7 @@ Run set_up_classify(CLI::App& command)
               "(default: one mesh at a time)");
     add_integer(command, "--modes", arguments->modes,
                 "Number of leading modes, >= 1; at most the number of training meshes less that\n"
-                "of groups (default: 20, or that many)",
+                "of groups, and as many as these vary in (default: 20, or as many as that)",
                 1, std::numeric_limits<int>::max());
     add_output_file(
         command, arguments->output,

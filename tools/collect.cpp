@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <set>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -11,11 +14,14 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/collection_stream.h"
-#include "libshape/mesh/oddities.h"
+#include "libshape/mesh/congruent_meshes.h"
+#include "libshape/mesh/edge_lengths.h"
+#include "libshape/model/unlike_meshes.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/unlike_warnings.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -43,38 +49,86 @@ void report(const Session& session, const Arguments& arguments, const Topology& 
                            {"faces", topology.face_count()}});
 }
 
-/// Warns of meshes that are added and are odd beside the first one that is there.
-void warn_of_oddities(const Session& session, const MeshStream& present, const Collection& added)
+/// Some of the meshes that are there, the first one among them: as few as say how sizes spread.
+Collection samples_of(const MeshStream& present)
 {
-    Collection together{added.topology, added.names, added.points, {}};
-    together.names.push_back(present.names.front());
-    together.points.emplace_back(added.topology.vertex_count(), 3);
-    present.fetch({0})(std::span(together.points).last(1));
-    for (const Oddity& oddity : find_oddities(together))
-        if (oddity.kind == OddityKind::Mirrored || oddity.kind == OddityKind::Size ||
-            (oddity.kind == OddityKind::Copies && oddity.meshes.back() == added.size()))
-            session.warn(advice_on(oddity));
+    const Eigen::Index count = std::min<Eigen::Index>(present.size(), 5);
+    std::vector<Eigen::Index> chosen;
+    Collection samples{present.topology, {}, {}, {}};
+    for (Eigen::Index k = 0; k < count; ++k) {
+        chosen.push_back(k * present.size() / count);
+        samples.names.push_back(present.names[to_size(chosen.back())]);
+    }
+    samples.points.resize(to_size(count), Points(present.topology.vertex_count(), 3));
+    present.fetch(std::move(chosen))(samples.points);
+    return samples;
+}
+
+/// Warns of meshes that are added and are unlike those that are there, be they alike among themselves.
+void warn_of_unlike_added(const Session& session, const std::string& output,
+                          const Collection& samples, const Collection& added)
+{
+    Eigen::VectorXd sizes(std::ssize(added.points));
+    for (std::size_t i = 0; i < added.size(); ++i)
+        sizes[static_cast<Eigen::Index>(i)] = edge_lengths(added.topology, added.points[i]).sum();
+    warn_of_unlike(
+        session, added.names, unlike_meshes(known_meshes(samples), added, sizes),
+        {.others = join("the meshes of ", output), .mirrored = "edge lengths do not see that"});
+}
+
+/// Warns of meshes that are added and are copies of any that are there.
+void warn_of_copies(const Session& session, const MeshStream& present, const Collection& added)
+{
+    const std::set<std::string> there(present.names.begin(), present.names.end());
+    if (std::ranges::any_of(added.names, [&](const auto& name) { return there.contains(name); }))
+        return; // which is refused
+    const MeshStream some =
+        subset(present, meshes_to_compare(present, added.points, session.progress()));
+    const std::size_t count = some.names.size();
+    Collection together{added.topology, some.names, {}, {}};
+    together.names.insert(together.names.end(), added.names.begin(), added.names.end());
+    std::vector<Eigen::Index> all(count);
+    std::iota(all.begin(), all.end(), 0);
+    together.points.resize(count, Points(added.topology.vertex_count(), 3));
+    some.fetch(std::move(all))(together.points);
+    together.points.insert(together.points.end(), added.points.begin(), added.points.end());
+    for (const Copies& copies : congruent_meshes(together.topology, together.points))
+        if (copies.meshes.front() < count && copies.meshes.back() >= count)
+            session.warn(describe(copies, together.names));
+}
+
+/// Warns of a mesh that is added and has the name of one that is there as tables spell it.
+void warn_of_names_alike(const Session& session, const std::string& output,
+                         const MeshStream& present, const Collection& added)
+{
+    std::vector<std::string> names = present.names;
+    names.insert(names.end(), added.names.begin(), added.names.end());
+    std::vector<std::string> places;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        places.push_back(i < present.names.size() ? join(output, ": mesh ", names[i]) : names[i]);
+    if (const auto alike = find_names_alike(names, places);
+        alike && alike->second >= present.names.size())
+        session.warn(alike->message);
 }
 
 /// The meshes of the output and those that are added to it: positions that are there are passed on
 /// as they are.
 void append(const Session& session, const Arguments& arguments)
 {
+    check_not_protected(arguments.output);
     const MeshStream present = open_collection(arguments.output);
     for (const std::filesystem::path& path : input_files(arguments.input.meshes))
         if (std::filesystem::equivalent(path, arguments.output))
             throw UsageError(join(arguments.output, ": the output is an input of the run"));
-    const Collection added = read_labelled(session, arguments.input);
-    if (!(added.topology == present.topology)) {
-        std::vector<Points> first(1, Points(present.topology.vertex_count(), 3));
-        present.fetch({0})(first);
-        throw InvalidInput(describe_correspondence_break(
-            {present.names.front(), join(arguments.output, ": mesh ", present.names.front()),
-             first.front(), present.topology.faces()},
-            {added.names.front(), "mesh " + added.names.front(), added.points.front(),
-             added.topology.faces()}));
-    }
-    warn_of_oddities(session, present, added);
+    const Collection samples = samples_of(present);
+    LabelledInput input = arguments.input; // compared with these, not with each other
+    input.meshes.known =
+        NamedMesh{samples.names.front(), join(arguments.output, ": mesh ", samples.names.front()),
+                  samples.points.front(), samples.topology.faces()};
+    const Collection added = read_labelled(session, input);
+    warn_of_unlike_added(session, arguments.output, samples, added);
+    warn_of_copies(session, present, added);
+    warn_of_names_alike(session, arguments.output, present, added);
     const Eigen::Index meshes = append_to_collection(arguments.output, stream_of(added),
                                                      arguments.file, session.progress());
     report(session, arguments, added.topology, meshes);
@@ -83,7 +137,6 @@ void append(const Session& session, const Arguments& arguments)
 void run(const Session& session, const Arguments& arguments)
 {
     check_ending("-o", arguments.output, ".h5");
-    check_stored_labels(arguments.input.meshes);
     if (arguments.append)
         return append(session, arguments);
     check_output(session, arguments.output, input_files(arguments.input.meshes));
@@ -114,8 +167,9 @@ Run set_up_collect(CLI::App& command)
     command.add_flag(
         "--append", arguments->append,
         "Add the meshes to the collection that is there, which is replaced as a whole\n"
-        "when all is written; its own are copied, not measured or checked again. What was\n"
-        "stored with --store-derived or --compress stays so");
+        "when all is written; its own are copied as they are, and read once before, as the\n"
+        "others may be copies of them. What was stored with --store-derived or --compress\n"
+        "stays so");
     command.add_flag("--store-derived", arguments->file.derived,
                      "Write edge lengths and dihedral angles too, for other programs: three times\n"
                      "the size");

@@ -12,9 +12,8 @@
 #include "libshape/io/model_file.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
-#include "libshape/mesh/handedness.h"
-#include "libshape/mesh/oddities.h"
 #include "libshape/model/difference.h"
+#include "libshape/model/unlike_meshes.h"
 #include "libshape/statistics/inner_products.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
@@ -26,6 +25,7 @@
 #include "tools/output/embedding_run.h"
 #include "tools/output/mesh_output.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/unlike_warnings.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -55,6 +55,9 @@ DifferenceOptions difference_options(const Arguments& arguments)
 {
     const auto [from_label, from_value] = label_and_value("--from", arguments.from);
     const auto [to_label, to_value] = label_and_value("--to", arguments.to);
+    if (from_label == to_label && from_value == to_value)
+        throw UsageError(join("--from and --to are both ", arguments.to,
+                              "; a difference goes from one group to another one"));
     return {.pair_by = arguments.pair_by,
             .from_label = from_label,
             .from_value = from_value,
@@ -63,9 +66,10 @@ DifferenceOptions difference_options(const Arguments& arguments)
             .scale = arguments.scale};
 }
 
-/// Of groups without pairs whose effects are tested.
+/// Of groups without pairs.
+/// @param is_tested  Effects are; else the means alone count, in which whoever has more meshes weighs more.
 void warn_of_repeated_members(const Session& session, const DifferenceOptions& options,
-                              const Collection& collection)
+                              const Collection& collection, bool is_tested)
 {
     const std::vector<std::string>& from = find_label(collection.labels, options.from_label).values;
     const std::vector<std::string>& to = find_label(collection.labels, options.to_label).values;
@@ -82,8 +86,12 @@ void warn_of_repeated_members(const Session& session, const DifferenceOptions& o
             Eigen::Map<const Eigen::VectorXd>(side.data(), static_cast<Eigen::Index>(side.size())),
         .columns = {options.from_label, options.to_label},
         .are_groups = true,
-        .remedy = "then chance looks significant. Take one mesh, or the mean, of each",
-        .unnamed = "set"};
+        .remedy =
+            is_tested
+                ? "then chance looks significant. Take one mesh, or the mean, of each"
+                : "then those with more meshes weigh more. Take one mesh, or the mean, of each",
+        .unnamed = "set",
+        .is_of_means = !is_tested};
     if (warn_of_repeated_rows(session, compared, rows))
         return;
     const ShapeSpace space = make_space(compared, {.scale = options.scale});
@@ -114,6 +122,27 @@ Json find_effects(const Session& session, const Arguments& arguments,
                          embedder.embed(start).points, effects, arguments.mesh);
 }
 
+/// What comes of a mirror image, which has the lengths of a mesh and the negatives of its angles.
+constexpr const char* wrong_way = "angles change the wrong way";
+constexpr const char* other_lengths =
+    "Lengths are added as they are (--scale none): bring all to one unit first";
+
+/// What is unlike the meshes of a difference; sizes that are divided out may be any.
+RowMatrix marks_of(const DifferenceVector& difference, const Collection& meshes,
+                   const Eigen::VectorXd& sizes)
+{
+    RowMatrix marks = unlike_meshes(known_meshes(difference), meshes, sizes);
+    if (difference.scale == Scale::Unit)
+        marks.col(1).setZero();
+    return marks;
+}
+
+/// A mesh of those that a difference was found of, under the name of its file.
+NamedMesh mesh_of(const DifferenceVector& difference, const std::string& file)
+{
+    return {file, file, difference.reference_points, difference.topology.faces()};
+}
+
 /// The start of a transfer: a mesh, brought to the size that is wanted.
 ShapePoint shape_of(const Topology& topology, const Points& points,
                     const std::optional<double>& size)
@@ -128,9 +157,10 @@ ShapePoint shape_of(const Topology& topology, const Points& points,
 class Transfer
 {
 public:
-    /// @param run  The meshes that --onto may name; with their triangulation.
+    /// @param run  The meshes that --onto may name.
+    /// @param known  One of those, or of the meshes of the difference; with their triangulation.
     Transfer(const Session& session, const Arguments& arguments, const Collection& run,
-             std::vector<std::filesystem::path> inputs)
+             const NamedMesh& known, std::vector<std::filesystem::path> inputs)
         : session_(session), arguments_(arguments), onto_{run.topology, {}, {}, {}}
     {
         std::vector<std::string> names{"applied"};
@@ -138,7 +168,7 @@ public:
             const MeshChoice choice{"--onto", arguments.onto, arguments.input.meshes.triangulate};
             for (std::filesystem::path& file : chosen_files(choice, run.names))
                 inputs.push_back(std::move(file));
-            onto_ = choose_meshes(choice, run);
+            onto_ = choose_meshes(choice, run, known);
             names = onto_.names;
         }
         MeshOutputArguments form = arguments.mesh;
@@ -176,21 +206,19 @@ public:
     }
 
 private:
-    /// A mirror image has the lengths of a mesh and the negatives of its angles.
     void warn_of_unlike(const DifferenceVector& difference) const
     {
-        std::vector<std::size_t> mirrored;
+        Eigen::VectorXd sizes(std::ssize(onto_.points));
         for (std::size_t i = 0; i < onto_.size(); ++i)
-            if (is_mirror_image(difference.topology, onto_.points[i], difference.reference_points))
-                mirrored.push_back(i);
-        if (!mirrored.empty())
-            session_.warn(
-                join("--onto: ", list_names(onto_.names, mirrored),
-                     mirrored.size() == 1 ? " is a mirror image" : " are mirror images",
-                     " of the meshes of the difference, which bends ",
-                     mirrored.size() == 1 ? "it" : "them",
-                     " the wrong way; mirror back first (one coordinate times -1, faces as they "
-                     "are)"));
+            sizes[static_cast<Eigen::Index>(i)] =
+                edge_lengths(onto_.topology, onto_.points[i]).sum();
+        tools::warn_of_unlike(
+            session_, onto_.names, marks_of(difference, onto_, sizes),
+            {.option = "--onto: ",
+             .others = join("the meshes of ",
+                            arguments_.load.empty() ? "the difference" : arguments_.load.front()),
+             .mirrored = wrong_way,
+             .size = other_lengths});
     }
 
     const Session& session_;
@@ -199,6 +227,37 @@ private:
     std::unique_ptr<MeshOutput> output_;
 };
 
+/// Differences that are added must be of meshes of one kind.
+std::vector<DifferenceVector> read_differences(const Session& session,
+                                               const std::vector<std::string>& files)
+{
+    std::vector<DifferenceVector> differences;
+    for (const std::string& file : files)
+        differences.push_back(read_difference(file));
+    const DifferenceVector& first = differences.front();
+    Collection meshes{first.topology, files, {}, {}};
+    Eigen::VectorXd sizes(std::ssize(differences));
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const DifferenceVector& difference = differences[i];
+        if (!(difference.topology == first.topology))
+            throw InvalidInput(join(files[i], ": another triangulation than ", files.front(), "; ",
+                                    describe_correspondence_break(mesh_of(first, files.front()),
+                                                                  mesh_of(difference, files[i]))));
+        if (difference.scale != first.scale)
+            throw InvalidInput(join(files[i], ": --scale ", name(difference.scale), ", but ",
+                                    files.front(), " has ", name(first.scale)));
+        meshes.points.push_back(difference.reference_points);
+        sizes[static_cast<Eigen::Index>(i)] = difference.from_size;
+    }
+    warn_of_unlike(session, files, marks_of(first, meshes, sizes),
+                   {.option = "--load: ",
+                    .others = join("the meshes of ", files.front()),
+                    .mirrored = wrong_way,
+                    .size = other_lengths,
+                    .are_differences = true});
+    return differences;
+}
+
 /// Applies differences that were saved.
 void run_loaded(const Session& session, const Arguments& arguments)
 {
@@ -206,18 +265,11 @@ void run_loaded(const Session& session, const Arguments& arguments)
         throw UsageError("--load applies saved differences; it takes neither MESHES nor -o");
     if (arguments.mesh.path.empty())
         throw UsageError("--load needs --mesh, where the result goes");
-    std::vector<DifferenceVector> differences;
-    for (const std::string& file : arguments.load) {
-        differences.push_back(read_difference(file));
-        if (!(differences.back().topology == differences.front().topology))
-            throw InvalidInput(join(file, ": another triangulation than ", arguments.load.front()));
-        if (differences.back().scale != differences.front().scale)
-            throw InvalidInput(join(file, ": --scale ", name(differences.back().scale), ", but ",
-                                    arguments.load.front(), " has ",
-                                    name(differences.front().scale)));
-    }
-    const Collection none{differences.front().topology, {}, {}, {}};
-    Transfer transfer(session, arguments, none, {arguments.load.begin(), arguments.load.end()});
+    const std::vector<DifferenceVector> differences = read_differences(session, arguments.load);
+    const DifferenceVector& first = differences.front();
+    const Collection none{first.topology, {}, {}, {}};
+    Transfer transfer(session, arguments, none, mesh_of(first, arguments.load.front()),
+                      {arguments.load.begin(), arguments.load.end()});
     Json figures = transfer.apply(differences);
     figures["differences"] = arguments.load;
     figures["amounts"] = amounts_of(arguments);
@@ -250,14 +302,16 @@ void run_found(const Session& session, const Arguments& arguments)
     const Collection collection = read_labelled(session, arguments.input);
     std::unique_ptr<Transfer> transfer;
     if (arguments.apply)
-        transfer = std::make_unique<Transfer>(session, arguments, collection, inputs);
+        transfer = std::make_unique<Transfer>(
+            session, arguments, collection,
+            NamedMesh{"the run", "the run", collection.points.front(), collection.topology.faces()},
+            inputs);
     const DifferenceVector difference = mean_difference(collection, options);
     std::optional<ColumnEffects> effects;
-    if (!arguments.effects.empty()) {
+    if (!arguments.effects.empty())
         effects = difference_effects(collection, options);
-        if (options.pair_by.empty())
-            warn_of_repeated_members(session, options, collection);
-    }
+    if (options.pair_by.empty())
+        warn_of_repeated_members(session, options, collection, effects.has_value());
     throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (transfer)

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+#include <set>
 #include <tuple>
 
 #include "libshape/base/counted.h"
@@ -12,8 +17,11 @@
 #include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
+#include "libshape/io/label_doubts.h"
+#include "libshape/io/label_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
+#include "libshape/mesh/oddities.h"
 #include "libshape/report/picture.h"
 #include "libshape/report/score_plot.h"
 #include "tools/commands.h"
@@ -42,61 +50,108 @@ struct Arguments
 std::size_t column_of(const Table& table, const std::string& name, const std::string& path)
 {
     const auto found = std::find(table.columns.begin(), table.columns.end(), name);
-    if (found == table.columns.end())
-        throw InvalidInput(join(path, ": no column '", name, "'"));
-    return to_size(found - table.columns.begin());
+    if (found != table.columns.end())
+        return to_size(found - table.columns.begin());
+    std::vector<std::size_t> all(table.columns.size());
+    std::iota(all.begin(), all.end(), 0);
+    throw InvalidInput(
+        join(path, ": no column '", name, "'; there are ", list_names(table.columns, all)));
+}
+
+/// The columns pc1, pc2 and so on, wherever they stand: people add columns of their own.
+std::vector<std::size_t> score_columns(const Table& table, const std::string& path)
+{
+    std::vector<std::size_t> columns{column_of(table, "pc1", path), column_of(table, "pc2", path)};
+    const auto is_there = [&](const std::string& name) {
+        return std::find(table.columns.begin(), table.columns.end(), name) != table.columns.end();
+    };
+    for (std::size_t k = 3; is_there(join("pc", k)); ++k)
+        columns.push_back(column_of(table, join("pc", k), path));
+    return columns;
+}
+
+/// The values that colour the points of a table of scores, by the rules of labels; says what is doubtful about them.
+std::vector<std::string> colouring_values(const Session& session, const Table& table,
+                                          const std::string& label, const std::string& path)
+{
+    if (label.empty())
+        return {};
+    LabelColumn colours{label_name(label), {}};
+    const std::size_t column = column_of(table, colours.name, path);
+    for (const std::vector<std::string>& cells : table.rows)
+        colours.values.push_back(label_value(cells[column]));
+    for (const std::string& doubt : doubts_about({colours}))
+        session.warn(join(path, ": ", doubt));
+    return std::move(colours.values);
 }
 
 /// The first two scores of the table that `shape project` writes. The shares of the variance are
 /// those among the meshes of the table.
-Plot read_score_plot(const std::string& path, const std::string& color_by)
+Plot read_score_plot(const Session& session, const std::string& path, const std::string& color_by)
 {
-    const Table table = read_table(path);
+    const Table table = read_label_table(path);
     const std::size_t mesh = column_of(table, "mesh", path);
     const std::size_t residual = column_of(table, "residual", path);
-    const std::size_t first = column_of(table, "pc1", path);
-    (void)column_of(table, "pc2", path);
-    const auto count = static_cast<Eigen::Index>(table.rows.size());
-    RowMatrix scores(count, static_cast<Eigen::Index>(table.columns.size() - first));
-    Eigen::VectorXd residuals(count);
+    const std::vector<std::size_t> modes = score_columns(table, path);
+    if (table.rows.empty())
+        throw InvalidInput(path + ": there are no scores below the header");
+    RowMatrix scores(static_cast<Eigen::Index>(table.rows.size()),
+                     static_cast<Eigen::Index>(modes.size()));
+    Eigen::VectorXd residuals(scores.rows());
     std::vector<std::string> names;
-    std::vector<std::string> values;
-    for (Eigen::Index i = 0; i < count; ++i) {
+    std::set<std::string> seen;
+    for (Eigen::Index i = 0; i < scores.rows(); ++i) {
         const std::vector<std::string>& cells = table.rows[to_size(i)];
-        const std::string place = join(path, ", row ", i + 1);
-        names.push_back(cells[mesh]);
-        if (!color_by.empty())
-            values.push_back(cells[column_of(table, color_by, path)]);
-        residuals[i] = parse_number(cells[residual], place);
+        const std::string& name = names.emplace_back(label_name(cells[mesh]));
+        if (!seen.insert(name).second)
+            throw InvalidInput(join(path, ": mesh '", name, "' occurs twice; keep one row of it"));
+        const auto number = [&](std::size_t column) {
+            const std::string place =
+                join(path, ", mesh ", name, ", column ", table.columns[column]);
+            const std::string value = label_value(cells[column]);
+            if (value.empty())
+                throw InvalidInput(place + ": the number is missing; leave the row out");
+            return parse_number(value, place);
+        };
+        residuals[i] = number(residual);
         for (Eigen::Index k = 0; k < scores.cols(); ++k)
-            scores(i, k) = parse_number(cells[first + to_size(k)], place);
+            scores(i, k) = number(modes[to_size(k)]);
     }
     const RowMatrix centred = scores.rowwise() - scores.colwise().mean();
     const Eigen::VectorXd squares = centred.colwise().squaredNorm();
     const double total = squares.sum() + residuals.squaredNorm();
-    return score_plot(scores, names, values,
+    return score_plot(scores, names, colouring_values(session, table, color_by, path),
                       total > 0.0 ? Eigen::VectorXd(squares / total) : Eigen::VectorXd(),
                       {.label_name = color_by});
 }
 
-/// One value a vertex for every mesh: a property in their PLY files.
-std::vector<Eigen::VectorXd> read_values(const MeshInput& meshes, const std::string& property)
+/// One value a vertex for every mesh: a property in their PLY files. NaN, which is drawn grey, where there is none.
+std::vector<Eigen::VectorXd> read_values(const Session& session, const MeshInput& meshes,
+                                         const std::string& property)
 {
     std::vector<Eigen::VectorXd> values;
+    Eigen::Index vertices = 0;
+    Eigen::Index gaps = 0;
     for (const std::filesystem::path& file : mesh_files(meshes)) {
         if (is_collection_file(file))
             throw InvalidInput(join(file.string(),
                                     ": a collection has no values at vertices; "
                                     "--color-by needs PLY files, or --scores"));
-        values.push_back(read_vertex_scalar(file, property));
+        values.push_back(read_vertex_scalar_with_gaps(file, property));
+        vertices += values.back().size();
+        gaps += values.back().array().isNaN().count();
     }
+    if (gaps > 0)
+        session.message(join(property, ": ", gaps, " of ", counted(vertices, "vertex", "vertices"),
+                             gaps == 1 ? " has" : " have", " no finite value and ",
+                             gaps == 1 ? "is" : "are", " grey"));
     return values;
 }
 
 /// The range of the colours: as given, or that of all values, which is made symmetric if they have
-/// both signs.
-std::pair<double, double> value_range(const std::string& text,
-                                      const std::vector<Eigen::VectorXd>& values)
+/// both signs. Nothing if there is none.
+std::optional<std::pair<double, double>> value_range(const std::string& text,
+                                                     const std::vector<Eigen::VectorXd>& values)
 {
     if (!text.empty()) {
         const std::vector<std::string> ends = split(text, ':');
@@ -106,29 +161,37 @@ std::pair<double, double> value_range(const std::string& text,
         const double high = read_number(ends[1], "--color-range");
         if (!(low < high))
             throw UsageError(join("--color-range: ", text, ": LOW must be below HIGH"));
-        return {low, high};
+        return std::pair{low, high};
     }
-    double low = values.front().minCoeff();
-    double high = values.front().maxCoeff();
-    for (const Eigen::VectorXd& of_mesh : values) {
-        low = std::min(low, of_mesh.minCoeff());
-        high = std::max(high, of_mesh.maxCoeff());
-    }
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const Eigen::VectorXd& of_mesh : values)
+        for (const double value : of_mesh)
+            if (!std::isnan(value)) {
+                low = std::min(low, value);
+                high = std::max(high, value);
+            }
+    if (low > high)
+        return std::nullopt;
     if (low < 0.0 && high > 0.0) {
         high = std::max(-low, high);
         low = -high;
     }
-    return {low, high > low ? high : low + std::max(std::abs(low), 1.0)};
+    return std::pair{low, high > low ? high : low + std::max(std::abs(low), 1.0)};
 }
 
-void colour_by_values(PictureOptions& options, const Arguments& arguments)
+/// @return Whether there are values.
+bool colour_by_values(const Session& session, PictureOptions& options, const Arguments& arguments)
 {
-    options.values = read_values(arguments.meshes, arguments.color_by);
-    std::tie(options.value_low, options.value_high) =
-        value_range(arguments.color_range, options.values);
+    options.values = read_values(session, arguments.meshes, arguments.color_by);
+    const auto range = value_range(arguments.color_range, options.values);
+    if (!range)
+        return false;
+    std::tie(options.value_low, options.value_high) = *range;
     options.value_name = arguments.color_by;
     const bool has_both_signs = options.value_low < 0.0 && options.value_high > 0.0;
     options.colour_map = has_both_signs ? ColourMap::Diverging : ColourMap::Sequential;
+    return true;
 }
 
 ViewDirection read_view(const std::string& text)
@@ -158,19 +221,22 @@ void run(const Session& session, const Arguments& arguments)
     options.is_sequence = arguments.sequence;
     if (!arguments.view.empty())
         options.view = read_view(arguments.view);
+    std::optional<Plot> scores;
+    if (!arguments.scores.empty())
+        scores = read_score_plot(session, arguments.scores, arguments.color_by);
     const Collection collection = read_meshes(session, arguments.meshes);
-    const bool has_values = !arguments.color_by.empty() && arguments.scores.empty();
+    bool has_values = !arguments.color_by.empty() && !scores;
     if (has_values)
-        colour_by_values(options, arguments);
+        has_values = colour_by_values(session, options, arguments);
     else if (!arguments.color_range.empty())
         throw UsageError("--color-range needs --color-by with a property of the vertices");
-    const Picture picture = draw_collection(collection, options, session.progress());
+    Picture picture = draw_collection(collection, options, session.progress());
     throw_if_stop_requested();
-    write_file_atomically(
-        output, raster ? encode_png(picture.sheet)
-                : arguments.scores.empty()
-                    ? picture_svg(picture)
-                    : overview_svg(picture, read_score_plot(arguments.scores, arguments.color_by)));
+    if (!has_values)
+        picture.colour_bar.reset(); // all are grey
+    write_file_atomically(output, raster   ? encode_png(picture.sheet)
+                                  : scores ? overview_svg(picture, *scores)
+                                           : picture_svg(picture));
     session.message(join(arguments.output, ": ", counted(collection.size(), "mesh", "meshes")));
     if (has_values)
         session.message(join(arguments.color_by, ": colours from ", options.value_low, " to ",
@@ -213,9 +279,11 @@ Run set_up_draw(CLI::App& command)
     command.add_option("--scores", arguments->scores,
                        "Scores written by `shape project`: pc1 and pc2 are plotted below");
     command
-        .add_option("--color-by", arguments->color_by,
-                    "With --scores: column that colours them. Else: property of the vertices of\n"
-                    "PLY files that colours the meshes, as --residuals and --effects write them")
+        .add_option(
+            "--color-by", arguments->color_by,
+            "With --scores: column that colours them. Else: property of the vertices of\n"
+            "PLY files that colours the meshes, as --residuals and --effects write them, or\n"
+            "x, y or z; vertices without a finite value are grey")
         ->option_text("NAME");
     command
         .add_option("--color-range", arguments->color_range,

@@ -15,6 +15,7 @@
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
+#include "libshape/model/unlike_meshes.h"
 #include "libshape/report/base64.h"
 #include "libshape/report/page.h"
 #include "libshape/report/picture.h"
@@ -27,6 +28,7 @@
 #include "tools/output/embedding_run.h"
 #include "tools/output/model_tables.h"
 #include "tools/output/output_rules.h"
+#include "tools/output/unlike_warnings.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -86,10 +88,25 @@ std::string stem(const std::string& path)
     return std::filesystem::path(path).stem().string();
 }
 
+/// What is unlike the model in the meshes of a difference; sizes that it divides out may be any.
+Eigen::RowVector2d marks_of(const ShapeModel& model, const DifferenceVector& difference,
+                            const std::string& file)
+{
+    const Collection meshes{difference.topology, {file}, {difference.reference_points}, {}};
+    Eigen::RowVector2d marks = unlike_meshes(known_meshes(model), meshes,
+                                             Eigen::VectorXd::Constant(1, difference.from_size))
+                                   .row(0);
+    if (difference.scale == Scale::Unit)
+        marks[1] = 0.0;
+    return marks;
+}
+
 /// Differences from their files, in units of length at the mean size.
-void add_differences(const Arguments& arguments, const ShapeModel& model, Additions& to)
+void add_differences(const Session& session, const Arguments& arguments, const ShapeModel& model,
+                     Additions& to)
 {
     const auto count = static_cast<Eigen::Index>(arguments.differences.size());
+    RowMatrix marks = RowMatrix::Zero(count, 2);
     to.directions = {RowMatrix(count, model.topology.edge_count()),
                      RowMatrix(count, model.topology.edge_count())};
     for (Eigen::Index i = 0; i < count; ++i) {
@@ -100,14 +117,28 @@ void add_differences(const Arguments& arguments, const ShapeModel& model, Additi
                                     " is a model of Procrustes space; differences are added in "
                                     "edge space"));
         if (!(difference.topology == model.topology))
-            throw InvalidInput(
-                join("--difference: ", file, " has another triangulation than ", arguments.model));
+            throw InvalidInput(join(
+                "--difference: ", file, " has another triangulation than ", arguments.model, "; ",
+                describe_correspondence_break(
+                    {arguments.model, arguments.model, model.reference_points,
+                     model.topology.faces()},
+                    {file, file, difference.reference_points, difference.topology.faces()})));
+        marks.row(i) = marks_of(model, difference, file);
         const double size = difference.scale == Scale::Unit ? model.mean_size() : 1.0;
         to.directions.edge_lengths.row(i) = size * difference.edge_lengths.transpose();
         to.directions.dihedral_angles.row(i) = difference.dihedral_angles.transpose();
         to.differences.push_back(
-            {{"name", stem(file)}, {"meaning", join(difference.pairs.size(), " pairs")}});
+            {{"name", stem(file)},
+             {"meaning", difference.pairs.empty() ? std::string("of two groups")
+                                                  : counted(difference.pairs.size(), "pair")}});
     }
+    warn_of_unlike(session, arguments.differences, marks,
+                   {.option = "--difference: ",
+                    .others = join("the meshes of ", arguments.model),
+                    .mirrored = "angles change the wrong way",
+                    .size = "Lengths are added as they are (--scale none): bring all to one unit "
+                            "first",
+                    .are_differences = true});
 }
 
 /// Regressions of the scores on labels of the model's meshes.
@@ -283,7 +314,7 @@ void run(const Session& session, const Arguments& arguments)
             "libshape was built without the page; `tools/install_packages build explore` and "
             "`tools/install_node_packages explore` get what it needs, then build anew");
     Additions additions;
-    add_differences(arguments, model, additions);
+    add_differences(session, arguments, model, additions);
     add_regressions(arguments, model, additions);
     const int modes = static_cast<int>(std::min<std::int64_t>(arguments.modes, model.mode_count()));
     const std::string title = arguments.title.empty()

@@ -20,6 +20,7 @@
 #include "libshape/model/linearised_model.h"
 #include "tools/commands.h"
 #include "tools/output/embedding_run.h"
+#include "tools/output/frame_store.h"
 #include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
@@ -250,19 +251,20 @@ void write_slicermorph(const fs::path& folder, const Exported& exported)
 
 /// Writes a new folder, which appears as a whole, or into a folder that is there, where files replace those of
 /// the same names and nothing else is touched.
-void write_folder(const fs::path& folder, const fs::path& model,
+void write_folder(const Session& session, const fs::path& folder, const fs::path& model,
                   const std::function<void(const fs::path&)>& write)
 {
-    const bool is_new = !fs::exists(folder);
+    const bool is_new = !fs::exists(folder) || FreePlaces::contain(folder);
     fs::path staging = is_new ? folder : folder / "export";
     staging += ".unfinished";
-    fs::remove_all(staging);
-    fs::create_directory(staging);
+    const DirectoryLock lock(staging); // of two runs that write one folder, one
+    for (const fs::directory_entry& left : fs::directory_iterator(staging))
+        fs::remove_all(left.path());
     try {
         write(staging);
         throw_if_stop_requested();
         if (is_new) {
-            fs::rename(staging, folder);
+            move_into_place(staging, folder);
             return;
         }
         const auto all_files = fs::recursive_directory_iterator(staging);
@@ -273,14 +275,14 @@ void write_folder(const fs::path& folder, const fs::path& model,
         std::ranges::sort(files);
         for (const fs::path& file : files) {
             const fs::path target = folder / file;
-            if (fs::exists(target) && fs::equivalent(target, model))
-                throw UsageError(join(target.string(), ": the output is an input of the run"));
-            if (fs::exists(target) && !fs::is_regular_file(target))
-                throw FileError(join(target.string(), ": exists and is not a regular file"));
+            if (fs::is_directory(target.parent_path()))
+                check_output(session, target, {model});
+            else if (!session.force)
+                session.free_places->add(target);
         }
         for (const fs::path& file : files) {
             fs::create_directories((folder / file).parent_path());
-            fs::rename(staging / file, folder / file);
+            move_into_place(staging / file, folder / file);
         }
         fs::remove_all(staging);
     } catch (...) {
@@ -294,8 +296,8 @@ void write_folder(const fs::path& folder, const fs::path& model,
 fs::path check_folder(const Session& session, const fs::path& output)
 {
     if (has_ending(output, ".h5")) // what `-` stands for too
-        throw UsageError(join("-o: '", output.string(),
-                              "' is a file; all but --to statismo write a folder: name that"));
+        refuse_file(join("-o: '", output.string(),
+                         "' is a file; all but --to statismo write a folder: name that"));
     fs::path folder = output.has_filename() ? output : output.parent_path();
     if (!fs::is_directory(folder)) {
         if (fs::exists(fs::symlink_status(folder)))
@@ -331,7 +333,7 @@ void run(const Session& session, const Arguments& arguments)
         write_statismo(arguments.output, model.topology, exported.linear, model.names);
     } else {
         exported.meshes = make_meshes(session, model, exported.linear.mean);
-        write_folder(folder, arguments.model, [&](const fs::path& staging) {
+        write_folder(session, folder, arguments.model, [&](const fs::path& staging) {
             if (arguments.client == Client::Csv)
                 write_csv(staging, exported);
             else if (arguments.client == Client::ShapeWorks)

@@ -16,11 +16,13 @@
 #include "libshape/base/to_size.h"
 #include "libshape/embedding/embedder.h"
 #include "libshape/io/collection_file.h"
+#include "libshape/io/label_file.h"
 #include "libshape/io/landmark_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/model/model_prior.h"
+#include "libshape/model/unlike_meshes.h"
 #include "libshape/registration/fit_verdict.h"
 #include "libshape/registration/landmark_units.h"
 #include "libshape/registration/prior_fit.h"
@@ -30,6 +32,7 @@
 #include "tools/output/fit_report.h"
 #include "tools/output/output_rules.h"
 #include "tools/output/shard.h"
+#include "tools/output/unlike_warnings.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -57,14 +60,21 @@ struct Arguments
 struct AllLandmarks
 {
     std::vector<Landmark> marks;
+    std::vector<Landmark> missing; ///< As LandmarkFile has them.
     fs::path of_template; ///< The first file that has some of the template; empty if none has.
 };
+
+/// The name of a mesh as landmarks have it: without outer blanks, accents composed.
+std::string name_in_tables(const fs::path& mesh)
+{
+    return label_name(mesh.stem().string());
+}
 
 /// The landmarks of all files; those without a scan's name belong to the mesh that the file is named
 /// after, or to the only scan.
 AllLandmarks read_all_landmarks(const Arguments& arguments, const std::vector<fs::path>& scans)
 {
-    const std::string pattern = fs::path(arguments.pattern).stem().string();
+    const std::string pattern = name_in_tables(arguments.pattern);
     std::vector<fs::path> files;
     for (const std::string& path : arguments.landmarks) {
         if (!fs::is_directory(path)) {
@@ -81,26 +91,34 @@ AllLandmarks read_all_landmarks(const Arguments& arguments, const std::vector<fs
     }
     std::set<std::string> stems{pattern};
     for (const fs::path& scan : scans)
-        stems.insert(scan.stem().string());
+        stems.insert(name_in_tables(scan));
     AllLandmarks all;
     for (const fs::path& file : files) {
         const std::string file_name = file.filename().string();
-        const std::string stem = file_name.substr(0, file_name.find('.'));
-        for (Landmark& landmark : read_landmarks(file)) {
-            if (landmark.scan.empty()) {
-                if (stems.count(stem) > 0)
-                    landmark.scan = stem;
-                else if (scans.size() == 1)
-                    landmark.scan = scans.front().stem().string();
-                else
-                    throw InvalidInput(join(file.string(),
-                                            ": says of no landmark which scan it is "
-                                            "on; add a column 'scan', or name the "
-                                            "file after the scan"));
-            }
+        const std::string stem = label_name(file_name.substr(0, file_name.find('.')));
+        const auto name_scan = [&](Landmark& landmark) {
+            if (!landmark.scan.empty())
+                return;
+            if (stems.count(stem) > 0)
+                landmark.scan = stem;
+            else if (scans.size() == 1)
+                landmark.scan = name_in_tables(scans.front());
+            else
+                throw InvalidInput(join(file.string(),
+                                        ": says of no landmark which scan it is "
+                                        "on; add a column 'scan', or name the "
+                                        "file after the scan"));
+        };
+        LandmarkFile read = read_landmarks(file);
+        for (Landmark& landmark : read.landmarks) {
+            name_scan(landmark);
             if (all.of_template.empty() && landmark.scan == pattern)
                 all.of_template = file;
             all.marks.push_back(std::move(landmark));
+        }
+        for (Landmark& landmark : read.missing) {
+            name_scan(landmark);
+            all.missing.push_back(std::move(landmark));
         }
     }
     return all;
@@ -109,7 +127,7 @@ AllLandmarks read_all_landmarks(const Arguments& arguments, const std::vector<fs
 /// What is fitted: a mesh, or the mean of a model with what the model expects.
 struct Pattern
 {
-    std::string name; ///< Of its landmarks.
+    std::string name; ///< As its landmarks have it.
     Topology topology;
     Points points;
     std::optional<ShapeModel> model;
@@ -133,43 +151,76 @@ Pattern read_pattern(const Arguments& arguments)
             model_point(model, Eigen::VectorXd::Zero(model.mode_count()), model.mean_size()));
         Points points = embedder.embed(mean).points; // about the origin
         points.rowwise() += model.reference_points.colwise().mean();
-        return {path.stem().string(), model.topology, std::move(points), std::move(model)};
+        return {name_in_tables(path), model.topology, std::move(points), std::move(model)};
     }
     NamedMesh mesh = read_mesh(path, {.triangulate = arguments.scans.triangulate});
     try {
         Topology topology(mesh.faces, static_cast<int>(mesh.points.rows()));
-        return {path.stem().string(), std::move(topology), std::move(mesh.points), std::nullopt};
+        return {name_in_tables(path), std::move(topology), std::move(mesh.points), std::nullopt};
     } catch (const InvalidInput& error) {
         throw InvalidInput(join(path.string(), ": ", error.what()));
     }
 }
 
-/// Those that a scan and the template share, by name.
-LandmarkPairs pairs_of(const std::vector<Landmark>& landmarks, const std::string& scan,
-                       const std::string& pattern, const Points& points)
+/// Where a landmark is on the template: at the place that its row there gives, or its vertex.
+class TemplatePlaces
 {
-    const auto on_template = [&](const std::string& wanted) -> std::optional<Eigen::Vector3d> {
-        for (const Landmark& mark : landmarks)
-            if (mark.name == wanted && mark.scan == pattern)
+public:
+    TemplatePlaces(const AllLandmarks& landmarks, const Pattern& pattern)
+        : landmarks_(landmarks), pattern_(pattern)
+    {
+    }
+    /// Nothing if none is given.
+    [[nodiscard]] std::optional<Eigen::Vector3d> find(const Landmark& on_scan) const
+    {
+        if (on_scan.vertex >= 0)
+            return at_vertex(on_scan);
+        for (const Landmark& mark : landmarks_.marks)
+            if (mark.name == on_scan.name && mark.scan == pattern_.name)
                 return mark.position;
+        for (const Landmark& mark : landmarks_.missing)
+            if (mark.name == on_scan.name && mark.scan == pattern_.name && mark.vertex >= 0)
+                return at_vertex(mark);
         return std::nullopt;
-    };
+    }
+    /// Whether the template's row says that the landmark has no place there.
+    [[nodiscard]] bool is_missing(const Landmark& on_scan) const
+    {
+        return std::ranges::any_of(landmarks_.missing, [&](const Landmark& mark) {
+            return mark.name == on_scan.name && mark.scan == pattern_.name;
+        });
+    }
+
+private:
+    [[nodiscard]] Eigen::Vector3d at_vertex(const Landmark& mark) const
+    {
+        const Points& points = pattern_.points;
+        if (mark.vertex >= points.rows())
+            throw InvalidInput(join("landmark '", mark.name, "' of ", mark.scan, ": vertex ",
+                                    mark.vertex, " is not among the template's ", points.rows()));
+        return points.row(mark.vertex).transpose();
+    }
+
+    const AllLandmarks& landmarks_;
+    const Pattern& pattern_;
+};
+
+/// Those that a scan and the template share, by name.
+LandmarkPairs pairs_of(const AllLandmarks& landmarks, const std::string& scan,
+                       const Pattern& pattern)
+{
+    const TemplatePlaces on_template(landmarks, pattern);
     LandmarkPairs pairs;
     std::vector<Eigen::Vector3d> here, there;
-    for (const Landmark& mark : landmarks) {
-        if (mark.scan != scan || scan == pattern)
+    for (const Landmark& mark : landmarks.marks) {
+        if (mark.scan != scan || scan == pattern.name)
             continue;
-        std::optional<Eigen::Vector3d> place = on_template(mark.name);
-        if (mark.vertex >= 0) {
-            if (mark.vertex >= points.rows())
-                throw InvalidInput(join("landmark '", mark.name, "' of ", scan, ": vertex ",
-                                        mark.vertex, " is not among the template's ",
-                                        points.rows()));
-            place = points.row(mark.vertex).transpose();
-        }
+        const std::optional<Eigen::Vector3d> place = on_template.find(mark);
+        if (!place && on_template.is_missing(mark))
+            continue;
         if (!place)
             throw InvalidInput(join("landmark '", mark.name, "' of ", scan,
-                                    " is not on the template: give a row with scan '", pattern,
+                                    " is not on the template: give a row with scan '", pattern.name,
                                     "', or a vertex"));
         if (std::find(pairs.names.begin(), pairs.names.end(), mark.name) != pairs.names.end())
             throw InvalidInput(join("landmark '", mark.name, "' of ", scan, " occurs twice"));
@@ -194,6 +245,27 @@ struct Task
     std::vector<fs::path> scans; ///< Those of this part.
     std::vector<std::string> names;
 };
+
+/// Of all parts of the run, whose fits become one collection.
+void check_scan_names(const Session& session, const std::vector<fs::path>& scans)
+{
+    std::vector<std::string> names;
+    std::vector<std::string> paths;
+    std::set<std::string> taken;
+    for (const fs::path& scan : scans) {
+        if (is_collection_file(scan))
+            throw InvalidInput(join(scan.string(),
+                                    ": a collection has its correspondence; SCANS "
+                                    "are mesh files"));
+        names.push_back(scan.stem().string());
+        paths.push_back(scan.string());
+        if (!taken.insert(names.back()).second)
+            throw InvalidInput(join(scan.string(), ": two scans are named '", names.back(),
+                                    "'; rename one of them"));
+    }
+    if (const auto alike = find_names_alike(names, paths))
+        session.warn(alike->message);
+}
 
 /// What the arguments mean, their rules checked.
 Task task_of(const Session& session, const Arguments& given)
@@ -222,16 +294,9 @@ Task task_of(const Session& session, const Arguments& given)
             check_merged_output(arguments.shard, given.output);
         arguments.output = arguments.shard.directory(arguments.output).string() + "/";
     }
-    for (const fs::path& scan : task.scans) {
-        if (is_collection_file(scan))
-            throw InvalidInput(join(scan.string(),
-                                    ": a collection has its correspondence; SCANS "
-                                    "are mesh files"));
+    check_scan_names(session, task.all_scans);
+    for (const fs::path& scan : task.scans)
         task.names.push_back(scan.stem().string());
-        if (std::count(task.names.begin(), task.names.end(), task.names.back()) > 1)
-            throw InvalidInput(
-                join(scan.string(), ": two scans are named '", task.names.back(), "'"));
-    }
     return task;
 }
 
@@ -271,9 +336,14 @@ public:
         fitter_.emplace(topology_, pattern_.points, arguments_.fit);
         std::vector<fs::path> inputs = task_.scans;
         inputs.emplace_back(arguments_.pattern);
-        places_ = fit_places(session, arguments_.output, arguments_.resume, inputs, names_);
-        if (!landmarks_.marks.empty())
+        places_ = fit_places(
+            session, arguments_.output,
+            {.scans = names_, .scores = pattern_.model.has_value(), .resume = arguments_.resume},
+            inputs);
+        if (!arguments_.landmarks.empty()) {
+            note_missing_landmarks();
             warn_of_scans_without_landmarks();
+        }
         settings_ = settings_of(arguments_, topology_);
         if (arguments_.resume) {
             const Json earlier = earlier_fit_report(places_, settings_);
@@ -300,6 +370,20 @@ public:
             throw InvalidInput(join(landmarks_.of_template.string(), ": ", *said));
     }
 
+    /// Those for which no vertex of the template stands.
+    void note_missing_landmarks() const
+    {
+        std::vector<std::string> names;
+        for (const Landmark& mark : landmarks_.missing)
+            if (mark.scan != pattern_.name || mark.vertex < 0)
+                names.push_back(join("'", mark.name, "' of ", mark.scan));
+        if (!names.empty())
+            session_.message(join(counted(names.size(), "landmark"),
+                                  names.size() == 1 ? " has" : " have", " no coordinates and ",
+                                  names.size() == 1 ? "is" : "are", " passed over, first ",
+                                  names.front()));
+    }
+
     /// They are fitted all the same, with those names of the table that may be theirs, spelt otherwise.
     void warn_of_scans_without_landmarks() const
     {
@@ -308,7 +392,7 @@ public:
             marked.insert(mark.scan);
         std::vector<std::size_t> bare;
         for (std::size_t i = 0; i < names_.size(); ++i)
-            if (marked.erase(names_[i]) == 0)
+            if (marked.erase(name_in_tables(task_.scans[i])) == 0)
                 bare.push_back(i);
         if (bare.empty())
             return;
@@ -368,7 +452,7 @@ private:
     {
         const NamedMesh raw = read_mesh(task_.scans[i], {.triangulate = true});
         return {clean_scan(raw.points, raw.faces),
-                pairs_of(landmarks_.marks, names_[i], pattern_.name, pattern_.points)};
+                pairs_of(landmarks_, name_in_tables(task_.scans[i]), pattern_)};
     }
 
     void fit(std::size_t i)
@@ -489,8 +573,32 @@ private:
     }
     [[nodiscard]] bool goes_to_standard_output() const { return session_.readable(output_) == "-"; }
 
+    /// Scans may be in any unit; a model of which size is a part does not see it, though.
+    void warn_of_other_sizes() const
+    {
+        if (!pattern_.model || scale_of(pattern_.model->space) == Scale::Unit)
+            return;
+        const KnownMeshes known = known_meshes(*pattern_.model);
+        std::vector<std::string> names;
+        std::vector<double> odd;
+        for (const Json& row : rows_)
+            if (row.contains("model_size")) {
+                names.push_back(row["scan"]);
+                odd.push_back(odd_size(known, row["model_size"]));
+            }
+        RowMatrix marks = RowMatrix::Zero(std::ssize(odd), 2);
+        marks.col(1) = Eigen::Map<const Eigen::VectorXd>(odd.data(), std::ssize(odd));
+        warn_of_unlike(session_, names, marks,
+                       {.others = join("the meshes of ", arguments_.pattern),
+                        .mirrored = {},
+                        .size = "Size is part of the model's shapes (--scale none), and scores are "
+                                "those of the scan brought to the model's size: export all in one "
+                                "unit"});
+    }
+
     void conclude() const
     {
+        warn_of_other_sizes();
         const auto count = [&](const char* status) {
             return std::count_if(rows_.begin(), rows_.end(),
                                  [&](const Json& row) { return row["status"] == status; });

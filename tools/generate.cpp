@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -8,7 +9,9 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
 #include "libshape/base/random.h"
+#include "libshape/base/rounded.h"
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/io/model_file.h"
@@ -52,6 +55,8 @@ struct ModelPoint
     std::string name;
     Eigen::VectorXd scores; ///< Coordinates along the modes.
     double size = 0.0;      ///< [length]
+    double share = 1.0;     ///< Of the scores of a sample that --feasible has kept.
+    double drawn = 0.0;     ///< |scores|^2 of a sample as it was drawn.
 };
 
 Eigen::VectorXd standard_deviations(const ShapeModel& model)
@@ -198,9 +203,8 @@ std::vector<ModelPoint> points_of_file(const ShapeModel& model, const Arguments&
     return points;
 }
 
-/// Independent standard normal scores: sample i is the same whatever their number.
-/// The largest share of the scores, at most 1, with which the point keeps the inequalities of edge
-/// lengths; a little less where it would lie on their boundary. Found by halving.
+/// The share of the scores with which the point keeps the inequalities of edge lengths: 1 if it does as it is; else 99 %
+/// of the way from the mean to their boundary, which is found by halving.
 double feasible_share(const ShapeModel& model, const Eigen::VectorXd& scores, double size)
 {
     const auto is_feasible = [&](double share) {
@@ -215,7 +219,9 @@ double feasible_share(const ShapeModel& model, const Eigen::VectorXd& scores, do
     double low = 0.0;
     double high = 1.0;
     if (!is_feasible(low))
-        throw InvalidInput("--feasible: the mean of the model is itself infeasible");
+        throw InvalidInput(
+            "--feasible: the mean of the model is itself infeasible, no sample can be moved to it; "
+            "without --feasible the nearest meshes are written");
     for (int round = 0; round < 20; ++round) {
         const double middle = 0.5 * (low + high);
         (is_feasible(middle) ? low : high) = middle;
@@ -223,6 +229,7 @@ double feasible_share(const ShapeModel& model, const Eigen::VectorXd& scores, do
     return 0.99 * low;
 }
 
+/// Independent normal scores: sample i is the same whatever their number.
 std::vector<ModelPoint> sampled_points(const ShapeModel& model, const Arguments& arguments,
                                        std::int64_t seed)
 {
@@ -233,9 +240,10 @@ std::vector<ModelPoint> sampled_points(const ShapeModel& model, const Arguments&
         Eigen::VectorXd scores(model.mode_count());
         for (Eigen::Index k = 0; k < scores.size(); ++k)
             scores[k] = deviations[k] * random.normal();
-        if (arguments.feasible)
-            scores *= feasible_share(model, scores, size_of(model, arguments));
-        points.push_back({numbered_name("sample", to_size(i)), scores, size_of(model, arguments)});
+        const double size = size_of(model, arguments);
+        const double share = arguments.feasible ? feasible_share(model, scores, size) : 1.0;
+        points.push_back({numbered_name("sample", to_size(i)), share * scores, size, share,
+                          scores.squaredNorm()});
     }
     return points;
 }
@@ -272,6 +280,40 @@ Json settings_of(const Session& session, const Arguments& arguments, const Shape
     return settings;
 }
 
+/// Says how many samples --feasible has moved and how far, in a line and in the figures of each: what comes out is not
+/// what was drawn.
+void tell_moved(const Session& session, const std::vector<const ModelPoint*>& samples, bool verbose,
+                Json& figures)
+{
+    std::vector<double> shares;
+    double drawn = 0.0;
+    double kept = 0.0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const ModelPoint& sample = *samples[i];
+        const bool is_moved = sample.share < 1.0;
+        figures["embeddings"][i]["moved"] = is_moved;
+        figures["embeddings"][i]["share"] = sample.share;
+        drawn += sample.drawn;
+        kept += sample.scores.squaredNorm();
+        if (!is_moved)
+            continue;
+        shares.push_back(sample.share);
+        if (verbose)
+            session.message(join(sample.name, ": moved to ", rounded(100.0 * sample.share),
+                                 " % of its scores"));
+    }
+    if (shares.empty())
+        return session.message("--feasible: no sample had to be moved");
+    const auto [least, most] = std::minmax_element(shares.begin(), shares.end());
+    session.message(join("--feasible: ", shares.size(), " of ", counted(samples.size(), "sample"),
+                         " had lengths that no mesh has: moved towards the mean, to ",
+                         rounded(100.0 * *least), " to ", rounded(100.0 * *most),
+                         " % of their scores (median ", rounded(100.0 * median(shares)),
+                         " %). So they vary less than the model: the squares of all scores sum up "
+                         "to ",
+                         rounded(100.0 * kept / drawn), " % of what was drawn"));
+}
+
 void run(const Session& session, const Arguments& arguments)
 {
     const ShapeModel model = read_model(arguments.model);
@@ -280,10 +322,13 @@ void run(const Session& session, const Arguments& arguments)
                               " was made with --scale none, size is part of its modes"));
     const std::vector<ModelPoint> points = wanted_points(session, model, arguments);
     std::vector<EmbeddingTarget> targets;
-    for (const std::size_t i : arguments.shard.own(points.size()))
+    std::vector<const ModelPoint*> own;
+    for (const std::size_t i : arguments.shard.own(points.size())) {
+        own.push_back(&points[i]);
         targets.push_back({points[i].name, [&model, &point = points[i]] {
                                return model_point(model, point.scores, point.size);
                            }});
+    }
     std::vector<std::filesystem::path> inputs{arguments.model};
     if (!arguments.scores_file.empty())
         inputs.emplace_back(arguments.scores_file);
@@ -294,9 +339,12 @@ void run(const Session& session, const Arguments& arguments)
     MeshOutput output(session, place, names(targets), inputs);
     // The meshes of a shard are not neighbours.
     const bool is_sequence = arguments.mode > 0 && !arguments.shard.is_given();
-    session.print_figures(embed_and_write(session, arguments.embedding, model.topology,
-                                          {model.reference_points}, targets, output,
-                                          is_sequence ? TargetOrder::Sequence : TargetOrder::Any));
+    Json figures =
+        embed_and_write(session, arguments.embedding, model.topology, {model.reference_points},
+                        targets, output, is_sequence ? TargetOrder::Sequence : TargetOrder::Any);
+    if (arguments.feasible)
+        tell_moved(session, own, arguments.embedding.verbose, figures);
+    session.print_figures(figures);
     if (arguments.shard.is_given())
         write_shard_manifest(place.path, arguments.shard, points.size(),
                              settings_of(session, arguments, model, points),
@@ -347,7 +395,8 @@ Run set_up_generate(CLI::App& command)
     command
         .add_flag("--feasible", arguments->feasible,
                   "With --sample: samples whose lengths no mesh has are moved towards the mean\n"
-                  "until one may have them; the others stay")
+                  "until one may have them; the others stay. Says how many and how far: they vary\n"
+                  "less than the model (docs/statistics.md)")
         ->needs(points->get_option("--sample"));
     CLI::Option* sigma =
         command

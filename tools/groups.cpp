@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -47,6 +49,7 @@ struct Arguments
 struct Findings
 {
     Grouping groups;
+    Grouping blocks;
     std::vector<std::vector<int>> members;
     GroupedShapes shapes; ///< Without inner products.
     GroupComparison comparison;
@@ -54,17 +57,31 @@ struct Findings
     LinearModelTest spread_test;
 };
 
-Json group_figures(const Findings& findings)
+Json group_figures(const Arguments& arguments, const Findings& findings)
 {
     Json groups = Json::array();
-    for (std::size_t g = 0; g < findings.members.size(); ++g)
+    for (std::size_t g = 0; g < findings.members.size(); ++g) {
         groups.push_back({{"name", findings.groups.names[g]},
                           {"meshes", findings.members[g].size()},
                           {"mean_size", findings.shapes.mean_sizes[static_cast<Eigen::Index>(g)]},
                           {"variance", findings.spread.variances[g]},
                           {"variance_low", findings.spread.variance_intervals[g].low},
                           {"variance_high", findings.spread.variance_intervals[g].high}});
+        if (!arguments.within.empty())
+            groups.back()["blocks"] = findings.spread.counts[g];
+    }
     return groups;
+}
+
+/// Where adjusted means are.
+Json adjustment_figures(const Arguments& arguments, const Findings& findings)
+{
+    Json covariates = Json::array();
+    for (std::size_t c = 0; c < arguments.covariates.size(); ++c)
+        covariates.push_back(
+            {{"label", arguments.covariates[c]},
+             {"at", findings.shapes.covariate_means[static_cast<Eigen::Index>(c)]}});
+    return covariates;
 }
 
 Json pair_figures(const Findings& findings)
@@ -96,34 +113,70 @@ Table comparison_table(const Findings& findings)
         cells.push_back(test.permutations > 0 ? print_number(p) : "");
         table.rows.push_back(cells);
     };
+    const auto cell = [](double number) {
+        return std::isnan(number) ? std::string() : print_number(number);
+    };
     add({"", "", "", ""}, findings.comparison.overall, findings.comparison.overall.p_value);
     for (const PairComparison& pair : findings.comparison.pairs)
         add({findings.groups.names[to_size(pair.first)],
-             findings.groups.names[to_size(pair.second)], print_number(pair.distance),
-             print_number(findings.spread.distance_radii(pair.first, pair.second))},
+             findings.groups.names[to_size(pair.second)], cell(pair.distance),
+             cell(findings.spread.distance_radii(pair.first, pair.second))},
             pair.test, pair.adjusted_p);
     return table;
 }
 
-std::string summary(const Findings& findings)
+/// Which meshes count, and how.
+std::string described_counting(const Arguments& arguments, const Findings& findings)
 {
-    std::string text = join("all ", findings.groups.group_count(),
-                            " groups: ", describe(findings.comparison.overall), "\n");
+    std::string text;
+    const bool is_crossed = findings.comparison.design == BlockDesign::Crossed;
+    if (!arguments.within.empty())
+        text += is_crossed ? join("means and distances within each ", arguments.within,
+                                  ", which counts once in each group\n")
+                           : join("each ", arguments.within, " counts once, by its mean\n");
+    if (findings.comparison.left_out > 0)
+        text += join(counted(findings.comparison.left_out, "mesh is", "meshes are"),
+                     " left out, whose ", arguments.within, " lies in one group\n");
+    std::string places;
+    for (std::size_t c = 0; c < arguments.covariates.size(); ++c)
+        places += join(c > 0 ? ", " : "", arguments.covariates[c], " = ",
+                       findings.shapes.covariate_means[static_cast<Eigen::Index>(c)]);
+    if (!places.empty())
+        text += join("means and distances at ", places, ", variances about the slopes\n");
+    return text;
+}
+
+std::string described_distance(const Findings& findings, const PairComparison& pair)
+{
+    if (std::isnan(pair.distance))
+        return "distance not determined, a covariate does not vary within the groups or blocks";
+    return join("distance ", pair.distance, " +- ",
+                findings.spread.distance_radii(pair.first, pair.second));
+}
+
+std::string summary(const Arguments& arguments, const Findings& findings)
+{
+    std::string text = described_counting(arguments, findings);
+    text += join("all ", findings.groups.group_count(),
+                 " groups: ", describe(findings.comparison.overall), "\n");
     text += join("spread of the groups: ", describe(findings.spread_test), "\n");
     constexpr std::size_t most_lines = 45; // ten groups
     if (findings.comparison.pairs.size() > most_lines)
         return text;
     for (std::size_t g = 0; g < findings.members.size(); ++g)
         text += join(findings.groups.names[g], ": ",
-                     counted(findings.members[g].size(), "mesh", "meshes"), ", variance ",
-                     findings.spread.variances[g],
+                     counted(findings.members[g].size(), "mesh", "meshes"),
+                     arguments.within.empty()
+                         ? std::string()
+                         : join(", ", arguments.within, " counted: ", findings.spread.counts[g]),
+                     ", variance ", findings.spread.variances[g],
                      " (95 %: ", findings.spread.variance_intervals[g].low, " to ",
                      findings.spread.variance_intervals[g].high, ")\n");
     for (const PairComparison& pair : findings.comparison.pairs)
         text +=
             join(findings.groups.names[to_size(pair.first)], " - ",
-                 findings.groups.names[to_size(pair.second)], ": distance ", pair.distance, " +- ",
-                 findings.spread.distance_radii(pair.first, pair.second), ", ", describe(pair.test),
+                 findings.groups.names[to_size(pair.second)], ": ",
+                 described_distance(findings, pair), ", ", describe(pair.test),
                  pair.test.permutations > 0 ? join(", adjusted p = ", pair.adjusted_p) : "", "\n");
     return text;
 }
@@ -164,6 +217,7 @@ struct Setting
 Setting prepare(const Session& session, const Arguments& arguments, const MeshLabels& meshes,
                 const std::vector<std::filesystem::path>& inputs)
 {
+    warn_of_missing_codes(session, arguments.input, meshes.labels, arguments.covariates);
     Setting setting{.groups = group_by_label(meshes, arguments.by),
                     .blocks = group_by_label_or_each(meshes, arguments.within)};
     if (!arguments.means.path.empty())
@@ -179,6 +233,25 @@ Setting prepare(const Session& session, const Arguments& arguments, const MeshLa
     return setting;
 }
 
+/// Of covariates that explain nothing, because the blocks do.
+void warn_of_idle_covariates(const Session& session, const Arguments& arguments,
+                             const Findings& findings, const Eigen::MatrixXd& covariates)
+{
+    if (findings.comparison.design != BlockDesign::Crossed)
+        return;
+    const std::vector<std::vector<int>> blocks = members(findings.blocks);
+    for (std::size_t c = 0; c < arguments.covariates.size(); ++c) {
+        const Eigen::VectorXd column = covariates.col(static_cast<Eigen::Index>(c));
+        if (std::all_of(blocks.begin(), blocks.end(), [&](const std::vector<int>& block) {
+                return std::all_of(block.begin(), block.end(),
+                                   [&](int i) { return column[i] == column[block.front()]; });
+            }))
+            session.warn(join("--adjust-for ", arguments.covariates[c],
+                              " changes nothing: it is the same in all meshes of each ",
+                              arguments.within, ", whose own effect accounts for it"));
+    }
+}
+
 void report(const Session& session, const Arguments& arguments, const Findings& findings,
             Json figures)
 {
@@ -187,11 +260,15 @@ void report(const Session& session, const Arguments& arguments, const Findings& 
     figures["meshes"] = findings.groups.size();
     figures.update(space_figures(findings.shapes.space));
     figures["design"] = findings.comparison.design == BlockDesign::Crossed ? "crossed" : "nested";
-    figures["groups"] = group_figures(findings);
+    if (!arguments.within.empty())
+        figures["left_out"] = findings.comparison.left_out;
+    if (!arguments.covariates.empty())
+        figures["adjusted_for"] = adjustment_figures(arguments, findings);
+    figures["groups"] = group_figures(arguments, findings);
     figures["overall"] = test_figures(findings.comparison.overall);
     figures["spread"] = test_figures(findings.spread_test);
     figures["pairs"] = pair_figures(findings);
-    session.message(summary(findings));
+    session.message(summary(arguments, findings));
     session.print_figures(figures);
 }
 
@@ -201,21 +278,31 @@ void compare_in_memory(const Session& session, const Arguments& arguments,
     const Collection collection = read_labelled(session, arguments.input);
     const Setting setting = prepare(session, arguments, collection, inputs);
     const Grouping& groups = setting.groups;
+    const auto covariates_at = [&](const Eigen::VectorXd& sizes) {
+        return covariates_of(collection, sizes, arguments.covariates);
+    };
     Findings findings{
-        groups, members(groups), group_shapes(collection, groups, arguments.space), {}, {}, {}};
+        groups,
+        setting.blocks,
+        members(groups),
+        group_shapes(collection, groups, arguments.space, setting.blocks, covariates_at),
+        {},
+        {},
+        {}};
+    const Eigen::MatrixXd covariates = covariates_at(findings.shapes.sizes);
     const Eigen::MatrixXd products = std::move(findings.shapes.products);
     warn_of_alignment(session, findings.shapes.space);
     if (!setting.are_rows_told)
         warn_of_close_rows(session, collection, setting.rows, products);
     throw_if_stop_requested();
     const PermutationOptions permutations = permutation_options(session, arguments);
-    findings.comparison = compare_groups(
-        products, groups, setting.blocks,
-        covariates_of(collection, findings.shapes.sizes, arguments.covariates), permutations);
+    findings.comparison =
+        compare_groups(products, groups, setting.blocks, covariates, permutations);
+    warn_of_idle_covariates(session, arguments, findings, covariates);
     throw_if_stop_requested();
-    findings.spread =
-        group_spread(products, groups, setting.blocks, bootstrap_options(session, arguments));
-    findings.spread_test = test_spread(products, groups, setting.blocks, permutations);
+    findings.spread = group_spread(products, groups, setting.blocks, covariates,
+                                   bootstrap_options(session, arguments));
+    findings.spread_test = test_spread(products, groups, setting.blocks, covariates, permutations);
     throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (setting.means)
@@ -228,21 +315,25 @@ void compare_in_passes(const Session& session, const Arguments& arguments,
                        const std::vector<std::filesystem::path>& inputs, const MeshStream& meshes)
 {
     const Setting setting = prepare(session, arguments, meshes, inputs);
-    StreamedGroups found =
-        compare_groups(meshes, setting.groups, setting.blocks,
-                       {.space = arguments.space,
-                        .permutations = permutation_options(session, arguments),
-                        .bootstrap = bootstrap_options(session, arguments),
-                        .covariates =
-                            [&](const Eigen::VectorXd& sizes) {
-                                return covariates_of(meshes, sizes, arguments.covariates);
-                            },
-                        .with_companions = setting.means != nullptr,
-                        .memory = arguments.memory.bytes,
-                        .progress = session.progress()});
-    const Findings findings{setting.groups,          members(setting.groups),
-                            std::move(found.shapes), std::move(found.comparison),
-                            std::move(found.spread), found.spread_test};
+    const auto covariates_at = [&](const Eigen::VectorXd& sizes) {
+        return covariates_of(meshes, sizes, arguments.covariates);
+    };
+    StreamedGroups found = compare_groups(meshes, setting.groups, setting.blocks,
+                                          {.space = arguments.space,
+                                           .permutations = permutation_options(session, arguments),
+                                           .bootstrap = bootstrap_options(session, arguments),
+                                           .covariates = covariates_at,
+                                           .with_companions = setting.means != nullptr,
+                                           .memory = arguments.memory.bytes,
+                                           .progress = session.progress()});
+    const Findings findings{setting.groups,
+                            setting.blocks,
+                            members(setting.groups),
+                            std::move(found.shapes),
+                            std::move(found.comparison),
+                            std::move(found.spread),
+                            found.spread_test};
+    warn_of_idle_covariates(session, arguments, findings, covariates_at(findings.shapes.sizes));
     throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (setting.means)
@@ -275,7 +366,8 @@ Run set_up_groups(CLI::App& command)
         "Anderson 2006)? Labels are permuted to see what chance alone would do (Procrustes ANOVA,\n"
         "PERMANOVA). With --within, labels that differ inside a block (a subject in several\n"
         "states) are permuted inside it; if every block lies in one group (repeated scans of a\n"
-        "subject), the means of the blocks are compared instead.");
+        "subject), the means of the blocks are compared instead. Means, distances and spread are\n"
+        "those of what is tested.");
     command.footer(
         "Example:\n"
         "  shape groups faces.h5 --by expression --within subject -o groups.csv --means means/");
@@ -287,8 +379,8 @@ Run set_up_groups(CLI::App& command)
     add_label(command, "--within", arguments->within,
               "Meshes with the same value of it are a block, such as all meshes of a subject");
     add_covariates(command, "--adjust-for", arguments->covariates,
-                   "Compare the groups beyond what this label of numbers, or `size`, explains;\n"
-                   "may be repeated");
+                   "Compare the groups beyond what this label of numbers, or `size`, explains:\n"
+                   "tests, means (at the mean of the label), distances, spread; may be repeated");
     add_output_file(command, arguments->output,
                     "CSV file to write. One row for all groups, one for each pair: first, second,\n"
                     "distance of the means and the radius of its 95 % confidence ball (if that is\n"

@@ -143,14 +143,6 @@ Json settings_of(const Session& session, const Arguments& arguments, const Colle
     return settings;
 }
 
-/// Frames nearer to each other than 1/30 of the path make a motion, whose neighbours agree on folds;
-/// those farther apart are blends of their own.
-bool is_motion(const Blends& blends)
-{
-    return blends.places.size() >= 2 &&
-           std::abs(blends.places[1] - blends.places[0]) <= (1.0 + 1e-9) / 30.0;
-}
-
 void run(const Session& session, const Arguments& arguments)
 {
     const Collection collection = read_meshes(session, arguments.meshes);
@@ -167,22 +159,18 @@ void run(const Session& session, const Arguments& arguments)
         throw UsageError(
             "--shard and mpirun are for blends that are not a path: a frame of a path is placed as "
             "the one before it");
+    const auto target = [&](const Eigen::VectorXd& weights) {
+        return part.scale(blend(vectors, weights, arguments.lengths), weights);
+    };
     Sequence sequence{topology, collection.points, {}, blends.is_sequence};
     for (const std::size_t i : shard.own(blends.weights.size()))
-        sequence.targets.push_back({numbered_name("frame", i),
-                                    [&vectors, &arguments, &part, &weights = blends.weights[i]] {
-                                        return part.scale(
-                                            blend(vectors, weights, arguments.lengths), weights);
-                                    }});
-    if (arguments.sequence.keyframes == 0 && is_motion(blends)) {
-        sequence.path =
-            TargetPath{[&](double t) {
-                           const Eigen::VectorXd weights = blends.weights_at(t);
-                           return part.scale(blend(vectors, weights, arguments.lengths), weights);
-                       },
-                       blends.stations};
-        sequence.places = blends.places;
-    }
+        sequence.targets.push_back(
+            {numbered_name("frame", i),
+             [&target, &weights = blends.weights[i]] { return target(weights); }});
+    if (!blends.places.empty())
+        sequence.along =
+            FramePath{{[&](double t) { return target(blends.weights_at(t)); }, blends.stations},
+                      blends.places};
     check_merged_output(shard, arguments.output.path);
     MeshOutputArguments place = arguments.output;
     if (shard.is_given())

@@ -99,7 +99,9 @@ void add_common_options(CLI::App& command, Session& session)
     command.add_flag("--quiet", session.quiet, "Nothing on stderr but errors")->group(group);
     command.add_flag("--json", session.json, "Print one JSON object with the figures of the run")
         ->group(group);
-    command.add_flag("--force", session.force, "Overwrite existing outputs")->group(group);
+    command
+        .add_flag("--force", session.force, "Overwrite existing outputs; write-protected ones stay")
+        ->group(group);
     add_integer(command, "--threads", session.threads,
                 "Number of threads [1, 1024] (default: all processors); changes no result", 1, 1024)
         ->group(group);

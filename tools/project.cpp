@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +11,6 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/model_file.h"
-#include "libshape/mesh/oddities.h"
 #include "libshape/model/shape_model.h"
 #include "libshape/model/unlike_meshes.h"
 #include "libshape/report/score_plot.h"
@@ -22,6 +20,7 @@
 #include "tools/output/mesh_table.h"
 #include "tools/output/output_rules.h"
 #include "tools/output/plot_output.h"
+#include "tools/output/unlike_warnings.h"
 #include "tools/program/arguments.h"
 #include "tools/program/ranks.h"
 #include "tools/program/session.h"
@@ -109,7 +108,8 @@ Projected project_in_blocks(const Session& session, const ShapeModel& model,
                    .scores = RowMatrix::Zero(count, model.mode_count()),
                    .sizes = Eigen::VectorXd::Zero(count),
                    .residuals = Eigen::VectorXd::Zero(count)};
-    RowMatrix marks = RowMatrix::Zero(count, 3);
+    RowMatrix marks = RowMatrix::Zero(count, 2);
+    const KnownMeshes known = known_meshes(model);
     const Progress progress = session.progress();
     constexpr Eigen::Index block = 32; // as project() goes about it: the same bits
     const Eigen::Index blocks = (count + block - 1) / block;
@@ -126,7 +126,7 @@ Projected project_in_blocks(const Session& session, const ShapeModel& model,
         all.scores.middleRows(first, some.scores.rows()) = some.scores;
         all.sizes.segment(first, some.sizes.size()) = some.sizes;
         all.residuals.segment(first, some.sizes.size()) = some.residuals;
-        marks.middleRows(first, some.sizes.size()) = unlike_meshes(model, named, some.sizes);
+        marks.middleRows(first, some.sizes.size()) = unlike_meshes(known, named, some.sizes);
         progress("projecting", to_size(first - begin) + part.size(), to_size(end - begin));
     });
     ranks().all_reduce_sum({all.scores.data(), to_size(all.scores.size())});
@@ -138,33 +138,17 @@ Projected project_in_blocks(const Session& session, const ShapeModel& model,
 
 Projected project_all(const Session& session, const Arguments& arguments, const ShapeModel& model)
 {
-    if (const auto meshes = open_labelled(session, arguments.input, ranks().partial_sums > 1))
+    LabelledInput input = arguments.input;
+    input.meshes.known =
+        NamedMesh{arguments.model, arguments.model, model.reference_points, model.topology.faces()};
+    if (const auto meshes = open_labelled(session, input, ranks().partial_sums > 1))
         return project_in_blocks(session, model, *meshes);
     if (ranks().partial_sums > 1)
         throw UsageError("mpirun is for one collection file (.h5); `shape collect` makes one");
-    const Collection meshes = read_labelled(session, arguments.input);
+    const Collection meshes = read_labelled(session, input);
     Projection scores = project(model, meshes);
-    RowMatrix marks = unlike_meshes(model, meshes, scores.sizes);
+    RowMatrix marks = unlike_meshes(known_meshes(model), meshes, scores.sizes);
     return {std::move(scores), std::move(marks)};
-}
-
-void warn_of_unlike(const Session& session, const Projected& found)
-{
-    constexpr std::array<const char*, 3> what = {
-        "mirrored against the meshes of the model, which edge lengths do not see; take x times -1",
-        "more than 5 times as large as any mesh of the model; another unit?",
-        "less than a fifth as large as any mesh of the model; another unit?"};
-    for (std::size_t kind = 0; kind < what.size(); ++kind) {
-        std::vector<std::size_t> meshes;
-        for (Eigen::Index i = 0; i < found.marks.rows(); ++i)
-            if (found.marks(i, static_cast<Eigen::Index>(kind)) > 0.0)
-                meshes.push_back(to_size(i));
-        if (!meshes.empty())
-            session.warn(
-                join(list_names(found.scores.names, meshes),
-                     meshes.size() == 1 ? " is unlike the model: " : " are unlike the model: ",
-                     what[kind]));
-    }
 }
 
 void run(const Session& session, const Arguments& arguments)
@@ -174,8 +158,10 @@ void run(const Session& session, const Arguments& arguments)
     const Projected projected = project_all(session, arguments, model);
     if (!ranks().is_root())
         return;
-    warn_of_unlike(session, projected);
     const Projection& projection = projected.scores;
+    warn_of_unlike(session, projection.names, projected.marks,
+                   {.others = join("the meshes of ", arguments.model),
+                    .mirrored = effect_of_mirroring(model.space)});
     const Table table = score_table(projection);
     std::vector<std::string> outputs{arguments.output};
     const std::string plot =
@@ -211,7 +197,6 @@ Run set_up_project(CLI::App& command)
         "Example:\n"
         "  shape project model.h5 faces.h5 -o scores.csv --plot scores.svg --color-by mood");
     const auto arguments = std::make_shared<Arguments>();
-    arguments->input.meshes.have_model = true;
     command.add_option("MODEL", arguments->model, "Model made by `shape stats` (.h5)")
         ->required()
         ->option_text("REQUIRED");

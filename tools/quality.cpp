@@ -79,15 +79,6 @@ Grouping folds_of(const Session& session, const Arguments& arguments, const Mesh
                         static_cast<std::uint64_t>(session.seed));
 }
 
-/// The most modes that every model without a fold can have.
-int most_modes(const Grouping& folds)
-{
-    Eigen::VectorXi sizes = Eigen::VectorXi::Zero(folds.group_count());
-    for (const int fold : folds.group_of)
-        ++sizes[fold];
-    return static_cast<int>(folds.size()) - sizes.maxCoeff() - 1;
-}
-
 struct NamedCurve
 {
     std::string name;
@@ -195,7 +186,7 @@ void check_outputs(const Session& session, const Arguments& arguments)
 
 void run(const Session& session, const Arguments& arguments)
 {
-    std::vector<int> modes =
+    const std::vector<int> modes =
         arguments.modes.empty() ? std::vector<int>() : mode_counts(arguments.modes);
     check_outputs(session, arguments);
     const auto meshes = open_for_passes(session, arguments.input, arguments.space, arguments.memory,
@@ -204,8 +195,6 @@ void run(const Session& session, const Arguments& arguments)
         meshes ? Collection{meshes->topology, meshes->names, {}, meshes->labels}
                : read_labelled(session, arguments.input);
     const Grouping folds = folds_of(session, arguments, collection);
-    if (modes.empty())
-        modes = usual_mode_counts(std::max(1, most_modes(folds)));
     const QualityOptions options{.space = arguments.space,
                                  .modes = modes,
                                  .tests = static_cast<int>(arguments.tests),

@@ -109,10 +109,17 @@ void warn_of_dependent_rows(const Session& session, const Arguments& arguments,
 {
     if (!arguments.within.empty())
         return;
-    const RepetitionQuestion rows{.covariates = findings.covariates,
-                                  .columns = arguments.on,
-                                  .remedy = "then chance looks significant. Give --within",
-                                  .unnamed = "a label that names them"};
+    RepetitionQuestion rows{.covariates = findings.covariates,
+                            .columns = arguments.on,
+                            .remedy = "then chance looks significant. Give --within",
+                            .unnamed = "a label that names them"};
+    const auto size = std::find(arguments.on.begin(), arguments.on.end(), "size");
+    if (size !=
+        arguments.on.end()) { // which differs a little inside: --within would ask about that
+        rows.sizes = size - arguments.on.begin();
+        rows.remedy = "then chance looks significant. Take one mesh, or the mean, of each";
+        rows.unnamed = "set";
+    }
     if (!warn_of_repeated_rows(session, meshes, rows))
         warn_of_close_rows(session, meshes, rows, findings.effect.products);
 }
@@ -395,11 +402,13 @@ void run(const Session& session, const Arguments& arguments)
         throw UsageError("--at takes values of one covariate; give --on once");
     (void)places(arguments); // before any work
     if (const auto meshes = open_meshes(session, arguments)) {
+        warn_of_missing_codes(session, arguments.input, meshes->labels, arguments.on);
         Points reference;
         const Findings findings = find_in_passes(session, arguments, *meshes, reference);
         return report(session, arguments, findings, meshes->topology, reference, {});
     }
     const Collection collection = read_labelled(session, arguments.input);
+    warn_of_missing_codes(session, arguments.input, collection.labels, arguments.on);
     const Findings findings = find(session, arguments, collection);
     report(session, arguments, findings, collection.topology, collection.points.front(),
            corrected_targets(collection, findings));

@@ -3,17 +3,20 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/stop.h"
 #include "libshape/io/model_file.h"
 #include "libshape/model/nuisance.h"
+#include "libshape/model/unlike_meshes.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_choice.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/embedding_run.h"
+#include "tools/output/unlike_warnings.h"
 #include "tools/program/arguments.h"
 #include "tools/program/session.h"
 
@@ -33,37 +36,88 @@ struct Arguments
     EmbeddingArguments embedding;
 };
 
-Nuisance nuisance_of(const Session& session, const Arguments& arguments,
-                     const Collection& collection)
+/// What is removed, and the meshes that it was found of.
+struct Found
 {
-    if (!arguments.direction.empty())
-        return direction_of(read_difference(arguments.direction));
+    Nuisance nuisance;
+    KnownMeshes known;
+    std::string others; ///< "the meshes of m.h5".
+};
+
+/// That of a file, if one is named.
+std::optional<Found> read_nuisance(const Arguments& arguments)
+{
     const int count = static_cast<int>(arguments.modes);
-    if (!arguments.model.empty())
-        return leading_modes(read_model(arguments.model), count);
+    if (!arguments.direction.empty()) {
+        const DifferenceVector difference = read_difference(arguments.direction);
+        return Found{direction_of(difference), known_meshes(difference),
+                     join("the meshes of ", arguments.direction)};
+    }
+    if (arguments.model.empty())
+        return std::nullopt;
+    const ShapeModel model = read_model(arguments.model);
+    return Found{leading_modes(model, count), known_meshes(model),
+                 join("the meshes of ", arguments.model)};
+}
+
+/// The leading modes of the meshes themselves.
+Found find_nuisance(const Session& session, const Arguments& arguments,
+                    const Collection& collection)
+{
+    const int count = static_cast<int>(arguments.modes);
     const ShapeModel model = fit_model(collection, {.modes = count, .space = arguments.space});
     warn_of_alignment(session, model.space);
-    return leading_modes(model, count);
+    return {leading_modes(model, count), known_meshes(model), "the meshes of the run"};
+}
+
+/// @param mirrored  What comes of mirror images.
+void warn_of_unlike(const Session& session, const std::string& option, const Collection& meshes,
+                    const Found& found, const std::string& mirrored)
+{
+    const ShapeSpace& space = found.nuisance.space;
+    RowMatrix marks = unlike_meshes(found.known, meshes, sizes(space, meshes));
+    if (scale_of(space) == Scale::Unit)
+        marks.col(1).setZero(); // sizes are divided out
+    tools::warn_of_unlike(session, meshes.names, marks,
+                          {.option = option,
+                           .others = found.others,
+                           .mirrored = mirrored,
+                           .size = "Sizes are part of the shape (--scale none): bring all to one "
+                                   "unit first"});
 }
 
 void run(const Session& session, const Arguments& arguments)
 {
     check_space_options(arguments.space);
-    const Collection collection = read_labelled(session, arguments.input);
+    std::optional<Found> read = read_nuisance(arguments);
+    LabelledInput input = arguments.input;
+    const std::string& file =
+        arguments.model.empty() ? arguments.direction : arguments.model; // or none
+    if (read)
+        input.meshes.known =
+            NamedMesh{file, file, read->known.reference_points, read->known.topology.faces()};
+    const Collection collection = read_labelled(session, input);
     std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
-    for (const std::string& file : {arguments.model, arguments.direction})
-        if (!file.empty())
-            inputs.emplace_back(file);
+    if (read)
+        inputs.emplace_back(file);
     const MeshChoice like{"--like", {arguments.like}, arguments.input.meshes.triangulate};
     if (!arguments.like.empty())
-        for (const std::filesystem::path& file : chosen_files(like, collection.names))
-            inputs.push_back(file);
+        for (const std::filesystem::path& path : chosen_files(like, collection.names))
+            inputs.push_back(path);
     MeshOutput output(session, arguments.output, collection.names, inputs);
-    const Nuisance nuisance = nuisance_of(session, arguments, collection);
+    if (read)
+        warn_of_unlike(session, "", collection, *read, "angles change the wrong way");
+    const Found found = read ? std::move(*read) : find_nuisance(session, arguments, collection);
+    const Nuisance& nuisance = found.nuisance;
     throw_if_stop_requested();
     Eigen::VectorXd wanted = Eigen::VectorXd::Zero(nuisance.directions.rows());
-    if (!arguments.like.empty())
-        wanted = amounts_of(nuisance, choose_meshes(like, collection)).row(0).transpose();
+    if (!arguments.like.empty()) {
+        const Collection target = choose_meshes(
+            like, collection,
+            {"the run", "the run", collection.points.front(), collection.topology.faces()});
+        warn_of_unlike(session, "--like: ", target, found, effect_of_mirroring(nuisance.space));
+        wanted = amounts_of(nuisance, target).row(0).transpose();
+    }
     const RowMatrix amounts = amounts_of(nuisance, collection);
     std::vector<EmbeddingTarget> targets;
     for (std::size_t i = 0; i < collection.size(); ++i)

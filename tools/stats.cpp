@@ -14,8 +14,10 @@
 #include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
 #include "libshape/io/model_file.h"
+#include "libshape/mesh/joined_labels.h"
 #include "libshape/model/shape_model.h"
 #include "libshape/model/streamed_fit.h"
+#include "libshape/model/unlike_meshes.h"
 #include "libshape/model/updated_model.h"
 #include "libshape/statistics/bootstrap.h"
 #include "libshape/statistics/principal_components.h"
@@ -27,6 +29,7 @@
 #include "tools/output/model_tables.h"
 #include "tools/output/output_rules.h"
 #include "tools/output/pass_store.h"
+#include "tools/output/unlike_warnings.h"
 #include "tools/program/arguments.h"
 #include "tools/program/memory.h"
 #include "tools/program/ranks.h"
@@ -161,8 +164,12 @@ Findings fit_in_memory(const Session& session, const Arguments& arguments)
 }
 
 /// All that the passes depend on.
-Json identity_of(const Session& session, const Arguments& arguments)
+Json identity_of(const Session& session, const Arguments& arguments, const MeshStream& meshes)
 {
+    const std::uint64_t memory = arguments.memory.bytes;
+    const FitAlgorithm algorithm =
+        algorithm_for(meshes.size(), model_options(arguments),
+                      {.memory = memory, .algorithm = arguments.algorithm});
     Json identity{{"version", version()}};
     for (const std::filesystem::path& path : input_files(arguments.input.meshes))
         identity["inputs"].push_back(
@@ -175,9 +182,10 @@ Json identity_of(const Session& session, const Arguments& arguments)
                          static_cast<int>(arguments.space.coordinates),
                          static_cast<int>(arguments.space.weighting),
                          arguments.space.dihedral_weight, arguments.space.position_weight};
-    identity["algorithm"] = static_cast<int>(arguments.algorithm);
+    identity["algorithm"] = static_cast<int>(algorithm);
     identity["tolerance"] = arguments.tolerance;
-    identity["memory"] = arguments.memory.bytes;
+    if (algorithm == FitAlgorithm::Krylov) // by it Krylov restarts; of Gram it changes no bit
+        identity["memory"] = memory > 0 ? memory : usual_memory();
     identity["seed"] = session.seed;
     identity["partial_sums"] = ranks().partial_sums;
     return identity;
@@ -185,8 +193,8 @@ Json identity_of(const Session& session, const Arguments& arguments)
 
 Findings fit_in_passes(const Session& session, const Arguments& arguments, const MeshStream& meshes)
 {
-    PassStore store(session, arguments.output, identity_of(session, arguments), arguments.resume,
-                    arguments.save_every);
+    PassStore store(session, arguments.output, identity_of(session, arguments, meshes),
+                    arguments.resume, arguments.save_every);
     const StreamOptions options{.memory = arguments.memory.bytes,
                                 .algorithm = arguments.algorithm,
                                 .tolerance = arguments.tolerance,
@@ -227,10 +235,52 @@ void check_first_mesh(const ShapeModel& model, const std::string& name, const Po
                                 "their names; give those of the other collection other names"));
 }
 
+/// Gives the meshes of a model the labels that they have in the input, and says which were others.
+void take_labels_of(const Session& session, const Arguments& arguments, const MeshLabels& input,
+                    ShapeModel& model)
+{
+    const std::vector<ReplacedLabel> replaced =
+        take_labels(model.labels, model.names, input.labels, input.names);
+    if (replaced.empty())
+        return;
+    const ReplacedLabel& first = replaced.front();
+    session.warn(join(arguments.update, ": ", counted(replaced.size(), "label"),
+                      replaced.size() == 1 ? " is another" : " are others",
+                      " than in the input, which counts; first that of mesh ", first.mesh, ", ",
+                      first.label, ": '", first.before, "', now '", first.now, "'"));
+}
+
+/// All that it takes is held in memory.
+void check_update_memory(const Arguments& arguments, const ShapeModel& model, std::size_t added)
+{
+    const std::uint64_t wanted =
+        update_memory(model, static_cast<Eigen::Index>(added), model_options(arguments));
+    const std::uint64_t allowed =
+        arguments.memory.bytes > 0 ? arguments.memory.bytes : usual_memory();
+    if (wanted > allowed)
+        throw LimitExceeded(
+            join("--update: the ", model.names.size(), " meshes of ", arguments.update, " and ",
+                 counted(added, "mesh", "meshes"), " more need ", (wanted >> 20) + 1,
+                 " MiB, the memory allowed is ", allowed >> 20,
+                 " MiB; allow more (--memory), or fit all of them without --update, "
+                 "which reads them in passes"));
+}
+
+void warn_of_unlike_added(const Session& session, const Arguments& arguments,
+                          const ShapeModel& model, const Collection& added)
+{
+    warn_of_unlike(session, added.names,
+                   unlike_meshes(known_meshes(model), added, sizes(model.space, added)),
+                   {.others = join("the meshes of ", arguments.update),
+                    .mirrored = effect_of_mirroring(model.space)});
+}
+
 /// Adds to a model the meshes that it does not have, which alone are read, and the model's first one.
 Findings update(const Session& session, const Arguments& arguments)
 {
-    const ShapeModel model = read_model(arguments.update);
+    if (ranks().count > 1)
+        throw UsageError("--update runs in one process, without mpirun");
+    ShapeModel model = read_model(arguments.update);
     const std::set<std::string> known(model.names.begin(), model.names.end());
     const auto is_new = [&](const std::vector<std::string>& names) {
         std::vector<std::size_t> chosen;
@@ -245,12 +295,18 @@ Findings update(const Session& session, const Arguments& arguments)
             check_first_mesh(model, *first, points_of(to_size(first - meshes.names.begin())),
                              arguments.update);
     };
+    LabelledInput input = arguments.input;
+    input.meshes.known = NamedMesh{model.names.front(), arguments.update, model.reference_points,
+                                   model.topology.faces()};
     const Collection added = [&] {
-        const auto stream = open_labelled(session, arguments.input, true);
+        const auto stream = open_labelled(session, input, true);
         if (!stream) {
-            const Collection all = read_labelled(session, arguments.input);
+            const Collection all = read_labelled(session, input);
             check_first(all, [&](std::size_t i) { return all.points[i]; });
-            return subset(all, is_new(all.names));
+            take_labels_of(session, arguments, all, model);
+            const std::vector<std::size_t> fresh = is_new(all.names);
+            check_update_memory(arguments, model, fresh.size());
+            return subset(all, fresh);
         }
         check_first(*stream, [&](std::size_t i) {
             Points points;
@@ -259,7 +315,9 @@ Findings update(const Session& session, const Arguments& arguments)
                 [&](Eigen::Index, const Collection& block) { points = block.points.front(); });
             return points;
         });
+        take_labels_of(session, arguments, *stream, model);
         const MeshStream fresh = subset(*stream, is_new(stream->names));
+        check_update_memory(arguments, model, fresh.names.size());
         Collection read{fresh.topology, fresh.names, {}, fresh.labels};
         for_each_block(fresh, 0, fresh.size(), 32, [&](Eigen::Index, const Collection& block) {
             read.points.insert(read.points.end(), block.points.begin(), block.points.end());
@@ -267,6 +325,7 @@ Findings update(const Session& session, const Arguments& arguments)
         return read;
     }();
     Findings found{.fit = {.model = update_model(model, added, model_options(arguments))}};
+    warn_of_unlike_added(session, arguments, model, added);
     session.message(join(counted(added.size(), "mesh", "meshes"), " added to the ",
                          model.names.size(), " of ", arguments.update));
     found.modes = mode_figures(found.fit.model);
@@ -323,7 +382,6 @@ void run(const Session& session, const Arguments& arguments)
     if (!arguments.update.empty())
         inputs.emplace_back(arguments.update);
     check_output(session, arguments.output, inputs);
-    check_stored_labels(arguments.input.meshes);
     const Findings found = fit_and_write(session, arguments);
     const ShapeModel& model = found.fit.model;
     session.message(join(arguments.output, ": ", counted(model.mode_count(), "mode"), " of ",
@@ -375,7 +433,7 @@ Run set_up_stats(CLI::App& command)
               "Resample meshes with the same value of it together, such as all of a subject")
         ->needs(bootstrap);
     add_space_options(command, arguments->space);
-    CLI::Option* memory = add_memory(command, arguments->memory);
+    add_memory(command, arguments->memory);
     add_choice(
         command, "--algorithm", arguments->algorithm,
         "How modes of a large collection are found. gram: exactly, from all inner products;\n"
@@ -397,11 +455,11 @@ Run set_up_stats(CLI::App& command)
                               .add_option("--update", arguments->update,
                                           "Model of all its modes (.h5) to which the meshes are "
                                           "added that it does not have;\n"
-                                          "those it has are not read. The result is that of a run "
-                                          "on all of them, in its space")
+                                          "those it has are not read, but their labels. The result "
+                                          "is that of a run on all of\n"
+                                          "them, in its space; all is held in memory (--memory)")
                               ->option_text("MODEL")
-                              ->excludes(bootstrap)
-                              ->excludes(memory);
+                              ->excludes(bootstrap);
     exclude_space_options(command, *update);
     for (const char* option : {"--algorithm", "--tolerance", "--resume", "--save-every"})
         update->excludes(command.get_option(option));

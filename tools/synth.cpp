@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/clean_up.h"
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -24,6 +25,8 @@
 namespace shape::tools {
 using namespace internal;
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Arguments
 {
@@ -103,9 +106,38 @@ Table landmark_table(const Collection& truth)
     return table;
 }
 
+/// The directory of a run, made with its parents where they are missing. What was made goes again if the run
+/// ends before anything is in it.
+class RunDirectory
+{
+public:
+    explicit RunDirectory(const fs::path& path)
+    {
+        for (fs::path part = path; !part.empty() && !fs::exists(part); part = part.parent_path())
+            if (part.has_filename())
+                made_.push_back(part);
+        std::error_code error;
+        fs::create_directories(path, error);
+        if (error)
+            throw FileError(join(path.string(), ": ", error.message()));
+    }
+    ~RunDirectory()
+    {
+        clean_up([&] {
+            std::error_code ignored; // what is not empty stays
+            for (const fs::path& part : made_)
+                fs::remove(part, ignored);
+        });
+    }
+    RunDirectory(const RunDirectory&) = delete;
+    RunDirectory& operator=(const RunDirectory&) = delete;
+
+private:
+    std::vector<fs::path> made_; ///< From the innermost out.
+};
+
 void make_scans(const Session& session, const Arguments& arguments)
 {
-    namespace fs = std::filesystem;
     const bool is_given = !arguments.of.paths.empty();
     if (is_given && arguments.count > 0)
         throw UsageError(
@@ -124,10 +156,7 @@ void make_scans(const Session& session, const Arguments& arguments)
         is_given ? input_files(arguments.of) : std::vector<fs::path>{};
     const fs::path pattern = directory / "template.ply", landmarks = directory / "landmarks.csv",
                    labels = directory / "labels.csv";
-    std::error_code error;
-    fs::create_directories(directory, error);
-    if (error)
-        throw FileError(join(directory.string(), ": ", error.message()));
+    const RunDirectory made(directory);
     for (const fs::path& path : {pattern, landmarks, labels})
         check_output(session, path, inputs);
     MeshOutput scans(session, output_in("scans"), truth.names, inputs);

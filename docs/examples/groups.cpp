@@ -13,7 +13,7 @@ int main()
     const shape::Grouping people =
         shape::group_by(shape::find_label(faces.labels, "subject").values);
 
-    const shape::GroupedShapes shapes = shape::group_shapes(faces, expressions);
+    const shape::GroupedShapes shapes = shape::group_shapes(faces, expressions, {}, people);
     const shape::GroupComparison comparison = shape::compare_groups(
         shapes.products, expressions, people, Eigen::MatrixXd(shapes.products.rows(), 0));
     std::cout << "p = " << comparison.overall.p_value << "\n";

@@ -2,8 +2,10 @@
 
 #include "libshape/io/file_parts.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cstdint>
 #include <optional>
 #include <set>
@@ -12,6 +14,8 @@
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
+#include "libshape/io/file/line_reader.h"
+#include "libshape/io/hdf5/handles.h"
 #include "libshape/io/label_file.h"
 
 namespace shape::internal {
@@ -167,6 +171,55 @@ std::vector<std::string> read_names(const Hdf5File& file, Eigen::Index count)
     return names;
 }
 
+namespace {
+
+constexpr const char* names_attribute = "label_names";
+constexpr const char* percent_encoded = "percent-encoded";
+
+/// Whether HDF5 takes the name for something else: a path, or the group itself.
+bool needs_escapes(const std::string& name)
+{
+    return name == "." || name.find('/') != std::string::npos;
+}
+
+/// Three characters for each that needs it, as in addresses of the web (RFC 3986, section 2.1).
+std::string escaped(const std::string& name)
+{
+    if (name == ".")
+        return "%2E";
+    std::string result;
+    for (const char c : name)
+        result += c == '/' ? "%2F" : c == '%' ? "%25" : std::string(1, c);
+    return result;
+}
+
+/// Any character of ASCII may be written so, for other programs may escape more than is needed.
+std::string unescaped(const Hdf5File& file, const std::string& member)
+{
+    const auto fail = [&] {
+        file.fail("/labels/" + member,
+                  join("its name is not percent-encoded, as attribute ", names_attribute, " says"));
+    };
+    std::string result;
+    for (std::size_t i = 0; i < member.size(); ++i) {
+        if (member[i] != '%') {
+            result += member[i];
+            continue;
+        }
+        int code = 0;
+        const char* const digits = member.data() + i + 1;
+        if (i + 2 >= member.size() ||
+            std::from_chars(digits, digits + 2, code, 16).ptr != digits + 2 || code < 1 ||
+            code > 0x7f)
+            fail();
+        result += static_cast<char>(code);
+        i += 2;
+    }
+    return result;
+}
+
+} // namespace
+
 void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels)
 {
     // A dataset each, which HDF5 opens and checks in some 0.3 ms: files that are opened in more than seconds are taken
@@ -175,24 +228,41 @@ void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels)
     if (labels.size() > most_columns)
         throw LimitExceeded(join("there are ", labels.size(), " label columns; a file takes ",
                                  most_columns, ": leave out those that are not needed"));
+    const bool are_escaped = std::ranges::any_of(
+        labels, [](const LabelColumn& column) { return needs_escapes(column.name); });
+    if (are_escaped)
+        content.attributes.emplace_back(names_attribute, std::string(percent_encoded));
     std::set<std::string_view> seen;
     for (const LabelColumn& column : labels) {
-        if (column.name.empty() || column.name == "." ||
-            column.name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
+        if (!is_storable_label(column.name))
             throw InvalidInput(
-                join("label column '", column.name,
-                     "': a name in a file must not be empty, '.' or hold '/'; rename the column"));
+                join("label column ", in_quotes(column.name),
+                     ": a name in a file must not be empty or hold NUL; rename the column"));
         if (!seen.insert(column.name).second)
             throw InvalidInput(join("label column '", column.name, "' occurs twice"));
-        add_strings(content, "/labels/" + column.name, count, column.values);
+        const std::string member = are_escaped ? escaped(column.name) : column.name;
+        if (member.size() > longest_string)
+            throw InvalidInput(join("label column ", in_quotes(column.name), ": the name has ",
+                                    member.size(), " bytes, a file takes ", longest_string,
+                                    "; rename the column"));
+        add_strings(content, "/labels/" + member, count, column.values);
     }
 }
 
 Labels read_labels(const Hdf5File& file, Eigen::Index count)
 {
+    const bool are_escaped = file.has_attribute(names_attribute);
+    if (are_escaped && file.text_attribute(names_attribute) != percent_encoded)
+        file.fail(join("attribute ", names_attribute),
+                  join("is '", file.text_attribute(names_attribute), "', must be '",
+                       percent_encoded, "'"));
     Labels labels;
-    for (const std::string& name : file.members("/labels")) {
-        labels.push_back({name, file.strings("/labels/" + name, count)});
+    std::set<std::string> seen;
+    for (const std::string& member : file.members("/labels")) {
+        const std::string name = are_escaped ? unescaped(file, member) : member;
+        if (!seen.insert(name).second)
+            file.fail("/labels/" + member, join("a second label is called '", name, "'"));
+        labels.push_back({name, file.strings("/labels/" + member, count)});
         for (std::string& value : labels.back().values)
             value = label_value(value); // whoever wrote the file
     }

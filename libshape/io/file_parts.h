@@ -42,7 +42,9 @@ void add_strings(Hdf5Content& content, std::string name, Eigen::Index count,
 void add_names(Hdf5Content& content, Eigen::Index count, const std::vector<std::string>& names);
 [[nodiscard]] std::vector<std::string> read_names(const Hdf5File& file, Eigen::Index count);
 
-/// @throws InvalidInput if a column name is empty, ".", has a '/' in it or occurs twice.
+/// Names that HDF5 has no room for (a `/` is a path there, `.` the group) are percent-encoded, and the attribute
+/// label_names says so.
+/// @throws InvalidInput if a column name is not storable (is_storable_label()) or occurs twice.
 void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels);
 [[nodiscard]] Labels read_labels(const Hdf5File& file, Eigen::Index count);
 

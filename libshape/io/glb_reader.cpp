@@ -27,16 +27,13 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::uint64_t description_limit = std::uint64_t{64} << 20; ///< [byte]
-constexpr std::int64_t member_vertex_limit =
-    40'000'000; ///< Of all members, beyond what the file holds.
-constexpr std::size_t member_limit =
-    10'000; ///< Nodes may name one mesh; what compares all takes seconds then.
 
 /// The description and the buffer; every access is checked, for the file may say anything.
 class Glb
 {
 public:
-    Glb(std::string_view content, std::string path) : path_(std::move(path))
+    Glb(std::string_view content, std::string path, const GlbLimits& limits)
+        : path_(std::move(path)), limits_(limits)
     {
         const auto number = [&](std::size_t offset) {
             std::uint32_t value = 0;
@@ -180,7 +177,11 @@ public:
     }
 
     [[nodiscard]] const Json& root() const { return root_; }
-    [[nodiscard]] std::size_t buffer_size() const { return buffer_.size(); }
+    /// GlbLimits::rows, of so many bytes each.
+    [[nodiscard]] std::int64_t row_limit(std::size_t bytes) const
+    {
+        return std::max(limits_.rows, static_cast<std::int64_t>(buffer_.size() / bytes));
+    }
 
 private:
     struct View
@@ -254,6 +255,7 @@ private:
     }
 
     std::string path_;
+    GlbLimits limits_;
     Json root_;
     std::string_view buffer_;
 };
@@ -394,8 +396,7 @@ struct Members
                       const std::filesystem::path& path)
     {
         const std::int64_t count = base.vertex_count() + glb.accessor_count(accessor);
-        const auto limit =
-            std::max(member_vertex_limit, static_cast<std::int64_t>(glb.buffer_size() / 12));
+        const std::int64_t limit = glb.row_limit(12);
         if (count > limit / std::ssize(coordinates))
             throw LimitExceeded(join(path.string(), ": ", coordinates.size(), " meshes of ", count,
                                      " vertices; the limit is ", limit, " vertices in all"));
@@ -446,33 +447,60 @@ struct Members
     }
 };
 
-void check_primitive(const Glb& glb, const Json& primitive)
+using Primitives = std::vector<const Json*>;
+
+/// Those of a mesh that are triangles. Points and lines, as exporters make of loose vertices and edges, are passed over.
+Primitives triangles_of(const Glb& glb, const Json& mesh)
 {
-    if (!primitive.is_object() || !primitive.contains("attributes"))
-        glb.fail("a primitive has no attributes");
-    const std::int64_t mode = glb.integer(primitive, "mode", 4);
-    if (mode != 4)
-        glb.fail(join("a primitive has the mode ", mode, ", must be 4: triangles"));
-    const auto extensions = primitive.find("extensions");
-    if (extensions != primitive.end() && extensions->contains("KHR_draco_mesh_compression"))
-        glb.fail("the mesh is compressed by Draco; export without compression");
+    constexpr std::int64_t triangles = 4; // below it points and lines, above strips and fans
+    const Json& all = glb.list(mesh, "primitives");
+    if (all.empty())
+        glb.fail("a mesh has no primitives");
+    Primitives chosen;
+    for (const Json& primitive : all) {
+        if (!primitive.is_object() || !primitive.contains("attributes"))
+            glb.fail("a primitive has no attributes");
+        const std::int64_t mode = glb.integer(primitive, "mode", triangles);
+        if (mode < triangles)
+            continue;
+        if (mode > triangles)
+            glb.fail(join("a primitive has the mode ", mode,
+                          " (strips or fans), must be 4: triangles; export single triangles"));
+        const auto extensions = primitive.find("extensions");
+        if (extensions != primitive.end() && extensions->contains("KHR_draco_mesh_compression"))
+            glb.fail("the mesh is compressed by Draco; export without compression");
+        chosen.push_back(&primitive);
+    }
+    return chosen;
+}
+
+/// The same for every mesh that a node shows, by its number.
+std::map<std::int64_t, Primitives> triangles_of_meshes(const Glb& glb,
+                                                       const std::vector<PlacedMesh>& placed)
+{
+    std::map<std::int64_t, Primitives> triangles;
+    for (const PlacedMesh& node : placed) {
+        const std::int64_t mesh = glb.integer(*node.node, "mesh");
+        const auto [place, is_new] = triangles.try_emplace(mesh);
+        if (is_new)
+            place->second = triangles_of(glb, glb.entry("meshes", mesh));
+    }
+    return triangles;
 }
 
 /// The mesh itself, then each of its morph targets with weight one.
-std::vector<Points> members(const Glb& glb, const Json& mesh, Faces& faces,
+/// @param primitives  Of triangles, at least one.
+std::vector<Points> members(const Glb& glb, const Primitives& primitives, Faces& faces,
                             const MeshReadOptions& options, const std::filesystem::path& path)
 {
-    const Json& primitives = glb.list(mesh, "primitives");
-    if (primitives.empty())
-        glb.fail("a mesh has no primitives");
     // Materials of one surface are primitives that look into one array of vertices: those are one set.
     std::map<std::vector<std::int64_t>, std::int64_t>
         known; // accessors of a primitive to its first vertex
     Members all{{}, MeshBuilder(path, options, [&](std::string_view rule) { glb.fail(rule); })};
-    for (const Json& primitive : primitives) {
-        check_primitive(glb, primitive);
+    for (const Json* const described : primitives) {
+        const Json& primitive = *described;
         const Json& targets = glb.list(primitive, "targets");
-        if (&primitive == &primitives.front())
+        if (described == primitives.front())
             all.coordinates.resize(1 + targets.size());
         else if (all.coordinates.size() != 1 + targets.size())
             glb.fail("the primitives of a mesh have different numbers of morph targets");
@@ -500,11 +528,23 @@ std::vector<Points> members(const Glb& glb, const Json& mesh, Faces& faces,
 MeshFileContent parse_glb(std::string_view content, const std::filesystem::path& path,
                           const MeshReadOptions& options)
 {
-    const Glb glb(content, path.string());
+    return parse_glb(content, path, options, {});
+}
+
+MeshFileContent parse_glb(std::string_view content, const std::filesystem::path& path,
+                          const MeshReadOptions& options, const GlbLimits& limits)
+{
+    const Glb glb(content, path.string(), limits);
     check_claims(glb);
-    const std::vector<PlacedMesh> placed = placed_meshes(glb);
+    std::vector<PlacedMesh> placed = placed_meshes(glb);
     if (placed.empty())
         glb.fail("no node of the scene has a mesh");
+    const std::map<std::int64_t, Primitives> triangles = triangles_of_meshes(glb, placed);
+    std::erase_if(placed, [&](const PlacedMesh& node) {
+        return triangles.at(glb.integer(*node.node, "mesh")).empty();
+    });
+    if (placed.empty())
+        glb.fail("its meshes are points and lines alone; export them with their faces");
     const std::string stem = text_name(path.stem().string());
     MeshFileContent result{.meshes = {}, .single_precision = true};
     std::set<std::string> taken;
@@ -515,17 +555,17 @@ MeshFileContent parse_glb(std::string_view content, const std::filesystem::path&
             name = join(wanted, " (", ++numbers.try_emplace(wanted, 1).first->second, ")");
         result.meshes.push_back({name, path.string(), std::move(points), faces});
     };
-    const auto row_limit =
-        std::max(member_vertex_limit, static_cast<std::int64_t>(glb.buffer_size() / 6));
+    const std::int64_t row_limit = glb.row_limit(6);
     std::int64_t rows = 0;
     for (const PlacedMesh& node : placed) {
-        const Json& mesh = glb.entry("meshes", glb.integer(*node.node, "mesh"));
+        const std::int64_t number = glb.integer(*node.node, "mesh");
+        const Json& mesh = glb.entry("meshes", number);
         Faces faces;
-        std::vector<Points> points = members(glb, mesh, faces, options, path);
-        if (result.meshes.size() + points.size() > member_limit)
+        std::vector<Points> points = members(glb, triangles.at(number), faces, options, path);
+        if (result.meshes.size() + points.size() > limits.meshes)
             throw LimitExceeded(join(path.string(),
                                      ": its nodes and their morph targets are more than ",
-                                     member_limit, " meshes, the limit; export fewer in a file"));
+                                     limits.meshes, " meshes, the limit; export fewer in a file"));
         rows += std::ssize(points) * std::max(points.front().rows(), faces.rows());
         if (rows > row_limit)
             throw LimitExceeded(

@@ -107,43 +107,14 @@ private:
 
 std::string label_value(std::string_view cell)
 {
-    constexpr std::array<std::string_view, 22> missing = {
-        "",        "na",      "n/a",      "#n/a",   "#n/a n/a", "#na", "<na>", "nan",
-        "-nan",    "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind",  "nat", "null", "#null!",
-        "#div/0!", "#value!", "#ref!",    "#name?", "#num!",    "#nv"};
+    constexpr std::array<std::string_view, 24> missing = {
+        "",     "na",       "n/a",       "#n/a",    "#n/a n/a", "#na",    "<na>",    "nan",
+        "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind", "nat",
+        "null", "#null!",   "#div/0!",   "#value!", "#ref!",    "#name?", "#num!",   "#nv"};
     const std::string_view text = without_outer_blanks(cell);
     if (text == "." || std::find(missing.begin(), missing.end(), lower_case(text)) != missing.end())
         return {};
     return composed(text);
-}
-
-std::optional<std::pair<std::string, std::string>> values_alike(
-    const std::vector<std::string>& values)
-{
-    // Numbers of one value are spelled alike by print_number(); other texts by their lower case.
-    std::map<std::string, std::string> first;
-    for (const std::string& value : values) {
-        if (value.empty())
-            continue;
-        const std::optional<double> number = spelled_number(value);
-        const std::string& known =
-            first.try_emplace(number ? print_number(*number) : lower_case(value), value)
-                .first->second;
-        if (known != value)
-            return std::pair{known, value};
-    }
-    return std::nullopt;
-}
-
-std::vector<std::string> alike_values(const Labels& labels)
-{
-    std::vector<std::string> sentences;
-    for (const LabelColumn& column : labels)
-        if (const auto alike = values_alike(column.values))
-            sentences.push_back(join("label '", column.name, "' has the values '", alike->first,
-                                     "' and '", alike->second,
-                                     "', which are two groups; spell them alike if they mean one"));
-    return sentences;
 }
 
 std::optional<std::pair<std::size_t, std::size_t>> names_alike(
@@ -158,21 +129,47 @@ std::optional<std::pair<std::size_t, std::size_t>> names_alike(
     return std::nullopt;
 }
 
+std::string label_name(std::string_view column)
+{
+    return composed(without_outer_blanks(column));
+}
+
+bool is_storable_label(std::string_view name)
+{
+    return !name.empty() && name.find('\0') == std::string_view::npos;
+}
+
+Table read_label_table(const std::filesystem::path& path)
+{
+    Table table = read_table(path);
+    std::map<std::string, std::string> spelled;
+    for (std::string& column : table.columns) {
+        std::string name = label_name(column);
+        const auto [known, is_new] = spelled.try_emplace(name, column);
+        if (!is_new && !name.empty())
+            throw InvalidInput(join(path.string(), ": line 1: the columns ",
+                                    in_quotes(known->second), " and ", in_quotes(column),
+                                    " have one name but for blanks or the composition of accents; "
+                                    "rename one of them"));
+        column = std::move(name);
+    }
+    std::erase_if(table.rows, is_blank); // as spreadsheets write below a table
+    return table;
+}
+
 LabelFile read_label_file(const std::filesystem::path& path, const std::vector<std::string>& names)
 {
-    const Table table = read_table(path);
+    const Table table = read_label_table(path);
     const auto fail = [&](const auto&... parts) {
         throw InvalidInput(join(path.string(), ": ", parts...));
     };
-    if (without_outer_blanks(table.columns.front()) != "mesh")
+    if (table.columns.front() != "mesh")
         fail("the first column is ", in_quotes(table.columns.front()),
              ", must be 'mesh' (the names of the mesh files)");
     const NameIndex index(names);
     LabelFile result;
     std::vector<const std::vector<std::string>*> row_of(names.size(), nullptr);
     for (const std::vector<std::string>& row : table.rows) {
-        if (is_blank(row)) // as spreadsheets write below a table
-            continue;
         const std::optional<std::size_t> mesh = index.find(row.front());
         if (!mesh) {
             result.unused.push_back(row.front());
@@ -186,8 +183,11 @@ LabelFile read_label_file(const std::filesystem::path& path, const std::vector<s
             fail("mesh ", in_quotes(row.front()), " occurs twice");
         row_of[*mesh] = &row;
     }
+    std::vector<std::size_t> columns; // that have a name
     for (std::size_t c = 1; c < table.columns.size(); ++c)
-        result.labels.push_back({composed(without_outer_blanks(table.columns[c])), {}});
+        (table.columns[c].empty() ? result.nameless : columns).push_back(c);
+    for (const std::size_t c : columns)
+        result.labels.push_back({table.columns[c], {}});
     for (std::size_t i = 0; i < names.size(); ++i) {
         if (row_of[i] == nullptr)
             fail("mesh ", in_quotes(names[i]), " is missing",
@@ -195,8 +195,8 @@ LabelFile read_label_file(const std::filesystem::path& path, const std::vector<s
                      ? std::string()
                      : join("; the table has names that no mesh has, first ",
                             in_quotes(result.unused.front()), ": are they spelled alike?"));
-        for (std::size_t c = 1; c < row_of[i]->size(); ++c)
-            result.labels[c - 1].values.push_back(label_value((*row_of[i])[c]));
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            result.labels[k].values.push_back(label_value((*row_of[i])[columns[k]]));
     }
     return result;
 }

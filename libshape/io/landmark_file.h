@@ -18,6 +18,15 @@ struct Landmark
     Eigen::Vector3d position = Eigen::Vector3d::Zero(); ///< [length]
 };
 
+/// The landmarks of a file.
+struct LandmarkFile
+{
+    std::vector<Landmark> landmarks;
+    /// Those whose three coordinates are missing: not to be seen on the scan, or not placed yet. Of the template a
+    /// vertex may stand for them. Their positions mean nothing.
+    std::vector<Landmark> missing;
+};
+
 /// Reads landmarks by the ending of the path:
 ///
 ///     .csv        columns name, x, y, z and, if there, scan and vertex (docs/correspondence.md); a
@@ -25,12 +34,14 @@ struct Landmark
 ///     .fcsv       3D Slicer, up to 4.11
 ///     .mrk.json   3D Slicer
 ///
-/// Slicer's files say whether they count in LPS or RAS; positions come out in LPS, as Slicer writes
-/// meshes. Points of Slicer that are not defined are left out.
+/// Cells, names of columns and names of landmarks have no outer blanks and are missing by the rules of labels
+/// (label_file.h); rows without anything in their cells are passed over. Points that Slicer calls undefined, missing or
+/// a preview are missing too. Slicer's files say whether they count in LPS or RAS; positions come out in LPS, as Slicer
+/// writes meshes.
 /// @throws FileError if it cannot be read; InvalidInput naming file, row and rule for another ending,
-///     a missing column, a landmark twice in a table without scan, a number that is none, an unknown
-///     coordinate system, or no landmark.
-[[nodiscard]] std::vector<Landmark> read_landmarks(const std::filesystem::path& path);
+///     a missing column, a landmark twice in a table without scan, one or two coordinates that are missing, a number that
+///     is none, an unknown coordinate system, or no landmark.
+[[nodiscard]] LandmarkFile read_landmarks(const std::filesystem::path& path);
 
 /// Whether a path ends like one of these files.
 [[nodiscard]] bool is_landmark_file(const std::filesystem::path& path);

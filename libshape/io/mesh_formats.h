@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <string>
@@ -33,6 +34,17 @@ namespace shape::internal {
                                         const MeshReadOptions& options);
 [[nodiscard]] MeshFileContent parse_glb(std::string_view content, const std::filesystem::path& path,
                                         const MeshReadOptions& options);
+
+/// How many times a GLB file may use what it holds once: nodes may name one mesh, and morph targets may move nothing.
+struct GlbLimits
+{
+    /// Vertices of a mesh and its targets, and vertices or faces that all nodes place. A file may have more of them if
+    /// its buffer is so large that they may all be in it: a vertex in 12 bytes, one that is placed in 6.
+    std::int64_t rows = 40'000'000;
+    std::size_t meshes = 10'000; ///< What compares all takes seconds then.
+};
+[[nodiscard]] MeshFileContent parse_glb(std::string_view content, const std::filesystem::path& path,
+                                        const MeshReadOptions& options, const GlbLimits& limits);
 
 /// @param options  Each writer looks at what its format can hold alone.
 [[nodiscard]] std::string print_obj(const Points& points, const Faces& faces,

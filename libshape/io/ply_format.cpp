@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -16,10 +17,12 @@
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/line_reader.h"
 #include "libshape/io/file/output_file.h"
+#include "libshape/io/label_file.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
 #include "libshape/io/scalar_type.h"
 #include "libshape/io/vertex_scalars.h"
+#include "libshape/mesh/oddities.h"
 
 namespace shape {
 using namespace internal;
@@ -145,7 +148,7 @@ void check_header(const LineReader& reader, const Header& header)
     int coordinates = 0;
     int corner_lists = 0;
     for (const Element& element : header.elements) {
-        if (element.name == "tristrips")
+        if (element.name == "tristrips" && element.count > 0)
             reader.fail("the faces are triangle strips; export them as single triangles");
         if (element.properties.empty() && element.count > 0)
             reader.fail(join("element ", in_quotes(element.name), " has no properties"));
@@ -223,14 +226,17 @@ public:
     }
     double number(ScalarType) { return reader_.number("coordinate"); }
     /// @param name  Gives what the value is, for messages.
+    /// @param gaps  Whether there may be none: NaN.
     template <class Name>
-    double scalar(ScalarType, const Name& name)
+    double scalar(ScalarType, const Name& name, bool gaps)
     {
         const std::string_view text = reader_.word("a property");
         const std::optional<double> value = spelled_number(text);
-        if (!value)
+        if (value)
+            return *value;
+        if (!gaps || !(spells_a_number(text) || label_value(text).empty()))
             fail(join(name(), " is ", in_quotes(text), ", must be a finite number"));
-        return *value;
+        return std::numeric_limits<double>::quiet_NaN();
     }
     std::int64_t integer(ScalarType) { return reader_.integer("entry of a list"); }
     void skip(ScalarType, std::int64_t count)
@@ -278,12 +284,14 @@ public:
         return number_at(bytes, type, swap_);
     }
     template <class Name>
-    double scalar(ScalarType type, const Name& name)
+    double scalar(ScalarType type, const Name& name, bool gaps)
     {
         const double value = number(type);
-        if (!std::isfinite(value))
+        if (std::isfinite(value))
+            return value;
+        if (!gaps)
             fail(join(name(), " is not finite"));
-        return value;
+        return std::numeric_limits<double>::quiet_NaN();
     }
     std::int64_t integer(ScalarType type)
     {
@@ -346,12 +354,13 @@ struct WantedScalar
 {
     std::string_view element;
     std::string_view name;
+    bool gaps = false;            ///< Values that are not finite are NaN, else refused.
     std::vector<double> values{}; ///< One a vertex or triangle: those of a polygon share its value.
+    std::vector<std::string> names{}; ///< What could be wanted of this file.
 
     [[nodiscard]] bool is(const Element& in, const Property& property) const
     {
-        return in.name == element && property.name == name && !property.count_type &&
-               property.coordinate < 0;
+        return in.name == element && property.name == name && !property.count_type;
     }
 };
 
@@ -377,13 +386,18 @@ void parse_body(const Header& header, Body& body, MeshBuilder& mesh, WantedScala
                     property.count_type ? body.integer(*property.count_type) : 1;
                 if (count < 0)
                     body.fail(join("a list has ", count, " entries"));
+                const bool is_wanted = scalar != nullptr && scalar->is(element, property);
                 if (property.coordinate >= 0) {
-                    point[to_size(property.coordinate)] = body.number(property.type);
-                } else if (scalar != nullptr && scalar->is(element, property)) {
-                    value = body.scalar(property.type, [&] {
+                    double& coordinate = point[to_size(property.coordinate)];
+                    coordinate = body.number(property.type);
+                    if (is_wanted)
+                        value = coordinate;
+                } else if (is_wanted) {
+                    const auto name = [&] {
                         return join("property ", in_quotes(property.name), " of ", element.name,
                                     " ", i);
-                    });
+                    };
+                    value = body.scalar(property.type, name, scalar->gaps);
                 } else if (property.is_corners) {
                     if (count > MeshBuilder::corner_limit)
                         body.fail(join("a face has ", count, " corners; the limit is ",
@@ -412,6 +426,11 @@ NamedMesh parse(std::string_view content, const std::filesystem::path& path,
 {
     LineReader reader(content, path.string());
     const Header header = parse_header(reader);
+    if (scalar != nullptr)
+        for (const Element& element : header.elements)
+            for (const Property& property : element.properties)
+                if (element.name == scalar->element && !property.count_type)
+                    scalar->names.push_back(property.name);
     const auto read = [&](auto body) {
         MeshBuilder mesh(path, options, [&](std::string_view rule) { body.fail(rule); });
         parse_body(header, body, mesh, scalar);
@@ -503,12 +522,17 @@ std::string print(const Points& points, const Faces& faces, const MeshWriteOptio
 Eigen::VectorXd read_scalar(const std::filesystem::path& path, WantedScalar scalar)
 {
     if (mesh_format(path) != MeshFormat::Ply)
-        throw InvalidInput(join(path.string(), ": only PLY files have values at their ",
-                                scalar.element, " elements"));
+        throw InvalidInput(join(path.string(), ": values of its ", scalar.element,
+                                " elements are read from PLY files alone; write it as .ply"));
     (void)parse(read_file(path, MeshBuilder::file_limit), path, {.triangulate = true}, &scalar);
-    if (scalar.values.empty())
-        throw InvalidInput(join(path.string(), ": its ", scalar.element,
-                                " elements have no property ", in_quotes(scalar.name)));
+    if (scalar.values.empty()) {
+        std::vector<std::size_t> all(scalar.names.size());
+        std::iota(all.begin(), all.end(), 0);
+        throw InvalidInput(join(
+            path.string(), ": its ", scalar.element, " elements have no property ",
+            in_quotes(scalar.name),
+            all.empty() ? " and no other one" : "; they have " + list_names(scalar.names, all)));
+    }
     return Eigen::Map<const Eigen::VectorXd>(scalar.values.data(),
                                              static_cast<Eigen::Index>(scalar.values.size()));
 }
@@ -586,6 +610,12 @@ void write_vertex_scalars(const std::filesystem::path& path, const Points& point
 Eigen::VectorXd read_vertex_scalar(const std::filesystem::path& path, std::string_view name)
 {
     return read_scalar(path, {.element = "vertex", .name = name});
+}
+
+Eigen::VectorXd read_vertex_scalar_with_gaps(const std::filesystem::path& path,
+                                             std::string_view name)
+{
+    return read_scalar(path, {.element = "vertex", .name = name, .gaps = true});
 }
 
 Eigen::VectorXd read_face_scalar(const std::filesystem::path& path, std::string_view name)

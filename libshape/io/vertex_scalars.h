@@ -28,11 +28,16 @@ struct VertexScalar
 void write_vertex_scalars(const std::filesystem::path& path, const Points& points,
                           const Faces& faces, const std::vector<VertexScalar>& scalars);
 
-/// Reads a property of the vertices of a PLY file, of any scalar type, #V values.
+/// Reads a property of the vertices of a PLY file, of any scalar type, #V values; x, y and z are such as well.
 /// @throws as read_mesh() with `triangulate`; InvalidInput, too, if the file is not a PLY file, has no
-///     such property (x, y and z do not count), or a value is not finite.
+///     such property (the message says which it has), or a value is not finite.
 [[nodiscard]] Eigen::VectorXd read_vertex_scalar(const std::filesystem::path& path,
                                                  std::string_view name);
+
+/// The same; NaN where a value is not finite, or in text stands for none as label_value() says: so programs mark
+/// vertices that have no value.
+[[nodiscard]] Eigen::VectorXd read_vertex_scalar_with_gaps(const std::filesystem::path& path,
+                                                           std::string_view name);
 
 /// The same of the faces, #F values: the triangles of a polygon share its value.
 [[nodiscard]] Eigen::VectorXd read_face_scalar(const std::filesystem::path& path,

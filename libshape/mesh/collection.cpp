@@ -145,7 +145,7 @@ bool is_split(const NamedMesh& mesh)
                                      defects.front().kind != DefectKind::SeveralComponents))
         return false;
     const VertexChoice welded =
-        weld(mesh.faces, count, coincident_vertices(std::span(&mesh.points, 1)));
+        weld(mesh.faces, count, seam_vertices(mesh.faces, std::span(&mesh.points, 1)).coincident);
     if (welded.faces.rows() == 0)
         return false;
     const Brokenness before = brokenness_of(mesh.faces, count);
@@ -207,7 +207,7 @@ Collection collect(std::vector<NamedMesh> meshes)
         } catch (const InvalidInput& error) {
             const std::string said = join(reference.path, ": ", error.what());
             if (is_split(reference))
-                throw SplitSurface(said + describe_coincident(reference.points));
+                throw SplitSurface(said + describe_coincident(reference.faces, reference.points));
             throw InvalidInput(said);
         }
     }();

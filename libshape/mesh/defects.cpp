@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "libshape/base/counted.h"
@@ -205,6 +206,39 @@ std::vector<int> suspects(const Faces& faces, const Points& points)
     return found;
 }
 
+/// Whether the longest edge is in its range, or all edges have the length 0, which their faces say.
+bool has_usual_size(const Faces& faces, const Points& points, DefectList& list)
+{
+    constexpr double most = 1e60;
+    // Sides of the bounding box tell of nearly every mesh: no edge is longer than three of them, and in a surface
+    // of at most 1e10 edges, which hang together, one is at least the 1e10th part of the largest.
+    const double side = (points.colwise().maxCoeff() - points.colwise().minCoeff()).maxCoeff();
+    if (side <= 1e-1 * most && side >= 1e10 / most)
+        return true;
+    double longest = 0.0;
+    int face = 0;
+    int corner = 0;
+    for (int f = 0; f < faces.rows(); ++f)
+        for (int c = 0; c < 3; ++c) {
+            const Eigen::RowVector3d edge =
+                points.row(faces(f, (c + 1) % 3)) - points.row(faces(f, c));
+            const double length = std::hypot(edge[0], edge[1], edge[2]);
+            if (length > longest) {
+                longest = length;
+                face = f;
+                corner = c;
+            }
+        }
+    if (longest == 0.0 || (longest >= 1.0 / most && longest <= most))
+        return true;
+    list.add(DefectKind::SizeOutOfRange, face, faces(face, corner),
+             join("the longest edge, ", faces(face, corner), "-", faces(face, (corner + 1) % 3),
+                  ", has the length ", longest, ", must be in [", 1.0 / most, ", ", most,
+                  "], as powers of lengths are taken; choose another unit, or repair the "
+                  "coordinates"));
+    return false;
+}
+
 } // namespace
 
 std::vector<Defect> find_defects(const Faces& faces, int vertex_count, int limit)
@@ -244,6 +278,9 @@ std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& p
             list.add(DefectKind::NotFinite, -1, v,
                      join("vertex ", v, " has a coordinate that is not finite (", points(v, 0),
                           ", ", points(v, 1), ", ", points(v, 2), ")"));
+    const bool is_finite = list.empty();
+    if (is_finite && faces.rows() > 0 && !has_usual_size(faces, points, list))
+        return list.take();
     for (const int f : suspects(faces, points)) {
         const Eigen::RowVector3d a = points.row(faces(f, 0));
         const Eigen::RowVector3d b = points.row(faces(f, 1));

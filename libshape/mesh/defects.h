@@ -23,6 +23,7 @@ enum class DefectKind
     SeveralComponents,  ///< The surface is not connected.
     NotFinite,          ///< A coordinate is NaN or infinite.
     DegenerateTriangle, ///< A face has zero area or an edge of zero length.
+    SizeOutOfRange,     ///< Edges are so long or short that powers of them over- or underflow.
 };
 
 /// One defect: the kind, the place, and a sentence with the place, the rule and a way to repair it.
@@ -42,7 +43,8 @@ struct Defect
 [[nodiscard]] std::vector<Defect> find_defects(const Faces& faces, int vertex_count, int limit = 5);
 
 /// Lists positions that are not finite and faces whose area [length^2] is at most 1e-14 times
-/// the square of their longest edge: there, angles have no meaning.
+/// the square of their longest edge: there, angles have no meaning. Where the longest edge of all is not in
+/// [1e-60, 1e60] [length], that alone: angles and energies hold fifth powers of lengths.
 /// @param faces  Indices in [0, points.rows()).
 [[nodiscard]] std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& points,
                                                            int limit = 5);

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -86,60 +87,108 @@ Measures measure(const Topology& topology, const std::vector<std::vector<int>>& 
     return sum;
 }
 
+/// The volume for its area: 0.094 of a sphere, negative inside out.
+double fill_of(const Measures& m)
+{
+    return m.area > 0.0 ? m.volume / std::pow(m.area, 1.5) : 0.0;
+}
+
 /// Which side of the surface is its inside: +1 if the faces run as they should, -1 if they are turned
 /// inside out, 0 if that cannot be told.
 int outward_sign(const Measures& m)
 {
-    // A sphere has a fill of 0.094. A closed surface has a sign unless its volume is rounding. The fans of
-    // an open one are a guess: below a fifth of a sphere's, or where they are large beside the surface, as
-    // over a sheet or a bowl, they decide and not the surface.
+    // A closed surface has a sign unless its volume is rounding. The fans of an open one are a guess: below a fifth of
+    // a sphere's, or where they are large beside the surface, as over a sheet or a bowl, they decide and not the
+    // surface.
     const bool is_closed = m.openings == 0.0;
-    const double fill = m.volume / std::pow(m.area, 1.5);
+    const double fill = fill_of(m);
     if (std::abs(fill) <= (is_closed ? 1e-9 : 0.02) || m.openings > 0.25 * m.area)
         return 0;
     return fill > 0.0 ? 1 : -1;
 }
 
-/// Dihedral angles at edges drawn evenly from the interior, of norm 1 (or 0: flat), a row a mesh.
-Eigen::MatrixXd angle_directions(const Topology& topology, std::span<const Points> meshes)
+/// Interior edges, drawn evenly.
+std::vector<int> compared_edges(const Topology& topology)
 {
     std::vector<int> interior;
     for (int e = 0; e < topology.edge_count(); ++e)
         if (!topology.is_boundary_edge(e))
             interior.push_back(e);
     const std::size_t count = std::min<std::size_t>(interior.size(), most_angles);
-    Eigen::MatrixXd angles(meshes.size(), count);
-    for (std::size_t i = 0; i < meshes.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        const auto at = [&](int v) -> Eigen::Vector3d { return meshes[i].row(v).transpose(); };
-        for (std::size_t k = 0; k < count; ++k) {
-            const int e = interior[k * interior.size() / count];
-            const int h = topology.edge_halfedges()(e, 0);
-            const int back = topology.edge_halfedges()(e, 1);
-            angles(row, static_cast<Eigen::Index>(k)) = dihedral_angle(
-                at(topology.source(h)), at(topology.target(h)),
-                at(topology.target(Topology::next(h))), at(topology.target(Topology::next(back))));
-        }
-        if (const double norm = angles.row(row).norm(); norm > 0.0)
-            angles.row(row) /= norm;
-    }
-    return angles;
+    std::vector<int> chosen;
+    for (std::size_t k = 0; k < count; ++k)
+        chosen.push_back(interior[k * interior.size() / count]);
+    return chosen;
 }
 
-/// +1 or -1 for each mesh by the side of the common direction that its angles lie on, 0 in between.
+/// Sines of the dihedral angles there, of norm 1 (or 0: flat). A fold of 179 degrees and one of -179 are much the
+/// same, and their sines are; a few of them would outweigh all other angles.
+Eigen::VectorXd bending(const Topology& topology, const std::vector<int>& edges,
+                        const Points& points)
+{
+    const auto at = [&](int v) -> Eigen::Vector3d { return points.row(v).transpose(); };
+    Eigen::VectorXd sines(std::ssize(edges));
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+        const int h = topology.edge_halfedges()(edges[k], 0);
+        const int back = topology.edge_halfedges()(edges[k], 1);
+        sines[static_cast<Eigen::Index>(k)] = std::sin(dihedral_angle(
+            at(topology.source(h)), at(topology.target(h)), at(topology.target(Topology::next(h))),
+            at(topology.target(Topology::next(back)))));
+    }
+    return sines.normalized(); // of norm 0 it stays as it is
+}
+
+/// What lies within 60 to 120 degrees, as flat or rough meshes and far poses do, is left alone.
+int side_of(double cosine)
+{
+    return cosine > 0.5 ? 1 : cosine < -0.5 ? -1 : 0;
+}
+
+/// +1 or -1 for each mesh by the side of the others' common direction that it lies on, 0 in between.
+/// @param directions  A row a mesh, of norm 1 or 0.
 std::vector<int> sides(const Eigen::MatrixXd& directions)
 {
     Eigen::VectorXd common = directions.row(0).transpose();
+    Eigen::VectorXd signs;
     for (int round = 0; round < 4; ++round) { // a fixed number, so that it ends
-        const Eigen::VectorXd signs = (directions * common).array().sign();
-        common = (directions.transpose() * signs).normalized();
+        signs = (directions * common).array().sign();
+        common = directions.transpose() * signs;
     }
-    // Meshes of one kind have cosines near 1 and their mirror images near -1; what lies within 60 to 120
-    // degrees, as flat or rough meshes do, is left alone.
+    // Of few meshes each would agree with a direction that is partly its own, and of two that have nothing in
+    // common one would be a mirror image whenever their cosine is below 0.
     std::vector<int> result;
-    for (const double cosine : directions* common)
-        result.push_back(cosine > 0.5 ? 1 : cosine < -0.5 ? -1 : 0);
+    for (Eigen::Index i = 0; i < directions.rows(); ++i) {
+        const Eigen::VectorXd others = common - signs[i] * directions.row(i).transpose();
+        const double norm = others.norm();
+        result.push_back(norm > 1e-9 ? side_of(directions.row(i).dot(others) / norm) : 0);
+    }
     return result;
+}
+
+/// +1 or -1 for each closed mesh by the sign of its volume; 0 where that is small beside the others': the faces of a mesh
+/// with permuted vertices cross one another, and their volumes cancel.
+std::vector<int> sides_of_closed(const std::vector<Measures>& measures)
+{
+    constexpr double least_share = 0.25; // poses of bodies and vertebrae keep 0.7 and more
+    std::vector<double> fills;
+    for (const Measures& m : measures)
+        fills.push_back(std::abs(fill_of(m)));
+    const double least = least_share * median(fills);
+    std::vector<int> result;
+    for (const Measures& m : measures)
+        result.push_back(std::abs(fill_of(m)) < least ? 0 : outward_sign(m));
+    return result;
+}
+
+/// Likewise for open ones, by the side of the others' common direction that they lie on.
+std::vector<int> sides_of_open(const Topology& topology, std::span<const Points> meshes)
+{
+    const std::vector<int> edges = compared_edges(topology);
+    Eigen::MatrixXd directions(std::ssize(meshes), std::ssize(edges));
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        directions.row(static_cast<Eigen::Index>(i)) =
+            bending(topology, edges, meshes[i]).transpose();
+    return sides(directions);
 }
 
 } // namespace
@@ -161,13 +210,16 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     if (meshes.empty())
         return {};
     const std::vector<std::vector<int>> loops = boundary_loops(topology);
-    std::vector<int> outward(meshes.size());
+    std::vector<Measures> measures(meshes.size());
     parallel_for(meshes.size(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            outward[i] = outward_sign(measure(topology, loops, meshes[i]));
+            measures[i] = measure(topology, loops, meshes[i]);
     });
+    std::vector<int> outward;
+    for (const Measures& m : measures)
+        outward.push_back(outward_sign(m));
     const std::vector<int> side =
-        topology.is_closed() ? outward : sides(angle_directions(topology, meshes));
+        topology.is_closed() ? sides_of_closed(measures) : sides_of_open(topology, meshes);
 
     const auto count = [&](int which) { return std::count(side.begin(), side.end(), which); };
     int odd = count(1) < count(-1) ? 1 : -1;
@@ -182,7 +234,7 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     for (std::size_t i = 0; i < meshes.size(); ++i) {
         if (side[i] == odd) {
             result.mirrored.push_back(i);
-        } else {
+        } else if (side[i] != 0 || !topology.is_closed()) {
             has_others = true;
             result.inside_out = result.inside_out && outward[i] < 0;
         }
@@ -191,10 +243,21 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     return result;
 }
 
-bool is_mirror_image(const Topology& topology, const Points& mesh, const Points& reference)
+bool is_mirror_image(const Topology& topology, const Points& mesh, const Points& reference,
+                     const Eigen::VectorXd& mean_dihedral_angles)
 {
     const std::array<Points, 2> both{reference, mesh};
-    return !compare_handedness(topology, both).mirrored.empty();
+    if (topology.is_closed() || mean_dihedral_angles.size() == 0)
+        return !compare_handedness(topology, both).mirrored.empty();
+    if (mean_dihedral_angles.size() != topology.edge_count() ||
+        mesh.rows() != topology.vertex_count())
+        throw InvalidInput(join("there are ", mean_dihedral_angles.size(), " mean angles and ",
+                                mesh.rows(), " vertices, must be ", topology.edge_count(), " and ",
+                                topology.vertex_count()));
+    const std::vector<int> edges = compared_edges(topology);
+    const Eigen::VectorXd mean = mean_dihedral_angles(edges).array().sin();
+    const double norm = mean.norm();
+    return norm > 0.0 && side_of(bending(topology, edges, mesh).dot(mean) / norm) < 0;
 }
 
 } // namespace shape

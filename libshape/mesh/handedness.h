@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 #include <vector>
 
@@ -26,9 +27,10 @@ struct Handedness
     bool inside_out = false;
 };
 
-/// Compares the meshes. Of closed ones, the signs of their volumes tell. Open ones are compared by
-/// their dihedral angles, which a mirror image negates: mesh i is of the other kind if the cosine
-/// between its angles and the mean direction of all (each turned by its sign) is < -0.5. All
+/// Compares the meshes. Of closed ones, the signs of their volumes tell; nothing is said of a mesh whose
+/// abs(V) / A^1.5 is below a quarter of the median, as of one whose vertices are permuted. Open ones are compared by
+/// the sines of their dihedral angles, which a mirror image negates: mesh i is of the other kind if the cosine
+/// between its sines and the mean of the others' (each turned by its sign) is < -0.5. All
 /// are inside out if V < 0 (V volume, A area) for all that are not mirrored; of open meshes, if
 /// V < -0.02 A^1.5 and the fans that fill their openings have an area <= A / 4: a sheet or a bowl has
 /// no inside.
@@ -38,9 +40,13 @@ struct Handedness
 [[nodiscard]] Handedness compare_handedness(const Topology& topology,
                                             std::span<const Points> meshes);
 
-/// Whether a mesh is a mirror image of another of the same triangulation, by that rule.
-/// @throws InvalidInput if one has another number of vertices. Cost: as compare_handedness() of two.
+/// Whether a mesh is a mirror image of another of the same triangulation, by that rule; or of meshes of which the other is
+/// one, if their mean dihedral angles are given: of open ones, these tell better than those of one mesh.
+/// @param mean_dihedral_angles  #E [rad], or empty.
+/// @throws InvalidInput if a number of vertices or edges is another.
+/// Cost: as compare_handedness() of two.
 [[nodiscard]] bool is_mirror_image(const Topology& topology, const Points& mesh,
-                                   const Points& reference);
+                                   const Points& reference,
+                                   const Eigen::VectorXd& mean_dihedral_angles = {});
 
 } // namespace shape

@@ -140,28 +140,42 @@ std::size_t defect_count(const Faces& faces, int vertex_count)
     return find_defects(faces, vertex_count, 1'000'000).size();
 }
 
-void weld_seams(Batch& batch, Changes& changes)
+std::size_t count_vertices(const std::vector<VertexGroup>& groups)
 {
-    const std::vector<VertexGroup> groups = coincident_vertices(batch.points);
-    if (groups.empty())
-        return;
-    const VertexChoice choice = weld(batch.faces, batch.vertex_count, groups);
-    const auto before = to_size(batch.vertex_count);
-    if (choice.faces.rows() == 0 ||
-        defect_count(choice.faces, static_cast<int>(choice.vertices.size())) >
-            defect_count(batch.faces, batch.vertex_count))
-        return;
-    apply(batch, choice);
-    std::size_t near = 0;
-    for (const VertexGroup& group : coincident_vertices(batch.points, 100.0 * coincidence))
-        near += group.size();
-    changes.push_back(join(batch.who(), ": ",
-                           counted(before - choice.vertices.size(), "vertex", "vertices"),
-                           " welded to the ", groups.size(), " they lie on",
-                           near > 0 ? join("; ", near,
-                                           " more lie near others, but farther than 1e-7 of the "
-                                           "diagonal away: were they rounded? They stay apart")
-                                    : ""));
+    std::size_t count = 0;
+    for (const VertexGroup& group : groups)
+        count += group.size();
+    return count;
+}
+
+/// Makes one of the vertices that lie on one another, unless the surface would break; says what stays apart.
+void weld_seams(Batch& batch, RepairedMeshes& result)
+{
+    SeamVertices seams = seam_vertices(batch.faces, batch.points);
+    const std::vector<VertexGroup> groups = std::move(seams.coincident);
+    if (!groups.empty()) {
+        const VertexChoice choice = weld(batch.faces, batch.vertex_count, groups);
+        const auto before = to_size(batch.vertex_count);
+        if (choice.faces.rows() == 0 ||
+            defect_count(choice.faces, static_cast<int>(choice.vertices.size())) >
+                defect_count(batch.faces, batch.vertex_count)) {
+            result.kept.push_back(join(batch.who(), ": ", count_vertices(groups),
+                                       " boundary vertices that lie on one another stay apart: "
+                                       "as one, they would break the surface"));
+        } else {
+            apply(batch, choice);
+            seams = seam_vertices(batch.faces, batch.points);
+            result.changes.push_back(join(
+                batch.who(), ": ", counted(before - choice.vertices.size(), "vertex", "vertices"),
+                " welded to the ", groups.size(), " they lie on"));
+        }
+    }
+    if (!seams.near.empty())
+        result.kept.push_back(
+            join(batch.who(), ": ", count_vertices(seams.near),
+                 " boundary vertices lie near one another, up to ", rounded(seams.gap),
+                 " of the diagonal apart, and stay so; if they are one, merge them by that "
+                 "distance in the program that made them"));
 }
 
 void drop_repeated_faces(Batch& batch, Changes& changes)
@@ -253,97 +267,181 @@ void orient_faces(Batch& batch, Changes& changes)
         join(batch.who(), ": ", counted(turned_count, "face"), " turned to agree with the others"));
 }
 
-double area_of(const std::vector<bool>& piece, const Faces& faces, const Points& points)
-{
-    double area = 0.0;
-    const auto corner = [&](int f, int c) -> Eigen::RowVector3d { return points.row(faces(f, c)); };
-    for (int f = 0; f < faces.rows(); ++f)
-        if (piece[to_size(f)])
-            area += triangle_area(corner(f, 0), corner(f, 1), corner(f, 2));
-    return area;
-}
-
-/// The faces of each piece, those of most faces first and of equally many those of the larger area; pieces
+/// The pieces of a surface, those of most faces first and of equally many those of the larger area; they
 /// hang together through edges.
-std::vector<std::vector<bool>> pieces_of(const Faces& faces, const Points& points)
+struct Pieces
+{
+    std::vector<int> of_face; ///< From 0.
+    std::vector<std::ptrdiff_t> faces;
+
+    [[nodiscard]] std::vector<bool> mask(std::size_t piece) const
+    {
+        std::vector<bool> mask;
+        for (const int p : of_face)
+            mask.push_back(to_size(p) == piece);
+        return mask;
+    }
+};
+
+Pieces pieces_of(const Faces& faces, const Points& points)
 {
     Partition partition(to_size(faces.rows()));
     for (const auto& [edge, at] : faces_at_edges(faces))
         for (const int f : at)
             partition.unite(at.front(), f);
-    std::map<int, std::vector<bool>> pieces;
-    for (int f = 0; f < faces.rows(); ++f) {
-        std::vector<bool>& piece = pieces[partition.root(f)];
-        piece.resize(to_size(faces.rows()), false);
-        piece[to_size(f)] = true;
-    }
-    struct Ranked
+    struct Piece
     {
-        std::vector<bool> piece;
-        std::ptrdiff_t faces;
-        double area;
+        int root = 0;
+        std::ptrdiff_t faces = 0;
+        double area = 0.0;
     };
-    std::vector<Ranked> ranked;
-    for (auto& [root, piece] : pieces) {
-        const std::ptrdiff_t count = std::count(piece.begin(), piece.end(), true);
-        const double area = area_of(piece, faces, points);
-        ranked.push_back({std::move(piece), count, area});
+    std::vector<Piece> found;
+    std::vector<int> number(to_size(faces.rows()), -1); // of a root
+    const auto corner = [&](int f, int c) -> Eigen::RowVector3d { return points.row(faces(f, c)); };
+    for (int f = 0; f < faces.rows(); ++f) {
+        const int root = partition.root(f);
+        int& piece = number[to_size(root)];
+        if (piece < 0) {
+            piece = static_cast<int>(found.size());
+            found.push_back({root});
+        }
+        ++found[to_size(piece)].faces;
+        found[to_size(piece)].area += triangle_area(corner(f, 0), corner(f, 1), corner(f, 2));
     }
-    std::stable_sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) {
+    std::stable_sort(found.begin(), found.end(), [](const Piece& a, const Piece& b) {
         return std::pair(a.faces, a.area) > std::pair(b.faces, b.area);
     });
-    std::vector<std::vector<bool>> result;
-    for (Ranked& each : ranked)
-        result.push_back(std::move(each.piece));
-    return result;
+    Pieces pieces;
+    for (std::size_t p = 0; p < found.size(); ++p) {
+        number[to_size(found[p].root)] = static_cast<int>(p);
+        pieces.faces.push_back(found[p].faces);
+    }
+    for (int f = 0; f < faces.rows(); ++f)
+        pieces.of_face.push_back(number[to_size(partition.root(f))]);
+    return pieces;
+}
+
+/// How many of the pieces meet the first one along a rim, on it or near it, at two places and more: they are patches of
+/// one surface rather than crumbs.
+std::size_t count_patches(const Batch& batch, const Pieces& pieces)
+{
+    std::vector<int> piece_of(to_size(batch.vertex_count), -1);
+    for (int f = 0; f < batch.faces.rows(); ++f)
+        for (const int v : batch.faces.row(f))
+            piece_of[to_size(v)] = pieces.of_face[to_size(f)];
+    std::vector<int> places(pieces.faces.size(), 0);
+    const SeamVertices seams = seam_vertices(batch.faces, batch.points);
+    for (const auto* groups : {&seams.coincident, &seams.near})
+        for (const VertexGroup& group : *groups) {
+            const std::set<int> met = [&] {
+                std::set<int> those;
+                for (const int v : group)
+                    those.insert(piece_of[to_size(v)]);
+                return those;
+            }();
+            if (met.contains(0))
+                for (const int piece : met)
+                    ++places[to_size(piece)];
+        }
+    return to_size(
+        std::count_if(places.begin() + 1, places.end(), [](int count) { return count >= 2; }));
 }
 
 /// Pieces are chosen, and vertices without a face go.
-std::vector<Batch> choose_pieces(const Batch& batch, Components components, Changes& changes)
+std::vector<Batch> choose_pieces(const Batch& batch, Components components, RepairedMeshes& result)
 {
     // Each takes time for the whole mesh and becomes a file of its own: more are crumbs of a scan, not parts.
     constexpr std::size_t most_pieces = 1000;
-    std::vector<std::vector<bool>> pieces = pieces_of(batch.faces, batch.points.front());
-    const bool splits = components == Components::Split && pieces.size() > 1;
-    if (splits && pieces.size() > most_pieces)
-        throw LimitExceeded(join(batch.who(), ": the surface has ", pieces.size(),
-                                 " pieces; at most ", most_pieces, " are split"));
-    std::vector<Batch> result;
-    for (std::size_t p = 0; p < (splits ? pieces.size() : 1); ++p) {
+    const Pieces pieces = pieces_of(batch.faces, batch.points.front());
+    const std::size_t count = pieces.faces.size();
+    const bool splits = components == Components::Split && count > 1;
+    if (splits && count > most_pieces)
+        throw LimitExceeded(join(batch.who(), ": the surface has ", count, " pieces; at most ",
+                                 most_pieces, " are split"));
+    if (!splits && count > 1)
+        if (const std::size_t patches = count_patches(batch, pieces); patches > 0) {
+            result.kept.push_back(
+                join(batch.who(), ": all ", count, " pieces, as ", patches,
+                     patches == 1 ? " meets" : " meet",
+                     " the largest along its rim: patches of one surface? Merge their vertices in "
+                     "the program that made them, or split the mesh into its pieces"));
+            return {batch};
+        }
+    std::vector<Batch> parts;
+    for (std::size_t p = 0; p < (splits ? count : 1); ++p) {
         Batch part = batch;
-        apply(part, keep_faces(batch.faces, batch.vertex_count, pieces[p]));
+        apply(part, keep_faces(batch.faces, batch.vertex_count, pieces.mask(p)));
         if (splits)
             for (std::string& name : part.names)
                 name += join("_part", p + 1);
-        result.push_back(std::move(part));
+        parts.push_back(std::move(part));
     }
-    const auto faces = std::count(pieces.front().begin(), pieces.front().end(), true);
     if (splits)
-        changes.push_back(join(batch.who(), ": split into ", pieces.size(), " pieces"));
-    else if (pieces.size() > 1)
-        changes.push_back(join(batch.who(), ": kept the largest of ", pieces.size(), " pieces (",
-                               faces, " of ", counted(batch.faces.rows(), "face"), ")"));
-    else if (const int isolated = batch.vertex_count - result.front().vertex_count; isolated > 0)
-        changes.push_back(join(batch.who(), ": ", counted(isolated, "vertex", "vertices"),
-                               " without a face taken away"));
-    return result;
+        result.changes.push_back(join(batch.who(), ": split into ", count, " pieces"));
+    else if (count > 1)
+        result.changes.push_back(join(batch.who(), ": kept the largest of ", count, " pieces (",
+                                      pieces.faces.front(), " of ",
+                                      counted(batch.faces.rows(), "face"), ")"));
+    else if (const int isolated = batch.vertex_count - parts.front().vertex_count; isolated > 0)
+        result.changes.push_back(join(batch.who(), ": ", counted(isolated, "vertex", "vertices"),
+                                      " without a face taken away"));
+    return parts;
 }
 
-void repair_orientation(Batch& batch, Changes& changes)
+/// Those of some meshes that are far from all others, of which nothing is guessed. Only sound ones are asked about.
+std::vector<std::size_t> outliers_among(const Batch& batch, const Topology& topology,
+                                        const std::vector<Points>& points,
+                                        const MeshRepairOptions& options)
 {
-    const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
-    if (!topology)
-        return;
-    const Handedness found = compare_handedness(*topology, batch.points);
+    if (!options.find_outliers)
+        return {};
+    Collection sound{topology, {}, {}, {}};
+    std::vector<std::size_t> index;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!find_degenerate_geometry(batch.faces, points[i], 1).empty())
+            continue;
+        sound.names.push_back(batch.names[i]);
+        sound.points.push_back(points[i]);
+        index.push_back(i);
+    }
+    if (sound.points.empty())
+        return {};
+    std::vector<std::size_t> outliers;
+    for (const std::size_t i : options.find_outliers(sound))
+        outliers.push_back(index.at(i));
+    return outliers;
+}
+
+/// Turns mirror images back, and surfaces that are inside out.
+/// @return  Outliers, which are left alone.
+std::vector<std::size_t> repair_orientation(Batch& batch, const Topology& topology,
+                                            const MeshRepairOptions& options,
+                                            RepairedMeshes& result)
+{
+    const Handedness found = compare_handedness(topology, batch.points);
+    std::vector<Points> turned = batch.points; // a mirror image alone is no outlier
     for (const std::size_t i : found.mirrored)
-        batch.points[i] = mirrored(batch.points[i]);
-    if (!found.mirrored.empty())
-        changes.push_back(join(list_names(batch.names, found.mirrored),
-                               ": x taken times -1 (mirrored against the others)"));
-    if (!found.inside_out)
-        return;
-    batch.faces = reversed(batch.faces);
-    changes.push_back(join(batch.who(), ": faces reversed (inside out)"));
+        turned[i] = mirrored(std::move(turned[i]));
+    const std::vector<std::size_t> outliers = outliers_among(batch, topology, turned, options);
+    if (!outliers.empty())
+        result.kept.push_back(join(list_names(batch.names, outliers), ": far from all others",
+                                   " (exchanged vertices or landmarks, a failed registration?), "
+                                   "neither mirrored nor scaled; look at ",
+                                   outliers.size() == 1 ? "it" : "them"));
+    std::vector<std::size_t> mirror_images;
+    for (const std::size_t i : found.mirrored)
+        if (std::ranges::find(outliers, i) == outliers.end())
+            mirror_images.push_back(i);
+    for (const std::size_t i : mirror_images)
+        batch.points[i] = std::move(turned[i]);
+    if (!mirror_images.empty())
+        result.changes.push_back(join(list_names(batch.names, mirror_images),
+                                      ": x taken times -1 (mirrored against the others)"));
+    if (found.inside_out) {
+        batch.faces = reversed(batch.faces);
+        result.changes.push_back(join(batch.who(), ": faces reversed (inside out)"));
+    }
+    return outliers;
 }
 
 /// The logarithms of some sizes, and which meshes have them.
@@ -372,91 +470,103 @@ struct SizePart
     }
 };
 
-/// The odd sizes in parts that stand apart from one another, each on one side of the usual ones.
-std::vector<SizePart> odd_parts(const std::vector<double>& sizes, std::vector<std::size_t> odd,
-                                double usual)
+/// What the sizes of two parts say of their units.
+struct UnitGuess
 {
-    constexpr double apart = 1.6; // sizes of one part seldom leave such a gap
-    std::ranges::stable_sort(odd, {}, [&](std::size_t i) { return sizes[i]; });
-    std::vector<SizePart> parts;
-    double before = 0.0;
-    for (const std::size_t i : odd) {
-        if (sizes[i] > apart * before || (before < usual) != (sizes[i] < usual))
-            parts.emplace_back();
-        parts.back().add(i, sizes[i]);
-        before = sizes[i];
-    }
-    for (SizePart& part : parts)
-        std::ranges::sort(part.meshes);
-    return parts;
-}
+    std::optional<double>
+        scale; ///< Of the first part to the unit of the other, where it is beyond doubt.
+    std::vector<UnitRatio> possible; ///< All that may be.
+};
 
-/// Feet in a yard, in which no scans are: nothing is scaled by it, but 2.54 and 3.28 are not to be taken for it.
-constexpr double yards = 3.0;
-
-/// All ratios of units that the ratio of the sizes of two parts may be, within three standard errors.
-std::vector<UnitRatio> possible_units(const SizePart& part, const SizePart& usual)
+/// Units of ten, which scanners and programs export in, are told from real differences where the ratio is that of one of
+/// them nearly and nothing else comes near. Inches and feet are never beyond doubt: kinds of animals, or ages, differ by
+/// 2.5 too.
+UnitGuess guess_units(const SizePart& part, const SizePart& usual)
 {
     constexpr double usual_spread =
         0.1; // taken as one more measurement, as of few the spread shows little
     constexpr double least_tolerance = 0.05; // of the logarithm
+    // Set by hand: twelve is 0.18 from ten, and real differences of nine 0.11; nothing real differs by about a hundred.
+    constexpr double nearly_ten = 0.05;
+    constexpr double most_error = 0.14;
+    constexpr double most_error_shown = 0.08;
+    constexpr double nearly_hundred = 0.25;
     const auto n = static_cast<double>(part.meshes.size());
     const auto m = static_cast<double>(usual.meshes.size());
-    const double spread = std::sqrt(
-        (part.squares() + usual.squares() + usual_spread * usual_spread) / (n + m - 2.0 + 1.0));
-    const double tolerance = std::max(least_tolerance, 3.0 * spread * std::sqrt(1.0 / n + 1.0 / m));
+    const double squares = part.squares() + usual.squares();
+    const double per_spread = 3.0 * std::sqrt(1.0 / n + 1.0 / m);
+    const double error =
+        per_spread * std::sqrt((squares + usual_spread * usual_spread) / (n + m - 2.0 + 1.0));
+    const double shown = per_spread * std::sqrt(squares / std::max(1.0, n + m - 2.0));
     const double ratio = usual.mean() - part.mean();
-    std::vector<UnitRatio> found;
-    const auto add = [&](const UnitRatio& units) {
-        for (const double exact : {units.value, 1.0 / units.value})
-            if (std::abs(ratio - std::log(exact)) <= tolerance)
-                found.push_back({exact, units.units});
-    };
-    add({yards, "feet and yards"});
+    UnitGuess guess;
     for (const UnitRatio& units : unit_ratios)
-        add(units);
-    return found;
+        for (const double exact : {units.value, 1.0 / units.value})
+            if (std::abs(ratio - std::log(exact)) <= std::max(least_tolerance, error))
+                guess.possible.push_back({exact, units.units});
+    if (guess.possible.size() != 1)
+        return guess;
+    const double exact = guess.possible.front().value;
+    const double power = std::abs(std::log10(exact));
+    const double distance = std::abs(ratio - std::log(exact));
+    const bool is_power = std::abs(power - std::round(power)) < 1e-9;
+    const bool is_ten = is_power && power < 1.5;
+    if (is_ten ? distance <= nearly_ten && error <= most_error && shown <= most_error_shown
+               : is_power && distance <= nearly_hundred)
+        guess.scale = exact;
+    return guess;
 }
 
-void repair_sizes(Batch& batch, Changes& changes, Changes& kept)
+/// "centimetres and inches (times 0.394)", or several of them.
+std::string describe(const std::vector<UnitRatio>& possible)
 {
-    const std::optional<Topology> topology = topology_of(batch.faces, batch.vertex_count);
-    if (!topology)
-        return;
+    std::string units;
+    for (std::size_t i = 0; i < possible.size(); ++i)
+        units += join(i == 0                    ? ""
+                      : i + 1 < possible.size() ? ", of "
+                                                : " or of ",
+                      possible[i].units, " (times ", rounded(possible[i].value), ")");
+    return units;
+}
+
+void repair_sizes(Batch& batch, const Topology& topology, const std::vector<std::size_t>& outliers,
+                  RepairedMeshes& result)
+{
+    std::vector<std::size_t> index; // of those that are compared
     std::vector<double> sizes;
-    for (const Points& points : batch.points)
-        sizes.push_back(edge_lengths(*topology, points).sum());
+    for (std::size_t i = 0; i < batch.points.size(); ++i)
+        if (std::ranges::find(outliers, i) == outliers.end()) {
+            index.push_back(i);
+            sizes.push_back(edge_lengths(topology, batch.points[i]).sum());
+        }
     const std::vector<std::size_t> odd = odd_sizes(sizes);
     if (odd.empty())
         return;
     SizePart usual;
     for (std::size_t i = 0; i < sizes.size(); ++i)
         if (!std::binary_search(odd.begin(), odd.end(), i))
-            usual.add(i, sizes[i]);
-    for (const SizePart& part : odd_parts(sizes, odd, std::exp(usual.mean()))) {
-        const std::vector<UnitRatio> possible = possible_units(part, usual);
+            usual.add(index[i], sizes[i]);
+    for (const std::vector<std::size_t>& those : parts_of_odd_sizes(sizes, odd)) {
+        SizePart part;
+        for (const std::size_t i : those)
+            part.add(index[i], sizes[i]);
+        const UnitGuess guess = guess_units(part, usual);
         const std::string names = list_names(batch.names, part.meshes);
-        if (possible.size() == 1 && possible[0].value != yards &&
-            possible[0].value != 1.0 / yards) {
+        if (guess.scale) {
             for (const std::size_t i : part.meshes)
-                batch.points[i] *= possible[0].value;
-            changes.push_back(
-                join(names, ": scaled by ", possible[0].value, " to the unit of the others"));
+                batch.points[i] *= *guess.scale;
+            result.changes.push_back(
+                join(names, ": scaled by ", *guess.scale, " to the unit of the others"));
             continue;
         }
         const double ratio = std::exp(part.mean() - usual.mean());
-        std::string units;
-        for (std::size_t i = 0; i < possible.size(); ++i)
-            units += join(i == 0                    ? ""
-                          : i + 1 < possible.size() ? ", of "
-                                                    : " or of ",
-                          possible[i].units, " (",
-                          rounded(std::max(possible[i].value, 1.0 / possible[i].value)), ")");
-        kept.push_back(join(names, ": not scaled, ", rounded(std::max(ratio, 1.0 / ratio)),
-                            " times ", ratio > 1.0 ? "larger" : "smaller", " than the others: ",
-                            possible.empty() ? "that is the ratio of no two units"
-                                             : "as sizes vary, that may be the ratio of " + units,
-                            "; scale by what you know"));
+        result.kept.push_back(join(
+            names, ": not scaled, ", rounded(std::max(ratio, 1.0 / ratio)), " times ",
+            ratio > 1.0 ? "larger" : "smaller", " than the others: ",
+            guess.possible.empty()
+                ? "that is the ratio of no two units"
+                : "that may be the ratio of " + describe(guess.possible) + ", or a real difference",
+            "; scale by what you know"));
     }
 }
 
@@ -468,10 +578,10 @@ RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes, const MeshRepairOpti
     take_faces_of_first(meshes, result.changes);
     std::vector<std::vector<NamedMesh>> parts; // by their number
     for (Batch& batch : batches_of(std::move(meshes))) {
-        weld_seams(batch, result.changes);
+        weld_seams(batch, result);
         drop_repeated_faces(batch, result.changes);
         orient_faces(batch, result.changes);
-        const std::vector<Batch> pieces = choose_pieces(batch, options.components, result.changes);
+        const std::vector<Batch> pieces = choose_pieces(batch, options.components, result);
         parts.resize(std::max(parts.size(), pieces.size()));
         for (std::size_t p = 0; p < pieces.size(); ++p)
             for (std::size_t i = 0; i < pieces[p].names.size(); ++i)
@@ -481,8 +591,9 @@ RepairedMeshes repair_meshes(std::vector<NamedMesh> meshes, const MeshRepairOpti
     for (std::vector<NamedMesh>& part : parts) {
         take_faces_of_first(part, result.changes); // as faces are that were turned
         for (Batch& batch : batches_of(std::move(part))) {
-            repair_orientation(batch, result.changes);
-            repair_sizes(batch, result.changes, result.kept);
+            if (const auto topology = topology_of(batch.faces, batch.vertex_count))
+                repair_sizes(batch, *topology,
+                             repair_orientation(batch, *topology, options, result), result);
             for (std::size_t i = 0; i < batch.names.size(); ++i)
                 result.meshes.push_back(
                     {batch.names[i], batch.paths[i], batch.points[i], batch.faces});

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ enum class Components
 struct MeshRepairOptions
 {
     Components components = Components::KeepLargest; ///< A surface in several pieces is treated so.
+    /// Names the meshes of a sound collection that are far from all others, by index, as find_outlying_meshes() does:
+    /// they are neither mirrored nor scaled, as what they are is not known. None if it is empty.
+    std::function<std::vector<std::size_t>(const Collection& meshes)> find_outliers = {};
 };
 
 /// Meshes made from others, and what was done.
@@ -26,22 +30,25 @@ struct RepairedMeshes
 {
     std::vector<NamedMesh> meshes;
     std::vector<std::string> changes; ///< A sentence each, naming the meshes.
-    std::vector<std::string> kept;    ///< The same of sizes that stay odd, and why.
+    std::vector<std::string> kept; ///< The same of what stays as it is, though it is odd, and why.
 };
 
 /// Repairs what can be repaired without a guess about the shape. In this order:
 /// 1. a mesh with the faces of the first one, but in another order, reversed, or reversed and mirrored,
 ///    gets those of the first one (and is mirrored back);
-/// 2. vertices that lie on one another are made one, if they do in all meshes of one face list and the
-///    defects do not grow by it;
+/// 2. boundary vertices that lie on one another (seam_vertices()) are made one, if they do in all meshes of one face
+///    list and the defects do not grow by it;
 /// 3. faces that name a vertex twice or repeat another go; faces are turned so that neighbours agree;
-///    pieces are chosen; vertices without a face go;
+///    pieces are chosen, but where others meet the largest one along its rim at two places and more, within what
+///    seam_vertices() calls near, all are kept; vertices without a face go;
 /// 4. meshes that are mirror images of the others are mirrored back, and surfaces that are inside out
 ///    are reversed;
-/// 5. meshes whose sizes differ from the others' by the ratio of two units are scaled to theirs, where it can be no
-///    other two: of the logarithms, the difference of the means of both parts, of n and m members, is within
-///    max(0.05, 3 s sqrt(1/n + 1/m)) of one ratio alone; s is their pooled standard deviation with one more
-///    measurement of 0.1. Else `kept` says why they are not.
+/// 5. meshes whose sizes differ from the others' by a factor of 10, 100 or 1000 are scaled to theirs, where that is
+///    beyond doubt. With the difference d of the means of the logarithms of both parts, of n and m members, their pooled
+///    standard deviation s, the same S with one more measurement of 0.1, and k = 3 sqrt(1/n + 1/m): d is within
+///    max(0.05, k S) of one ratio of units alone (inches and feet are among them); and it is within 0.05 of log 10, where
+///    k s <= 0.08 and k S <= 0.14, or within 0.25 of log 100 or log 1000.
+/// Outliers stay as they are in 4 and 5. What is not done, `kept` says, and why.
 /// Meshes of one face list are treated alike, so that they stay in correspondence. What is left to
 /// repair, find_defects() and collect() say.
 /// @param meshes  Finite; faces name vertices that exist. Cost: about that of collect().

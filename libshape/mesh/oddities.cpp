@@ -83,31 +83,50 @@ private:
     std::vector<double> squares_{0.0}; ///< Of the same.
 };
 
+/// "20 boundary vertices" of some groups, and where the first are.
+struct SeamPlaces
+{
+    std::string vertices;
+    std::string places;
+};
+
+SeamPlaces describe(const std::vector<VertexGroup>& groups, const Collection& collection)
+{
+    std::size_t vertices = 0;
+    for (const VertexGroup& group : groups)
+        vertices += group.size();
+    return {join(vertices, " boundary vertices"),
+            join(" at ", counted(groups.size(), "place"),
+                 collection.size() == 1 ? " in mesh " : " in all meshes, first ",
+                 collection.names.front(), ": vertices ", groups.front()[0], " and ",
+                 groups.front()[1])};
+}
+
 void find_seams(const Collection& collection, std::vector<Oddity>& oddities)
 {
     if (collection.topology.is_closed())
         return;
-    std::vector<VertexGroup> groups = coincident_vertices(collection.points);
-    std::erase_if(groups, [&](const VertexGroup& group) {
-        return std::count_if(group.begin(), group.end(),
-                             [&](int v) { return collection.topology.is_boundary_vertex(v); }) < 2;
-    });
-    if (groups.empty())
-        return;
-    std::size_t vertices = 0;
-    for (const VertexGroup& group : groups)
-        vertices += group.size();
+    const SeamVertices seams = seam_vertices(collection.topology.faces(), collection.points);
     std::vector<std::size_t> all(collection.size());
     std::iota(all.begin(), all.end(), 0);
-    oddities.push_back(
-        {OddityKind::Seam, all,
-         join(
-             vertices, " boundary vertices lie on one another at ", counted(groups.size(), "place"),
-             collection.size() == 1 ? " in mesh " : " in all meshes, first ",
-             collection.names.front(), ": vertices ", groups.front()[0], " and ", groups.front()[1],
-             "; the surface is open along this seam and blends will tear there. Export without "
-             "splitting vertices (no UV, no normals; Blender: OBJ, or Merge by Distance before), "
-             "or weld them")});
+    if (!seams.coincident.empty()) {
+        const SeamPlaces seam = describe(seams.coincident, collection);
+        oddities.push_back(
+            {OddityKind::Seam, all,
+             join(seam.vertices, " lie on one another", seam.places,
+                  "; the surface is open along this seam and blends will tear there. Export "
+                  "without splitting vertices (no UV, no normals; Blender: OBJ, or Merge by "
+                  "Distance before), or weld them")});
+    }
+    if (!seams.near.empty()) {
+        const SeamPlaces seam = describe(seams.near, collection);
+        oddities.push_back(
+            {OddityKind::NearSeam, all,
+             join(seam.vertices, " lie near one another, up to ", rounded(seams.gap),
+                  " of the diagonal apart,", seam.places,
+                  "; if the surface is to be closed there, blends will tear it: merge vertices by "
+                  "that distance before the export (Blender: Merge by Distance)")});
+    }
 }
 
 /// "the other mesh" or "the other 5 meshes".
@@ -146,6 +165,13 @@ void find_orientation(const Collection& collection, std::vector<Oddity>& odditie
               "normals on export)")});
 }
 
+/// "a and b are 12 times larger".
+std::string compare_sizes(const std::string& names, bool is_one, double ratio)
+{
+    return join(names, is_one ? " is " : " are ", rounded(std::max(ratio, 1.0 / ratio)), " times ",
+                ratio > 1.0 ? "larger" : "smaller");
+}
+
 void find_sizes(const Collection& collection, std::vector<Oddity>& oddities)
 {
     std::vector<double> sizes;
@@ -154,36 +180,42 @@ void find_sizes(const Collection& collection, std::vector<Oddity>& oddities)
     const std::vector<std::size_t> odd = odd_sizes(sizes);
     if (odd.empty())
         return;
-    std::vector<double> odd_ones;
     std::vector<double> others;
     for (std::size_t i = 0; i < sizes.size(); ++i)
-        (std::binary_search(odd.begin(), odd.end(), i) ? odd_ones : others).push_back(sizes[i]);
+        if (!std::binary_search(odd.begin(), odd.end(), i))
+            others.push_back(sizes[i]);
     const double usual = median(others);
-    const double strange = median(odd_ones);
-    const double ratio = strange / usual;
-    const std::optional<UnitRatio> known = unit_ratio_near(ratio);
-    const bool is_one = odd.size() == 1;
-    oddities.push_back(
-        {OddityKind::Size, odd,
-         join("sizes range from ", rounded(*std::min_element(sizes.begin(), sizes.end())), " to ",
-              rounded(*std::max_element(sizes.begin(), sizes.end())), ": ",
-              list_names(collection.names, odd), is_one ? " is " : " are ",
-              rounded(std::max(ratio, 1.0 / ratio)), " times ", ratio > 1.0 ? "larger" : "smaller",
-              " than ", the_others(others.size()),
-              known ? join("; are they in ", known->units, "? Export all in one unit")
-                    : join("; are all in one unit? If not, scale ", is_one ? "it" : "them"))});
+    const std::vector<std::vector<std::size_t>> parts = parts_of_odd_sizes(sizes, odd);
+    std::string text = join("sizes range from ", rounded(*std::ranges::min_element(sizes)), " to ",
+                            rounded(*std::ranges::max_element(sizes)), ": ");
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        std::vector<double> those;
+        for (const std::size_t i : parts[p])
+            those.push_back(sizes[i]);
+        const double ratio = median(those) / usual;
+        const bool is_one = parts[p].size() == 1;
+        const std::optional<UnitRatio> known = unit_ratio_near(ratio);
+        text += compare_sizes(list_names(collection.names, parts[p]), is_one, ratio);
+        if (parts.size() > 1)
+            text += join(known ? join(" (", known->units, "?)") : "",
+                         p + 1 < parts.size() ? ", "
+                                              : join(" than ", the_others(others.size()),
+                                                     "; export all in one unit, or scale them"));
+        else
+            text +=
+                join(" than ", the_others(others.size()),
+                     known ? join("; are they in ", known->units, "? Export all in one unit")
+                           : join("; are all in one unit? If not, scale ", is_one ? "it" : "them"));
+    }
+    oddities.push_back({OddityKind::Size, odd, text});
 }
 
 void find_copies(const Collection& collection, std::vector<Oddity>& oddities)
 {
-    for (const std::vector<std::size_t>& meshes :
-         congruent_meshes(collection.topology, collection.points))
-        oddities.push_back(
-            {OddityKind::Copies,
-             {meshes.begin() + 1, meshes.end()},
-             join(list_names(collection.names, meshes),
-                  " are copies of one mesh, in place or moved; statistics count each of them: keep "
-                  "one")});
+    for (const Copies& copies : congruent_meshes(collection.topology, collection.points))
+        oddities.push_back({OddityKind::Copies,
+                            {copies.meshes.begin() + 1, copies.meshes.end()},
+                            describe(copies, collection.names)});
 }
 
 } // namespace
@@ -238,6 +270,29 @@ std::vector<std::size_t> odd_sizes(const std::vector<double>& sizes)
     odd.insert(odd.end(), order.begin() + static_cast<std::ptrdiff_t>(best_end), order.end());
     std::sort(odd.begin(), odd.end());
     return odd;
+}
+
+std::vector<std::vector<std::size_t>> parts_of_odd_sizes(const std::vector<double>& sizes,
+                                                         const std::vector<std::size_t>& odd)
+{
+    constexpr double apart = 1.6; // sizes of one part seldom leave such a gap
+    double usual = 0.0;           // any of the rest, which lie on one side of each part
+    for (std::size_t i = 0; i < sizes.size() && usual == 0.0; ++i)
+        if (!std::binary_search(odd.begin(), odd.end(), i))
+            usual = sizes[i];
+    std::vector<std::size_t> order = odd;
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return sizes[i]; });
+    std::vector<std::vector<std::size_t>> parts;
+    double before = 0.0;
+    for (const std::size_t i : order) {
+        if (sizes[i] >= apart * before || (before < usual) != (sizes[i] < usual))
+            parts.emplace_back();
+        parts.back().push_back(i);
+        before = sizes[i];
+    }
+    for (std::vector<std::size_t>& part : parts)
+        std::ranges::sort(part);
+    return parts;
 }
 
 std::string list_names(const std::vector<std::string>& names,

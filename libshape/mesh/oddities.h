@@ -12,11 +12,12 @@ namespace shape {
 /// What a collection may have that is not a defect of any mesh and is seldom meant.
 enum class OddityKind
 {
-    Seam,      ///< Boundary vertices lie on one another in all meshes (coincident_vertices()).
+    Seam,      ///< Boundary vertices lie on one another in all meshes (seam_vertices()).
+    NearSeam,  ///< The same of some that lie near one another, but not on one another.
     Mirrored,  ///< Some meshes are mirror images of the others (compare_handedness()).
     InsideOut, ///< All meshes, or all but those, are inside out.
     Size,      ///< Some meshes are far larger or smaller than the others (odd_sizes()).
-    Copies,    ///< Some meshes are the same one, in place or moved (to 1e-6 of the diagonal).
+    Copies,    ///< Some meshes are the same one, in place or moved, give or take rounding.
 };
 
 /// One oddity: the kind, the meshes concerned, and a sentence with what, where and what to do.
@@ -29,7 +30,8 @@ struct Oddity
 
 /// Finds what is odd about the meshes of a collection together.
 /// @param collection  At least one mesh.
-/// Cost: O(#V log #V + N #F), and for each pair of meshes of one size the edges up to the first that differs.
+/// Cost: O(#F log #F + N #F), and for each pair of meshes of one size a comparison or two; O(N #V) for each mesh that is
+/// nearly another one.
 [[nodiscard]] std::vector<Oddity> find_oddities(const Collection& collection);
 
 /// Sizes far from the others, as those of meshes in another unit are; ascending indices. Sorted, the
@@ -43,6 +45,12 @@ struct Oddity
 /// All but the largest part (the first of equal ones) are odd.
 /// @param sizes  Each > 0.
 [[nodiscard]] std::vector<std::size_t> odd_sizes(const std::vector<double>& sizes);
+
+/// odd_sizes() in parts that stand apart from one another, ascending: sorted, a part ends where a size is 1.6 times the
+/// one before it, and at those of the rest.
+/// @param odd  As odd_sizes() gives them.
+[[nodiscard]] std::vector<std::vector<std::size_t>> parts_of_odd_sizes(
+    const std::vector<double>& sizes, const std::vector<std::size_t>& odd);
 
 /// "a, b and c", or the first ones "and 12 more".
 [[nodiscard]] std::string list_names(const std::vector<std::string>& names,

@@ -170,18 +170,32 @@ QualityCurve summarise(const Eigen::MatrixXd& values)
     return {mean.transpose(), (squares / divisor).cwiseSqrt().transpose()};
 }
 
+/// A model has fewer modes than are wanted.
+class FewerModes : public InvalidInput
+{
+public:
+    FewerModes(int wanted, int found, const std::string& of)
+        : InvalidInput(join("quality: ", wanted, " modes are more than the ", found, of)),
+          found_(found)
+    {
+    }
+    [[nodiscard]] int found() const { return found_; }
+
+private:
+    int found_;
+};
+
 /// @param what  Names the meshes.
+/// @throws FewerModes
 ShapeModel fit(const MeshSource& meshes, const MeshSource::Indices& some,
                const QualityOptions& options, const std::string& what)
 {
     const int most = options.modes.back();
-    if (most > static_cast<int>(some.size()) - 1)
-        throw InvalidInput(join("quality: ", most, " modes are more than the ", some.size() - 1,
-                                " of a model of ", what));
+    if (const int all = static_cast<int>(some.size()) - 1; most > all)
+        throw FewerModes(most, all, join(" of a model of ", what));
     ShapeModel model = meshes.fit(some, {.modes = most, .space = options.space});
     if (model.mode_count() < most)
-        throw InvalidInput(join("quality: ", most, " modes are more than the ", model.mode_count(),
-                                " with any variance of a model of ", what));
+        throw FewerModes(most, model.mode_count(), join(" with any variance of a model of ", what));
     return model;
 }
 
@@ -344,11 +358,9 @@ void measure_specificity(const MeshSource& meshes, const Ruler& ruler,
     quality.specificity_edge = curve(edge);
 }
 
-ModelQuality measure(const MeshSource& meshes, const Grouping& folds, const QualityOptions& options,
-                     const Progress& progress)
+ModelQuality measure_at(const MeshSource& meshes, const Grouping& folds,
+                        const QualityOptions& options, const Progress& progress)
 {
-    check(options);
-    check_folds(meshes, folds);
     Random random(options.seed);
     std::vector<int> tests = shuffled(static_cast<Index>(meshes.count), random);
     tests.resize(std::min(tests.size(), to_size(options.tests)));
@@ -379,12 +391,40 @@ ModelQuality measure(const MeshSource& meshes, const Grouping& folds, const Qual
     return quality;
 }
 
+/// The most modes that meshes without the largest fold can have.
+int most_modes(const Grouping& folds)
+{
+    std::size_t largest = 0;
+    for (const std::vector<int>& fold : members(folds))
+        largest = std::max(largest, fold.size());
+    return static_cast<int>(folds.size()) - static_cast<int>(largest) - 1;
+}
+
+ModelQuality measure(const MeshSource& meshes, const Grouping& folds, const QualityOptions& options,
+                     const Progress& progress)
+{
+    check(options);
+    check_folds(meshes, folds);
+    if (!options.modes.empty())
+        return measure_at(meshes, folds, options, progress);
+    QualityOptions usual = options;
+    for (int most = std::max(1, most_modes(folds));;) {
+        usual.modes = usual_mode_counts(most);
+        try {
+            return measure_at(meshes, folds, usual, progress);
+        } catch (const FewerModes& fewer) { // the first model of meshes of low rank says so
+            if (fewer.found() < 1)
+                throw;
+            most = fewer.found();
+        }
+    }
+}
+
 } // namespace
 
 void check(const QualityOptions& options)
 {
     check(options.space);
-    require(!options.modes.empty(), "QualityOptions.modes", "empty", "one number at least");
     int last = 0;
     for (std::size_t i = 0; i < options.modes.size(); last = options.modes[i++])
         require(options.modes[i] > last, join("QualityOptions.modes[", i, "]"), options.modes[i],

@@ -20,7 +20,8 @@ struct QualityOptions
 {
     /// Models are made in this space.
     SpaceOptions space = {};
-    /// Models are measured at these numbers of modes; ascending, >= 1, at least one.
+    /// Models are measured at these numbers of modes; ascending, >= 1. Empty: at usual_mode_counts() of the most that
+    /// every model has.
     std::vector<int> modes = {};
     /// At most this many meshes, drawn from all, are reconstructed; >= 1.
     int tests = 25;
@@ -70,7 +71,8 @@ struct ModelQuality
 /// @param progress  Called with the meshes decoded.
 /// @throws InvalidInput if a rule is broken, or a number of modes is more than a model without its
 ///     largest fold has; as Embedder::embed().
-/// Cost: (tests + samples) times the numbers of modes embeddings, one fit for each fold with a test.
+/// Cost: (tests + samples) times the numbers of modes embeddings, one fit for each fold with a test; where `modes` is
+///     empty, all anew for each model that has fewer modes than those before it, which meshes of low rank make.
 /// Determinism: same bits for any thread count.
 [[nodiscard]] ModelQuality measure_quality(const Collection& collection, const Grouping& folds,
                                            const QualityOptions& options,

@@ -16,6 +16,7 @@ namespace shape {
 struct Nuisance
 {
     Topology topology;
+    Points reference_points; ///< #V by 3 [length], of one of the meshes that the directions are of.
     ShapeSpace space;
     Eigen::VectorXd origin;    ///< D; amounts are 0 there.
     RowMatrix directions;      ///< K by D, orthonormal rows.
@@ -32,7 +33,7 @@ struct Nuisance
 [[nodiscard]] Nuisance direction_of(const DifferenceVector& difference);
 
 /// How far each mesh lies along the directions, N by K.
-/// @throws InvalidInput if the meshes have another triangulation.
+/// @throws InvalidInput if the meshes have another triangulation, saying what differs.
 [[nodiscard]] RowMatrix amounts_of(const Nuisance& nuisance, const Collection& collection);
 
 /// A mesh whose amounts along the directions are replaced, and nothing else of it but, with them,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numbers>
 
 #include "libshape/base/format.h"
@@ -15,7 +16,7 @@
 #include "libshape/linalg/dense.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
-#include "libshape/statistics/inner_products.h"
+#include "libshape/statistics/mean.h"
 
 namespace shape {
 using namespace internal;
@@ -55,23 +56,91 @@ RowMatrix shape_vectors(const Collection& collection)
     return rows;
 }
 
-/// To the nearest of the others; copies of a mesh (a mirror image is one) are not among them. 0 if
-/// there are only copies.
-std::vector<double> nearest_distances(const RowMatrix& rows)
+constexpr double none = std::numeric_limits<double>::infinity();
+
+/// Squared distances between some rows and all of them, to the nearest that is no copy (a mirror image is one);
+/// `none` if there are only copies.
+struct NearestSquares
 {
-    const Eigen::MatrixXd products = centred_inner_products(rows);
-    const double copy = 1e-12 * products.diagonal().maxCoeff(); // squared; rounding is 1e-16
-    std::vector<double> nearest(to_size(rows.rows()));
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-        double least = std::numeric_limits<double>::infinity();
-        for (Eigen::Index j = 0; j < rows.rows(); ++j) {
-            const double square = products(i, i) + products(j, j) - 2.0 * products(i, j);
-            if (square > copy)
-                least = std::min(least, square);
-        }
-        nearest[to_size(i)] = std::isfinite(least) ? std::sqrt(least) : 0.0;
-    }
+    Eigen::VectorXd of_some; ///< To the nearest of all.
+    Eigen::VectorXd of_all;  ///< To the nearest of the some.
+};
+
+/// @param some  `rows` itself, or some of them.
+/// @param rows  About their mean.
+NearestSquares nearest_squares(const RowMatrix& some, const RowMatrix& rows)
+{
+    const bool are_all = &some == &rows; // then each pair is met once
+    const Eigen::VectorXd some_norms = some.rowwise().squaredNorm();
+    const Eigen::VectorXd norms = rows.rowwise().squaredNorm();
+    const double copy = 1e-12 * norms.maxCoeff(); // squared; rounding is 1e-16
+    NearestSquares nearest{Eigen::VectorXd::Constant(some.rows(), none),
+                           Eigen::VectorXd::Constant(rows.rows(), none)};
+    std::mutex alone; // a minimum is the same in any order
+    parallel_for(to_size(rows.rows()), 64, [&](std::size_t begin, std::size_t end) {
+        const auto first = static_cast<Eigen::Index>(begin);
+        const auto count = static_cast<Eigen::Index>(end - begin);
+        const Eigen::Index met = are_all ? first + count : some.rows();
+        Eigen::MatrixXd squares =
+            -2.0 * some.topRows(met) * rows.middleRows(first, count).transpose();
+        squares.colwise() += some_norms.head(met);
+        squares.rowwise() += norms.segment(first, count).transpose();
+        squares.array() = (squares.array() > copy).select(squares.array(), none);
+        nearest.of_all.segment(first, count) = squares.colwise().minCoeff().transpose();
+        const std::lock_guard lock(alone);
+        nearest.of_some.head(met) =
+            nearest.of_some.head(met).cwiseMin(squares.rowwise().minCoeff());
+    });
+    if (are_all)
+        nearest.of_some = nearest.of_all = nearest.of_some.cwiseMin(nearest.of_all).eval();
     return nearest;
+}
+
+/// 0 where there are only copies.
+std::vector<double> roots_of(const Eigen::VectorXd& squares)
+{
+    std::vector<double> roots;
+    for (const double square : squares)
+        roots.push_back(square < none ? std::sqrt(square) : 0.0);
+    return roots;
+}
+
+/// Distance to the nearest of the others. Of many meshes some are compared with all, and say what is usual. How near
+/// the rest are to these is enough to know that nearly all are near enough; the others are compared with all as well.
+Figure nearest_distances(RowMatrix rows)
+{
+    constexpr Eigen::Index most_compared = 1000;
+    rows.rowwise() -= mean_of_rows(rows).transpose();
+    const auto figure_of = [](const Eigen::VectorXd& squares) {
+        return Figure(roots_of(squares), 0.0, 3.0, 8.0);
+    };
+    if (rows.rows() <= most_compared)
+        return figure_of(nearest_squares(rows, rows).of_all);
+    std::vector<Eigen::Index> some;
+    for (Eigen::Index k = 0; k < most_compared; ++k)
+        some.push_back(k * rows.rows() / most_compared);
+    const auto found = nearest_squares(rows(some, Eigen::all), rows);
+    Figure figure = figure_of(found.of_some);
+    Eigen::VectorXd squares = found.of_all;
+    for (std::size_t k = 0; k < some.size(); ++k)
+        squares[some[k]] = found.of_some[static_cast<Eigen::Index>(k)];
+    std::vector<Eigen::Index> doubtful;
+    const auto compare_with_all = [&] {
+        const Eigen::VectorXd nearest = nearest_squares(rows(doubtful, Eigen::all), rows).of_some;
+        for (std::size_t k = 0; k < doubtful.size(); ++k)
+            squares[doubtful[k]] = nearest[static_cast<Eigen::Index>(k)];
+        doubtful.clear();
+    };
+    for (Eigen::Index i = 0; i < squares.size(); ++i) {
+        if (squares[i] > figure.limit * figure.limit)
+            doubtful.push_back(i);
+        if (std::ssize(doubtful) == most_compared)
+            compare_with_all();
+    }
+    if (!doubtful.empty())
+        compare_with_all();
+    figure.values = roots_of(squares);
+    return figure;
 }
 
 RowMatrix angles_of(const Collection& collection)
@@ -153,7 +222,7 @@ std::vector<OutlyingMesh> find_outlying_meshes(const Collection& collection)
         collection.topology, column_gaps(lengths.array().log().matrix(), infinity));
     const std::vector<Place> angle_places = largest_at_vertices(
         collection.topology, column_gaps(angles_of(collection), 2.0 * std::numbers::pi));
-    const Figure distance(nearest_distances(lengths), 0.0, 3.0, 8.0);
+    const Figure distance = nearest_distances(lengths);
     const Figure length_gap(gaps_of(length_places), 0.6, 2.5, 5.0);
     const Figure angle_gap(gaps_of(angle_places), 0.85, 2.0, 5.0);
     std::vector<OutlyingMesh> found;

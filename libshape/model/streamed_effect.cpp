@@ -6,10 +6,9 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/require.h"
-#include "libshape/base/threads.h"
-#include "libshape/base/to_size.h"
 #include "libshape/edge_space/streamed_space.h"
 #include "libshape/linalg/block_products.h"
+#include "libshape/linalg/strips.h"
 #include "libshape/model/effect_weights.h"
 #include "libshape/model/mesh_passes.h"
 #include "libshape/model/streamed_angles.h"
@@ -71,10 +70,8 @@ public:
 private:
     static void add(const RowMatrix& weights, const RowMatrix& rows, RowMatrix& sums)
     {
-        constexpr std::size_t strip = 2048; // columns worked on together
-        parallel_for(to_size(rows.cols()), strip, [&](std::size_t begin, std::size_t end) {
-            const auto first = static_cast<Index>(begin);
-            const auto count = static_cast<Index>(end - begin);
+        constexpr Index strip = 2048; // columns worked on together
+        for_strips(rows.cols(), strip, [&](Index first, Index count) {
             add_product_of_columns(weights, rows.middleCols(first, count),
                                    sums.middleCols(first, count));
         });

@@ -16,10 +16,10 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
-#include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/streamed_space.h"
 #include "libshape/linalg/block_products.h"
+#include "libshape/linalg/strips.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/model/mesh_passes.h"
 #include "libshape/model/streamed_angles.h"
@@ -35,19 +35,23 @@ namespace {
 using Eigen::Index;
 
 constexpr std::uint64_t number = sizeof(double);
-constexpr std::size_t strip = 1008; ///< Columns worked on together: two shares of a strip of 2,016.
-
-/// Runs body(first, count) for fixed strips of [0, total).
-void for_strips(Index total, const std::function<void(Index, Index)>& body)
-{
-    parallel_for(to_size(total), strip, [&](std::size_t begin, std::size_t end) {
-        body(static_cast<Index>(begin), static_cast<Index>(end - begin));
-    });
-}
+constexpr Index strip = 1008; ///< Columns worked on together: two shares of a strip of 2,016.
 
 /// The Gram matrix rounds as its largest entries: the scores that it gives are off by some 1e-16 times the
 /// ratio of the variances, here by 1e-12. Those of smaller modes are measured.
 constexpr double smallest_ratio_by_gram = 1e-4;
+
+bool wants_all(const ModelOptions& options)
+{
+    return options.modes == 0 && options.variance == 1.0;
+}
+
+/// Of the N by N matrices of Gram.
+std::uint64_t matrix_bytes(Index meshes)
+{
+    const auto count = static_cast<std::uint64_t>(meshes);
+    return 4 * number * count * count;
+}
 
 /// The modes and what stands beside them as the passes find it.
 class Fit
@@ -116,29 +120,20 @@ private:
                                  memory_ >> 20, " MiB; keep fewer modes or allow more memory"));
     }
 
-    /// Both ways cost about N E times N, or times 4 s for each of some 6 passes, multiplications.
     [[nodiscard]] FitAlgorithm choose() const
     {
         const Index count = meshes_.size();
         const Index modes = options_.modes;
-        const std::uint64_t matrices = 4 * bytes(count, count);
         const std::uint64_t model =
             modes > 0 ? bytes(modes, dimension_ + meshes_.topology.edge_count()) : 0;
         if (model > memory_)
             fail_for_memory(counted(modes, "mode"), model);
-        const bool wants_all = modes == 0 && options_.variance == 1.0;
-        if (wants_all && bytes(count, dimension_) > memory_)
+        if (wants_all(options_) && bytes(count, dimension_) > memory_)
             fail_for_memory("all modes", 2 * bytes(count, dimension_));
-        if (stream_.algorithm != FitAlgorithm::Automatic)
-            return stream_.algorithm;
-        // Gram takes N^2 E / 2 multiplications, Krylov 2 N E s in each of some six passes, as many at N = 24 s. Up
-        // to 1000 meshes Gram is taken all the same: it is exact, and reads them once.
-        const Index few = 24 * BlockKrylov::block_size(modes > 0 ? modes : 32);
-        const bool fits = matrices <= memory_ / 2;
-        if (wants_all && !fits)
-            fail_for_memory("all modes", 2 * matrices);
-        return fits && (wants_all || count <= std::max<Index>(few, 1000)) ? FitAlgorithm::Gram
-                                                                          : FitAlgorithm::Krylov;
+        if (stream_.algorithm == FitAlgorithm::Automatic && wants_all(options_) &&
+            matrix_bytes(count) > memory_ / 2)
+            fail_for_memory("all modes", 2 * matrix_bytes(count));
+        return algorithm_for(count, options_, stream_);
     }
 
     /// The first mesh, and the mean of the first tile, about which sums round little.
@@ -327,7 +322,7 @@ private:
         if (in_strips) {
             strips_->for_each([&](Index first, RowMatrix& columns) {
                 centre_rows(columns, components_.mean.segment(first, columns.cols()));
-                for_strips(columns.cols(), [&](Index begin, Index count) {
+                for_strips(columns.cols(), strip, [&](Index begin, Index count) {
                     add_product_of_columns(weights, columns.middleCols(begin, count),
                                            modes.middleCols(first + begin, count));
                 });
@@ -348,7 +343,7 @@ private:
                 if (!in_strips) {
                     passes_.encode(block, rows);
                     centre_rows(rows, components_.mean);
-                    for_strips(dimension_, [&](Index begin, Index count) {
+                    for_strips(dimension_, strip, [&](Index begin, Index count) {
                         add_product_of_columns(weights.middleRows(first, rows.rows()),
                                                rows.middleCols(begin, count),
                                                modes.middleCols(begin, count));
@@ -469,7 +464,7 @@ private:
         measure_angles(block, rows);
         internal::unify_branches(rows, branch_means_);
         centre_rows(rows, first_angles_, &angle_sums_); // scores sum to 0: rounding stays small
-        for_strips(mode_angles_.cols(), [&](Index begin, Index count) {
+        for_strips(mode_angles_.cols(), strip, [&](Index begin, Index count) {
             add_product_of_columns(scores, rows.middleCols(begin, count),
                                    mode_angles_.middleCols(begin, count));
         });
@@ -497,9 +492,9 @@ private:
     [[nodiscard]] RowMatrix coordinates(const RowMatrix& rows) const
     {
         const RowMatrix& modes = components_.modes;
-        std::vector<RowMatrix> parts((to_size(dimension_) + strip - 1) / strip);
-        for_strips(dimension_, [&](Index begin, Index count) {
-            RowMatrix& part = parts[to_size(begin) / strip];
+        std::vector<RowMatrix> parts(to_size((dimension_ + strip - 1) / strip));
+        for_strips(dimension_, strip, [&](Index begin, Index count) {
+            RowMatrix& part = parts[to_size(begin / strip)];
             part = RowMatrix::Zero(rows.rows(), modes.rows());
             add_product_with_rows(rows.middleCols(begin, count), modes.middleCols(begin, count),
                                   part);
@@ -572,6 +567,20 @@ std::uint64_t usual_memory()
 {
     const auto pages = static_cast<std::uint64_t>(std::max(sysconf(_SC_PHYS_PAGES), 0L));
     return pages * static_cast<std::uint64_t>(std::max(sysconf(_SC_PAGESIZE), 0L)) / 4;
+}
+
+FitAlgorithm algorithm_for(Index meshes, const ModelOptions& options, const StreamOptions& stream)
+{
+    if (stream.algorithm != FitAlgorithm::Automatic)
+        return stream.algorithm;
+    // Both ways cost about N E times N, or times 4 s for each of some 6 passes, multiplications: as many at N = 24 s. Up
+    // to 1000 meshes Gram is taken all the same: it is exact, and reads them once.
+    const Index few = 24 * BlockKrylov::block_size(options.modes > 0 ? options.modes : 32);
+    const std::uint64_t memory = stream.memory > 0 ? stream.memory : usual_memory();
+    const bool fits = matrix_bytes(meshes) <= memory / 2;
+    return fits && (wants_all(options) || meshes <= std::max<Index>(few, 1000))
+               ? FitAlgorithm::Gram
+               : FitAlgorithm::Krylov;
 }
 
 StreamedFit fit_model(const MeshStream& meshes, const ModelOptions& options,

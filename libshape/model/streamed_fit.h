@@ -29,7 +29,7 @@ struct StreamOptions
     /// machine's. Less is taken where more would not help.
     std::uint64_t memory = 0;
     FitAlgorithm algorithm = FitAlgorithm::Automatic;
-    /// The relative error of each variance that Krylov may leave, as it estimates it; in (0, 1).
+    /// The relative error of each variance that Krylov may leave, as it estimates it, where rounding leaves less; in (0, 1).
     double tolerance = 1e-6;
     /// What is random in the start of Krylov depends on this.
     std::uint64_t seed = 1;
@@ -39,7 +39,8 @@ struct StreamOptions
     std::function<void(const PassState&)> save = {};
     /// Other processes that share the passes.
     Ranks ranks = {};
-    /// Such a state, of the same meshes and options.
+    /// Such a state, of the same meshes, options and algorithm; the memory may be another for Gram, whose bits do not
+    /// depend on it.
     std::optional<PassState> state = {};
     /// A folder where Gram may keep all coordinates, 8 N D bytes in a file without a name, so that one pass gives inner
     /// products and modes. Empty, or where the disk has less than twice that free, the former take about N / (2 h)
@@ -55,7 +56,9 @@ struct StreamedFit
     ShapeModel model;
     FitAlgorithm algorithm = FitAlgorithm::Gram; ///< The one that was taken.
     int passes = 0;                              ///< Over all or some of the meshes.
-    double error = 0.0; ///< Estimate of the largest relative error of a variance; 0 for Gram.
+    /// Estimate of the largest relative error of a variance, for Krylov at least 4 epsilon times the ratio of the largest
+    /// variance to the smallest, which rounding leaves; 0 for Gram.
+    double error = 0.0;
 };
 
 /// The model that fit_model() makes of a collection, of one that need not fit into memory: positions
@@ -70,6 +73,10 @@ struct StreamedFit
 ///     Krylov 2 N E s for each pass with s = K + max(10, K / 5).
 [[nodiscard]] StreamedFit fit_model(const MeshStream& meshes, const ModelOptions& options,
                                     const StreamOptions& stream);
+
+/// Gram or Krylov: which of them fit_model() takes for so many meshes.
+[[nodiscard]] FitAlgorithm algorithm_for(Eigen::Index meshes, const ModelOptions& options,
+                                         const StreamOptions& stream);
 
 /// A quarter of the machine's memory [byte].
 [[nodiscard]] std::uint64_t usual_memory();

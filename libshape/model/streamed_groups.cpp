@@ -3,14 +3,17 @@
 #include "libshape/model/streamed_groups.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/streamed_space.h"
+#include "libshape/linalg/block_products.h"
 #include "libshape/model/mesh_passes.h"
 #include "libshape/model/streamed_angles.h"
+#include "libshape/statistics/group_fit.h"
 #include "libshape/statistics/group_plans.h"
 #include "libshape/statistics/streamed_sums.h"
 #include "libshape/statistics/tiled_gram.h"
@@ -43,32 +46,29 @@ public:
                           ? meshes.topology.edge_count()
                           : 0)
     {
-        const std::uint64_t means = sizeof(double) * to_size(groups.group_count()) *
-                                    to_size(passes_.dimension() + meshes.topology.edge_count());
-        if (means > passes_.memory() / 2)
-            throw LimitExceeded(join("the means of ", groups.group_count(), " groups take ",
-                                     (means >> 20) + 1, " MiB, which is more than half of the ",
-                                     passes_.memory() >> 20, " MiB allowed; allow more memory"));
+        require_room(to_size(groups.group_count()) *
+                     to_size(passes_.dimension() + meshes.topology.edge_count()));
         result_.shapes.sizes.resize(meshes.size());
     }
 
     StreamedGroups run()
     {
         learn();
-        const Index count = passes_.meshes().size();
-        GroupComparisonPlan comparison(
-            groups_, blocks_,
-            options_.covariates ? options_.covariates(result_.shapes.sizes) : MatrixXd(count, 0),
-            options_.permutations);
-        GroupSpreadPlan spread(groups_, blocks_, options_.bootstrap);
+        const MatrixXd covariates = options_.covariates ? options_.covariates(result_.shapes.sizes)
+                                                        : MatrixXd(passes_.meshes().size(), 0);
+        GroupComparisonPlan comparison(groups_, blocks_, covariates, options_.permutations);
+        const auto fit = std::make_shared<const GroupFit>(groups_, blocks_, covariates);
+        GroupSpreadPlan spread(fit, options_.bootstrap);
+        result_.shapes.covariate_means = fit->covariate_means();
+        if (!fit->is_plain())
+            weigh(*fit);
         SumQuestions questions;
         comparison.ask(questions);
         spread.ask(questions);
         const SumAnswers answers = find_answers(questions);
         result_.comparison = comparison.conclude(answers);
         result_.spread = spread.conclude(answers);
-        result_.spread_test = test_spread_of_distances(answers.squares_about_means.cwiseSqrt(),
-                                                       groups_, blocks_, options_.permutations);
+        result_.spread_test = spread.conclude_test(answers, options_.permutations);
         average_angles();
         result_.shapes.space = passes_.space();
         result_.passes = passes_.count();
@@ -76,6 +76,15 @@ public:
     }
 
 private:
+    void require_room(std::size_t numbers) const
+    {
+        const std::uint64_t bytes = sizeof(double) * numbers;
+        if (bytes > passes_.memory() / 2)
+            throw LimitExceeded(join("the means of ", groups_.group_count(), " groups take ",
+                                     (bytes >> 20) + 1, " MiB, which is more than half of the ",
+                                     passes_.memory() >> 20, " MiB allowed; allow more memory"));
+    }
+
     /// Sizes, means and, for the angles, branches.
     void learn()
     {
@@ -105,6 +114,29 @@ private:
             shapes.mean_sizes[row] = shapes.sizes(members_[g]).mean();
         }
         shapes.means.rowwise() += origin.transpose();
+    }
+
+    /// Means that are not those of all members, and what rows are measured from.
+    void weigh(const GroupFit& fit)
+    {
+        const Index group_count = groups_.group_count();
+        weights_ = fit.means();
+        const MatrixXd references = fit.references();
+        RowMatrix all(weights_.rows(), group_count + references.cols());
+        all << weights_, references;
+        require_room(to_size(all.cols() * (passes_.dimension() + all.rows()) +
+                             group_count * passes_.meshes().topology.edge_count()));
+        RowMatrix sums = RowMatrix::Zero(all.cols(), passes_.dimension());
+        passes_.run("weighted means", passes_.all(TiledGram::tile_rows(passes_.dimension())),
+                    [&](Index first, const Collection& block, RowMatrix& rows) {
+                        passes_.encode(block, rows);
+                        centre_rows(rows, mean_);
+                        add_product_of_columns(all.middleRows(first, rows.rows()), rows, sums);
+                    });
+        GroupedShapes& shapes = result_.shapes;
+        shapes.means = sums.topRows(group_count).rowwise() + mean_.transpose();
+        shapes.mean_sizes = weights_.transpose() * shapes.sizes;
+        references_ = sums.bottomRows(sums.rows() - group_count);
     }
 
     /// Inner products cost N^2 E, sums 2 N E a column.
@@ -150,6 +182,7 @@ private:
         const Index tile = TiledGram::tile_rows(passes_.dimension());
         PointPasses points{passes_.meshes().size(), passes_.dimension(), {}, {}};
         points.group_means = result_.shapes.means.rowwise() - mean_.transpose();
+        points.references = references_;
         points.pass = [&](const PointPasses::Visit& visit) {
             passes_.run("sums", passes_.all(tile),
                         [&](Index first, const Collection& block, RowMatrix& rows) {
@@ -173,8 +206,14 @@ private:
                         rows.resize(static_cast<Index>(block.size()), angle_sums_);
                         measure_angles(block, rows);
                         internal::unify_branches(rows, branches);
-                        add_by_group(groups_, first, rows, means);
+                        if (weights_.cols() > 0)
+                            add_product_of_columns(weights_.middleRows(first, rows.rows()), rows,
+                                                   means);
+                        else
+                            add_by_group(groups_, first, rows, means);
                     });
+        if (weights_.cols() > 0)
+            return;
         for (std::size_t g = 0; g < members_.size(); ++g)
             means.row(static_cast<Index>(g)) /= static_cast<double>(members_[g].size());
     }
@@ -187,6 +226,8 @@ private:
     Index angle_sums_; ///< Angles that are averaged: all edges or none.
     BranchSums branches_{angle_sums_};
     Eigen::VectorXd mean_;
+    RowMatrix weights_;    ///< N by G: of meshes in the means; N by 0 if those are of all members.
+    RowMatrix references_; ///< See PointPasses.
     StreamedGroups result_;
 };
 

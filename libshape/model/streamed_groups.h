@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 
 #include "libshape/base/progress.h"
@@ -23,8 +22,8 @@ struct StreamedGroupsOptions
     PermutationOptions permutations = {};
     /// How many replicates the intervals of the spread draw, and how.
     BootstrapOptions bootstrap = {};
-    /// N by any number of covariates of the meshes of these sizes (see sizes() of shape_space.h).
-    std::function<Eigen::MatrixXd(const Eigen::VectorXd& sizes)> covariates = {};
+    /// Of the tests, and what means and spread are adjusted for.
+    CovariatesOfSizes covariates = {};
     /// Whether the sums come from all inner products, or from passes; not given: what costs less.
     std::optional<bool> by_inner_products = {};
     bool with_companions = false; ///< Whether the dihedral angles of the means are wanted.
@@ -47,15 +46,15 @@ struct StreamedGroups
     bool by_inner_products = false; ///< How the sums were found: by all of them, or by passes.
 };
 
-/// compare_groups(), group_spread() and test_spread() of the meshes of a collection that need not fit into
-/// memory, each as exact as in memory: permutations and replicates are the same, and what they need of
+/// compare_groups(), group_spread(), test_spread() and group_shapes() of the meshes of a collection that need not
+/// fit into memory, each as exact as in memory: permutations and replicates are the same, and what they need of
 /// the meshes are weighted sums. Those come from the N by N inner products where these are few, else from
 /// passes that take as many sums as the memory holds.
 ///
 /// @throws as those, and as group_shapes(); LimitExceeded if the memory does not hold the means; what
 ///     reading throws. Procrustes space is refused.
 /// Cost: N^2 E multiplications, or 2 N E for each of about permutations (G - 1) + replicates sums, and
-///     for G > 2 groups as many again for the pairs.
+///     for G > 2 groups as many again for the pairs. One pass more with covariates or blocks of several meshes.
 [[nodiscard]] StreamedGroups compare_groups(const MeshStream& meshes, const Grouping& groups,
                                             const Grouping& blocks,
                                             const StreamedGroupsOptions& options);

@@ -128,7 +128,7 @@ void measure_shape(const FitEvidence& evidence, const TemplateFigures& own, Scan
     const LevelMesh& mesh = evidence.mesh;
     const VectorXd& strains = evidence.strains;
     fit.strain_rms = std::sqrt(strains.squaredNorm() / static_cast<double>(strains.size()));
-    fit.growth = mesh.growth.array().exp();
+    fit.growth = evidence.start_growth * mesh.growth.array().exp();
     const std::vector<double> growth(fit.growth.begin(), fit.growth.end());
     fit.growth_low = quantile_of(growth, 0.01);
     fit.growth_high = quantile_of(growth, 0.99);
@@ -195,7 +195,27 @@ void set_status(const FitEvidence& evidence, ScanFit& fit)
     }
 }
 
+constexpr std::string_view in_doubt = "it may lie the wrong way round: ";
+
 } // namespace
+
+std::string doubt_of_bent_start()
+{
+    return join(in_doubt,
+                "from no start did the template come near without bending much; give landmarks");
+}
+
+std::string doubt_of_rival_start(double turn)
+{
+    return join(in_doubt, "turned by ", std::round(turn * 180.0 / std::numbers::pi),
+                " degrees it fits nearly as well; give landmarks, or start where it lies if that "
+                "is right");
+}
+
+bool is_start_doubt(std::string_view reason)
+{
+    return reason.starts_with(in_doubt);
+}
 
 TemplateFigures::TemplateFigures(const Topology& topology, const Points& points)
     : dihedral_angles(shape::dihedral_angles(topology, points)),

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "libshape/mesh/face_crossings.h"
@@ -37,15 +38,24 @@ struct FitEvidence
     const LevelMesh& mesh;          ///< The fit.
     const Eigen::VectorXd& strains; ///< #E, relative, growth taken off: GrowthEnergy::strains().
     const Surface& scan;
-    double diagonal;                       ///< Of the template's bounding box, in the scan's unit.
+    double diagonal;     ///< Of the template's bounding box, at the size that it started with.
+    double start_growth; ///< By which that is larger than its own size in the scan's unit.
     const std::vector<std::string>& names; ///< Of the landmarks.
     const Points& landmarks;               ///< Where they are on the scan, one a name,
     const Points& reached;                 ///< and on the fit.
     double landmark_tolerance;             ///< Standard deviation.
 };
 
-/// Fills what ScanFit reports beside points, scale and turned_faces: a figure for all that can go wrong, and from
-/// those its status, the worst that any calls for, with a reason for each.
+/// Reasons why a start may be a wrong one: from none did the template come near without bending much; turned by an angle
+/// [rad] it fits nearly as well.
+[[nodiscard]] std::string doubt_of_bent_start();
+[[nodiscard]] std::string doubt_of_rival_start(double turn);
+
+/// Whether a reason is one of these.
+[[nodiscard]] bool is_start_doubt(std::string_view reason);
+
+/// Fills what ScanFit reports beside points, scale, start_doubt and turned_faces: a figure for all that can go wrong, and
+/// from those its status, the worst that any calls for, with a reason for each.
 ///
 /// A vertex is seen if a point of the scan lies within a hundredth of the diagonal of it, its normal no more than
 /// 90 degrees from the vertex's, and that point is not on the scan's rim farther than hand_placed. Each figure has a

@@ -13,6 +13,7 @@
 #include "libshape/base/stop.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/mesh/unit_ratio.h"
 
 namespace shape::internal {
 namespace {
@@ -144,15 +145,92 @@ double improve(const Points& samples, const Surface& fixed, int steps, RigidMoti
     return score;
 }
 
-/// Sizes that differ by less are in one unit, and what they differ by is growth or a part that is missing; units differ by 10
-/// or 25.4.
+/// Sizes that differ by less are in one unit, and what they differ by is growth or a part that is missing.
 constexpr double same_unit = 2.5;
 
-double scale_between(double from, double to)
+/// Looks for ways in which a surface lies on another one.
+struct Search
 {
-    const double ratio = to / from;
-    return ratio > same_unit || ratio < 1.0 / same_unit ? ratio : 1.0;
-}
+    const Surface& moving;
+    const Surface& fixed;
+    const Moments& of_moving;
+    const Moments& of_fixed;
+
+    struct Candidate
+    {
+        RigidMotion motion;
+        double score;
+    };
+    /// @param first  Stays as it is: a bent pose may lie better than closest points know. Others have its scale.
+    [[nodiscard]] std::vector<Similarity> starts(const Similarity& first, int count) const
+    {
+        std::vector<Similarity> starts{first};
+        if (count == 1)
+            return starts;
+        // Closest points that have slid along the surface from how the first is turned are elsewhere.
+        const double elsewhere = 0.2 * of_fixed.size();
+        const auto centre = [&](const RigidMotion& motion) -> Vector3d {
+            return motion.rotation * (first.scale * of_moving.centroid) + motion.translation;
+        };
+        for (const Candidate& c : candidates(first.scale)) {
+            const auto is_like = [&](const Similarity& start) {
+                const bool is_first = &start == &starts.front();
+                return turn_angle(start.motion.rotation.transpose() * c.motion.rotation) <
+                           same_way &&
+                       (!is_first || (centre(start.motion) - centre(c.motion)).norm() < elsewhere);
+            };
+            if (std::ssize(starts) < count && std::none_of(starts.begin(), starts.end(), is_like))
+                starts.push_back({first.scale, c.motion});
+        }
+        return starts;
+    }
+
+    /// The best first.
+    [[nodiscard]] std::vector<Candidate> candidates(double scale) const
+    {
+        std::vector<Candidate> candidates;
+        const auto add = [&](const Matrix3d& rotation) {
+            candidates.push_back(
+                {{rotation, of_fixed.centroid - scale * rotation * of_moving.centroid}, 0.0});
+        };
+        const Matrix3d from = of_moving.axes(), to = of_fixed.axes();
+        for (const Matrix3d& turn : turns_of_a_cube())
+            add(to * turn * from.transpose());
+        // Each of 40 stands for the rotations within 45 degrees of it (a share of (a - sin a) / pi, a = 45 degrees, is
+        // 1 / 40), from where closest points find home.
+        for (const Matrix3d& rotation : spread_rotations(40))
+            add(rotation);
+
+        // First all by few samples, to choose those worth more: 64 x 60 points x 6 steps are 23,000 searches of nearest
+        // points. What follows, 15 x (200 x 10 + 200), are 33,000: both stages cost about alike.
+        const Points few = scale * every(moving.points, 60);
+        parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                candidates[i].score = improve(few, fixed, 6, candidates[i].motion);
+        });
+        const auto better = [](const Candidate& a, const Candidate& b) {
+            return a.score < b.score;
+        };
+        std::stable_sort(candidates.begin(), candidates.end(), better);
+        candidates.resize(15);
+
+        const Points more = scale * every(moving.points, 200);
+        const Points of_scan = every(fixed.points, 200);
+        parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                Candidate& c = candidates[i];
+                c.score = improve(more, fixed, 10, c.motion);
+                const Points back = Similarity{scale, c.motion}.inverse(of_scan);
+                std::vector<double> distances;
+                for (Index k = 0; k < back.rows(); ++k)
+                    distances.push_back(scale * moving.tree.nearest(back.row(k)).distance);
+                c.score += trimmed_mean(std::move(distances));
+            }
+        });
+        std::stable_sort(candidates.begin(), candidates.end(), better);
+        return candidates;
+    }
+};
 
 } // namespace
 
@@ -166,13 +244,35 @@ Points Similarity::inverse(const Points& points) const
     return ((points.rowwise() - motion.translation.transpose()) * motion.rotation) / scale;
 }
 
+double spread(const Points& points)
+{
+    return (points.rowwise() - points.colwise().mean()).norm();
+}
+
+double turn_angle(const Matrix3d& rotation)
+{
+    return Eigen::AngleAxisd(rotation).angle();
+}
+
+double change_of_unit(double ratio)
+{
+    if (ratio <= same_unit && ratio >= 1.0 / same_unit)
+        return 1.0;
+    double change = ratio;
+    double nearest = std::log(same_unit);
+    for (const UnitRatio& units : unit_ratios)
+        for (const double exact : {units.value, 1.0 / units.value})
+            if (const double apart = std::abs(std::log(ratio / exact)); apart < nearest) {
+                nearest = apart;
+                change = exact;
+            }
+    return change;
+}
+
 Similarity landmark_start(const Points& from, const Points& to)
 {
-    const auto size = [](const Points& points) {
-        return (points.rowwise() - points.colwise().mean()).norm();
-    };
     Similarity start;
-    start.scale = scale_between(size(from), size(to));
+    start.scale = spread(to) / spread(from);
     start.motion = best_rigid_motion(start.scale * from, to);
     return start;
 }
@@ -180,64 +280,15 @@ Similarity landmark_start(const Points& from, const Points& to)
 std::vector<Similarity> rigid_starts(const Surface& moving, const Surface& fixed, int count)
 {
     const Moments of_moving(moving), of_fixed(fixed);
-    const double scale = scale_between(of_moving.size(), of_fixed.size());
-
-    struct Candidate
-    {
-        RigidMotion motion;
-        double score;
-    };
-    std::vector<Candidate> candidates{{RigidMotion{}, 0.0}}; // the place it has already
-    const auto add = [&](const Matrix3d& rotation) {
-        candidates.push_back(
-            {{rotation, of_fixed.centroid - scale * rotation * of_moving.centroid}, 0.0});
-    };
-    const Matrix3d from = of_moving.axes(), to = of_fixed.axes();
-    for (const Matrix3d& turn : turns_of_a_cube())
-        add(to * turn * from.transpose());
-    // Each of 40 stands for the rotations within 45 degrees of it (a share of (a - sin a) / pi, a = 45 degrees, is
-    // 1 / 40), from where closest points find home.
-    for (const Matrix3d& rotation : spread_rotations(40))
-        add(rotation);
-
-    // First all by few samples, to choose those worth more: 64 x 60 points x 6 steps are 23,000 searches of nearest points.
-    // What follows, 16 x (200 x 10 + 200), are 35,000: both stages cost about alike.
-    const Points few = scale * every(moving.points, 60);
-    parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (i > 0)
-                candidates[i].score = improve(few, fixed, 6, candidates[i].motion);
-    });
-    const auto better = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
-    std::stable_sort(candidates.begin() + 1, candidates.end(), better);
-    candidates.resize(16);
-
-    const Points more = scale * every(moving.points, 200);
-    const Points of_scan = every(fixed.points, 200);
-    parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            Candidate& c = candidates[i];
-            if (i == 0)
-                continue; // stays where it is: a bent pose may lie better than closest points know
-            c.score = improve(more, fixed, 10, c.motion);
-            const Points back = Similarity{scale, c.motion}.inverse(of_scan);
-            std::vector<double> distances;
-            for (Index k = 0; k < back.rows(); ++k)
-                distances.push_back(scale * moving.tree.nearest(back.row(k)).distance);
-            c.score += trimmed_mean(std::move(distances));
-        }
-    });
-    std::stable_sort(candidates.begin() + 1, candidates.end(), better);
-    constexpr double least_turn = 20.0 * std::numbers::pi / 180.0; // less is the same place again
-    std::vector<Similarity> starts;
-    for (const Candidate& c : candidates) {
-        const auto is_like = [&](const Similarity& start) {
-            const Matrix3d turn = start.motion.rotation.transpose() * c.motion.rotation;
-            return Eigen::AngleAxisd(turn).angle() < least_turn;
-        };
-        if (std::ssize(starts) < count && std::none_of(starts.begin(), starts.end(), is_like))
-            starts.push_back({scale, c.motion});
-    }
+    const Search search{moving, fixed, of_moving, of_fixed};
+    const double size = of_fixed.size() / of_moving.size();
+    const double unit = change_of_unit(size);
+    const Vector3d shift = of_fixed.centroid - size * of_moving.centroid;
+    std::vector<Similarity> starts = search.starts({size, {Matrix3d::Identity(), shift}}, count);
+    constexpr double alike = 0.1; // growth does the rest
+    const bool are_alike = std::abs(std::log(size / unit)) < alike;
+    for (const Similarity& start : search.starts({unit, RigidMotion{}}, are_alike ? 1 : count))
+        starts.push_back(start);
     return starts;
 }
 

@@ -76,9 +76,15 @@ constexpr LevelRounds free_rounds{12, 2 * finer_steps, 0.3, 0.5, false, 100.0, t
 /// The preconditioner is factorised anew every N-th round, as the pulls have grown meanwhile. Set with the schedule
 /// above.
 constexpr int rounds_between_factors = 5;
-/// ChosenStart::score. Right starts of faces stay below the first, wrong ones of faces and bodies are above 0.08;
-/// above the second a person should look (docs/correspondence.md).
-constexpr double sure_start = 0.015, doubtful_start = 0.04;
+/// Trial::score. Right starts of faces, bodies and an arm have at most 0.041, wrong ones 0.15 and more
+/// (docs/correspondence.md).
+constexpr double doubtful_start = 0.06;
+/// A start of another orientation may be the right one if its score is below the first of these times the best one's
+/// plus the second: of shapes that are nearly symmetric it is 1.0 to 1.3 times, of others 4.5 and more, and
+/// below the second nothing speaks against a start.
+constexpr double nearly_as_well = 2.0, as_well_as_it_gets = 1e-3;
+/// Between starts whose scores are less apart, what is known without them decides.
+constexpr double clearly_better = 0.8;
 /// So many rigid starts are tried, each by so many rounds of the coarsest level, before the best of them goes on. Set by
 /// hand.
 constexpr int tried_starts = 4, trial_rounds = 12;
@@ -160,15 +166,14 @@ struct ScanFitter::State
     {
     }
 
-    /// What is known of one scan. The template counts in its unit, `scale` times its own.
+    /// What is known of one scan, and the template at the size of a start.
     struct Target
     {
         std::vector<TemplateLevel> levels;
         double diagonal;
         Surface scan;
-        Points landmarks_here;  // on the template
-        Points landmarks_there; // on the scan
-        std::vector<std::string> names;
+        Points landmarks_here; // on the template, at that size
+        LandmarkPairs landmarks;
         double landmark_tolerance;
     };
 
@@ -180,16 +185,25 @@ struct ScanFitter::State
                                          bool slides_freely = false) const;
     [[nodiscard]] Target target_of(Surface scan, const LandmarkPairs& landmarks,
                                    double scale) const;
+    void resize(double scale, Target& target) const;
     void run_level(std::size_t number, const Target& target, const ShapePoint& rest,
                    const LevelRounds& schedule, LevelMesh& mesh) const;
-    void finish(const Target& target, const ShapePoint& rest, LevelMesh& mesh, ScanFit& fit) const;
+    void finish(const Target& target, const ShapePoint& rest, double start_growth, LevelMesh& mesh,
+                ScanFit& fit) const;
+    /// What the first rounds make of a start.
+    struct Trial
+    {
+        Points points;      // of the coarsest level
+        double score = 0.0; // how much that bends and how far it is from the scan; 0 is best
+    };
+    [[nodiscard]] Trial try_start(const Similarity& start, Target& target) const;
     struct ChosenStart
     {
         Similarity start;
-        double score = 0.0; // 0 where there was nothing to choose
+        std::string doubt; // empty: none, or there was nothing to choose
     };
     [[nodiscard]] ChosenStart choose_start(const std::vector<Similarity>& starts,
-                                           const Target& target) const;
+                                           Target& target) const;
     void finish_landmarks(const Target& target, const ShapePoint& rest, LevelMesh& mesh) const;
 };
 
@@ -200,7 +214,7 @@ void ScanFitter::State::add_landmark_pulls(const TemplateLevel& level,
 {
     const Faces& faces = level.topology.faces();
     for (std::size_t i = 0; i < marks.size(); ++i) {
-        const Vector3d move = target.landmarks_there.row(static_cast<Index>(i)).transpose() -
+        const Vector3d move = target.landmarks.on_scan.row(static_cast<Index>(i)).transpose() -
                               position(marks[i], faces, points);
         for (int k = 0; k < 3; ++k)
             for (int axis = 0; axis < 3; ++axis)
@@ -231,11 +245,11 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
     const std::vector<SurfacePoint> marks = on_level(level, target.landmarks_here);
     std::vector<std::pair<int, int>> named;
     for (const std::string& name : options.boundaries) {
-        const auto i =
-            std::find(target.names.begin(), target.names.end(), name) - target.names.begin();
+        const std::vector<std::string>& names = target.landmarks.names;
+        const auto i = std::find(names.begin(), names.end(), name) - names.begin();
         const int mine = loop_at(rims, level.rest, target.landmarks_here.row(i));
         const int other =
-            loop_at(target.scan.rims, target.scan.points, target.landmarks_there.row(i));
+            loop_at(target.scan.rims, target.scan.points, target.landmarks.on_scan.row(i));
         if (mine >= 0 && other >= 0) // else no loop at all is left on this level
             named.emplace_back(mine, other);
     }
@@ -273,52 +287,75 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
     }
 }
 
+ScanFitter::State::Trial ScanFitter::State::try_start(const Similarity& start, Target& target) const
+{
+    resize(start.scale, target);
+    const TemplateLevel& level = target.levels.back();
+    const ShapePoint rest = shape_of(level);
+    LevelRounds trial = rounds_of(levels.size() - 1, levels.size());
+    trial.rounds = trial_rounds;
+    LevelMesh mesh{start.motion(level.rest), VectorXd::Zero(level.rest.rows())};
+    run_level(levels.size() - 1, target, rest, trial, mesh);
+
+    const VectorXd strains = energy_of(level, rest).strains(mesh.points, mesh.growth);
+    const VectorXd bends =
+        dihedral_angles(level.topology, mesh.points) - dihedral_angles(level.topology, level.rest);
+    double bent = 0.0;
+    for (const double bend : bends)
+        bent += wrapped_angle(bend) * wrapped_angle(bend);
+    // Bends and distances count alike at 1 rad and 2 % of the diagonal; what the template lacks is not held
+    // against a start beyond 10 %.
+    const ClosestPoints tree(mesh.points, level.topology.faces());
+    const Index stride = std::max<Index>(1, target.scan.points.rows() / 500);
+    double apart = 0.0;
+    Index samples = 0;
+    for (Index p = 0; p < target.scan.points.rows(); p += stride, ++samples)
+        apart += std::min(tree.nearest(target.scan.points.row(p)).distance, 0.1 * target.diagonal);
+    apart /= 0.02 * target.diagonal * static_cast<double>(samples);
+    const double score =
+        (strains.squaredNorm() + bent) / static_cast<double>(strains.size()) + apart * apart;
+    return {std::move(mesh.points), score};
+}
+
 /// The best start after a few rounds on the coarsest level from each: where the template bends least and comes nearest.
 /// A start that a pose has moved far from the best rigid one wins by that.
 ScanFitter::State::ChosenStart ScanFitter::State::choose_start(
-    const std::vector<Similarity>& starts, const Target& target) const
+    const std::vector<Similarity>& starts, Target& target) const
 {
     if (starts.size() == 1)
-        return {starts.front()};
-    const TemplateLevel& level = target.levels.back();
-    const ShapePoint rest = shape_of(level);
-    const GrowthEnergy energy = energy_of(level, rest);
-    LevelRounds trial = rounds_of(levels.size() - 1, levels.size());
-    trial.rounds = trial_rounds;
+        return {starts.front(), {}};
+    std::vector<Trial> trials;
+    for (const Similarity& start : starts)
+        trials.push_back(try_start(start, target));
+    // The axes that the template has already are meant, and the size of the scan is that of the shape, unless another
+    // start is clearly better.
+    const auto handicapped = [&](std::size_t i) {
+        double score = trials[i].score;
+        if (turn_angle(starts[i].motion.rotation) >= same_way)
+            score /= clearly_better;
+        if (starts[i].scale != starts.front().scale)
+            score /= clearly_better;
+        return score;
+    };
     std::size_t best = 0;
-    double least = 0.0;
-    for (std::size_t i = 0; i < starts.size(); ++i) {
-        LevelMesh mesh{starts[i].motion(level.rest), VectorXd::Zero(level.rest.rows())};
-        run_level(levels.size() - 1, target, rest, trial, mesh);
-        const VectorXd strains = energy.strains(mesh.points, mesh.growth);
-        const VectorXd bends = dihedral_angles(level.topology, mesh.points) -
-                               dihedral_angles(level.topology, level.rest);
-        double bent = 0.0;
-        for (const double bend : bends)
-            bent += wrapped_angle(bend) * wrapped_angle(bend);
-        const ClosestPoints tree(mesh.points, level.topology.faces());
-        // Bends and distances count alike at 1 rad and 2 % of the diagonal; what the template lacks is not held
-        // against a start beyond 10 %.
-        const Index stride = std::max<Index>(1, target.scan.points.rows() / 500);
-        double apart = 0.0;
-        Index samples = 0;
-        for (Index p = 0; p < target.scan.points.rows(); p += stride, ++samples)
-            apart +=
-                std::min(tree.nearest(target.scan.points.row(p)).distance, 0.1 * target.diagonal);
-        apart /= 0.02 * target.diagonal * static_cast<double>(samples);
-        const double score =
-            (strains.squaredNorm() + bent) / static_cast<double>(strains.size()) + apart * apart;
-        // Where it lies already is meant, unless the unit is another one or a start is clearly better.
-        const bool is_meant = starts.front().scale == 1.0;
-        constexpr double clearly_better = 0.8;
-        if (i == 0 || score < (best == 0 && is_meant ? clearly_better : 1.0) * least) {
+    for (std::size_t i = 1; i < starts.size(); ++i)
+        if (handicapped(i) < handicapped(best))
             best = i;
-            least = score;
+    resize(starts[best].scale, target);
+    const double score = trials[best].score;
+    if (score > doubtful_start)
+        return {starts[best], doubt_of_bent_start()};
+    double rival_score = nearly_as_well * score + as_well_as_it_gets;
+    double rival_turn = 0.0;
+    for (const Trial& trial : trials) {
+        const double turn =
+            turn_angle(best_rigid_motion(trials[best].points, trial.points).rotation);
+        if (turn >= same_way && trial.score < rival_score) {
+            rival_score = trial.score;
+            rival_turn = turn;
         }
-        if (i == 0 && is_meant && score < sure_start)
-            break;
     }
-    return {starts[best], least};
+    return {starts[best], rival_turn > 0.0 ? doubt_of_rival_start(rival_turn) : std::string()};
 }
 
 /// Landmarks to be met exactly are: what is still missing is spread over the mesh by a few steps in which
@@ -408,17 +445,24 @@ void check_boundaries(const std::vector<std::string>& boundaries, const Surface&
 ScanFitter::State::Target ScanFitter::State::target_of(Surface scan, const LandmarkPairs& landmarks,
                                                        double scale) const
 {
-    std::vector<TemplateLevel> scaled = levels;
-    for (TemplateLevel& level : scaled)
-        level.rest *= scale;
-    return {std::move(scaled),         scale * own_diagonal,
-            std::move(scan),           scale * landmarks.on_template,
-            landmarks.on_scan,         landmarks.names,
-            options.landmark_tolerance};
+    Target target{levels,          own_diagonal,
+                  std::move(scan), landmarks.on_template,
+                  landmarks,       options.landmark_tolerance};
+    resize(scale, target);
+    return target;
 }
 
-void ScanFitter::State::finish(const Target& target, const ShapePoint& rest, LevelMesh& mesh,
-                               ScanFit& fit) const
+void ScanFitter::State::resize(double scale, Target& target) const
+{
+    for (std::size_t i = 0; i < levels.size(); ++i)
+        target.levels[i].rest = scale * levels[i].rest;
+    target.diagonal = scale * own_diagonal;
+    target.landmarks_here = scale * target.landmarks.on_template;
+}
+
+/// @param start_growth  By which the template was larger than at rest when its growth was 0.
+void ScanFitter::State::finish(const Target& target, const ShapePoint& rest, double start_growth,
+                               LevelMesh& mesh, ScanFit& fit) const
 {
     finish_landmarks(target, rest, mesh);
     const TemplateLevel& level = target.levels.front();
@@ -433,12 +477,17 @@ void ScanFitter::State::finish(const Target& target, const ShapePoint& rest, Lev
            .strains = strains,
            .scan = target.scan,
            .diagonal = target.diagonal,
-           .names = target.names,
-           .landmarks = target.landmarks_there,
+           .start_growth = start_growth,
+           .names = target.landmarks.names,
+           .landmarks = target.landmarks.on_scan,
            .reached = reached,
            .landmark_tolerance = target.landmark_tolerance},
           own_figures, fit);
     fit.points = mesh.points;
+    if (!fit.start_doubt.empty()) {
+        fit.status = std::max(fit.status, FitStatus::Check);
+        fit.reasons.push_back(fit.start_doubt);
+    }
 }
 
 ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
@@ -456,16 +505,16 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
         starts = {landmark_start(landmarks.on_template, landmarks.on_scan)};
     else if (s.options.search_start)
         starts = rigid_starts(s.surface, surface, tried_starts);
-    const double scale = starts.front().scale;
-    State::Target target = s.target_of(std::move(surface), landmarks, scale);
-    const auto [start, score] = s.choose_start(starts, target);
+    State::Target target = s.target_of(std::move(surface), landmarks, starts.front().scale);
+    const auto [start, doubt] = s.choose_start(starts, target);
     auto [oriented, more_turned] =
         oriented_like(scan.points, faces, Surface(start(s.surface.points), s.surface.faces));
     if (more_turned > 0)
         target.scan = Surface(scan.points, std::move(oriented));
 
     ScanFit fit;
-    fit.scale = scale;
+    fit.scale = change_of_unit(start.scale);
+    fit.start_doubt = doubt;
     fit.turned_faces = std::abs(turned - more_turned);
     const std::size_t count = s.levels.size();
     LevelMesh mesh{start.motion(target.levels.back().rest),
@@ -476,13 +525,7 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
         s.run_level(number, target, shape_of(target.levels[number]), rounds_of(number, count),
                     mesh);
     }
-    s.finish(target, shape_of(target.levels.front()), mesh, fit);
-    if (score > doubtful_start) {
-        fit.status = std::max(fit.status, FitStatus::Check);
-        fit.reasons.emplace_back(
-            "from no start did the template come near without bending much: "
-            "it may lie the wrong way round; give landmarks");
-    }
+    s.finish(target, shape_of(target.levels.front()), start.scale / fit.scale, mesh, fit);
     return fit;
 }
 
@@ -499,13 +542,15 @@ ScanFit ScanFitter::fit_again(const Scan& scan, const LandmarkPairs& landmarks, 
         oriented_like(scan.points, scan.faces, Surface(from.points, topology.faces()));
     Surface surface(scan.points, faces);
     check_boundaries(s.options.boundaries, s.surface, surface);
-    const State::Target target = s.target_of(std::move(surface), landmarks, from.scale);
+    const double size = spread(from.points) / spread(s.surface.points);
+    const State::Target target = s.target_of(std::move(surface), landmarks, size);
     ScanFit fit;
     fit.scale = from.scale;
+    fit.start_doubt = from.start_doubt;
     fit.turned_faces = turned;
     LevelMesh mesh{from.points, VectorXd::Zero(from.points.rows())};
     s.run_level(0, target, rest, sliding == Sliding::Free ? free_rounds : held_rounds, mesh);
-    s.finish(target, rest, mesh, fit);
+    s.finish(target, rest, 1.0, mesh, fit);
     return fit;
 }
 

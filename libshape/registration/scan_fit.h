@@ -61,12 +61,12 @@ enum class FitStatus
 struct ScanFit
 {
     Points points; ///< #V by 3: the template's vertices on the scan, in its frame and unit.
-    Eigen::VectorXd growth; ///< #V factors > 0 by which the template grew, 1 on average over scale.
+    Eigen::VectorXd growth;   ///< #V factors > 0 by which the template, in the scan's unit, grew.
     Eigen::VectorXd distance; ///< #V, to the scan [length of the scan].
     std::vector<char>
         seen; ///< #V: whether the scan has a counterpart; else the prior alone speaks.
 
-    double scale = 1.0;              ///< Of the start: 1, or a change of unit.
+    double scale = 1.0;              ///< 1, or a change of unit.
     DistanceSummary fit_to_scan;     ///< Of vertices that have a counterpart.
     DistanceSummary scan_to_fit;     ///< Of at most 20,000 vertices of the scan.
     Eigen::VectorXd landmark_errors; ///< One per landmark [length of the scan].
@@ -81,6 +81,7 @@ struct ScanFit
     int turned_faces = 0; ///< Of the scan: they faced inwards.
     FitStatus status = FitStatus::Good;
     std::vector<std::string> reasons; ///< Why it is not Good.
+    std::string start_doubt; ///< The one of them that says that it may lie the wrong way round.
 };
 
 /// How far vertices move along the surface when a scan is fitted again.
@@ -110,7 +111,9 @@ public:
     /// @throws InvalidInput if there are three or more landmarks on a line, those of the template lie on it
     ///     in another unit alone (1,000 times as large, ...), tables differ in size, or options.boundaries
     ///     names a landmark that is missing, or is not empty where the template or the scan has no boundary.
-    /// A scan that the template does not fit throws nothing: see ScanFit::status.
+    /// A scan that the template does not fit throws nothing: see ScanFit::status. Times some factor, a scan and its
+    /// landmarks have the same fit but for that factor and rounding, unless the scan is a part of a shape, say, whose size
+    /// tells less than its unit (docs/correspondence.md); a change of unit changes no fit.
     /// Cost: about 3 s for 13,000 vertices. Same bits for any number of threads. Safe to call concurrently.
     [[nodiscard]] ScanFit fit(const Scan& scan, const LandmarkPairs& landmarks = {}) const;
 

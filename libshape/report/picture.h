@@ -27,7 +27,7 @@ struct PictureOptions
     std::optional<ViewDirection> view = {};
     /// Each mesh is moved onto the one before; else onto the first.
     bool is_sequence = false;
-    /// Each mesh is coloured by #V values; empty: none is.
+    /// Each mesh is coloured by #V values, grey where one is NaN; empty: none is.
     std::vector<Eigen::VectorXd> values = {};
     /// Values have these colours.
     ColourMap colour_map = ColourMap::Sequential;

@@ -14,9 +14,10 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/require.h"
-#include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/block_products.h"
+#include "libshape/linalg/strips.h"
+#include "libshape/statistics/component_steps.h"
 
 namespace shape::internal {
 namespace {
@@ -25,22 +26,15 @@ using Eigen::Index;
 
 constexpr Index strip = 2048; ///< Columns of the data that are worked on together.
 
-/// Runs body(number, first, count) for fixed strips of [0, total).
-void for_strips(Index total, const std::function<void(std::size_t, Index, Index)>& body)
-{
-    parallel_for(to_size(total), to_size(strip), [&](std::size_t begin, std::size_t end) {
-        body(begin / to_size(strip), static_cast<Index>(begin), static_cast<Index>(end - begin));
-    });
-}
-
 /// The sum of what term(first, count, sum) adds for every strip, in the order of the strips.
 RowMatrix sum_of_strips(Index total, Index rows, Index columns,
                         const std::function<void(Index, Index, RowMatrix&)>& term)
 {
     std::vector<RowMatrix> sums(to_size((total + strip - 1) / strip));
-    for_strips(total, [&](std::size_t number, Index first, Index count) {
-        sums[number] = RowMatrix::Zero(rows, columns);
-        term(first, count, sums[number]);
+    for_strips(total, strip, [&](Index first, Index count) {
+        RowMatrix& sum = sums[to_size(first / strip)];
+        sum = RowMatrix::Zero(rows, columns);
+        term(first, count, sum);
     });
     RowMatrix sum = RowMatrix::Zero(rows, columns);
     for (const RowMatrix& part : sums)
@@ -61,7 +55,7 @@ RowMatrix inner(const RowMatrix& a, const RowMatrix& b)
 void subtract_product(RowMatrix& a, const RowMatrix& b, const RowMatrix& c)
 {
     const RowMatrix negative = -c;
-    for_strips(a.rows(), [&](std::size_t, Index first, Index count) {
+    for_strips(a.rows(), strip, [&](Index first, Index count) {
         add_product(b.middleRows(first, count), negative, a.middleRows(first, count));
     });
 }
@@ -70,7 +64,7 @@ void subtract_product(RowMatrix& a, const RowMatrix& b, const RowMatrix& c)
 void multiply_right(RowMatrix& a, const RowMatrix& b)
 {
     RowMatrix result(a.rows(), b.cols());
-    for_strips(a.rows(), [&](std::size_t, Index first, Index count) {
+    for_strips(a.rows(), strip, [&](Index first, Index count) {
         result.middleRows(first, count).setZero();
         add_product(a.middleRows(first, count), b, result.middleRows(first, count));
     });
@@ -92,6 +86,17 @@ RowMatrix orthonormalise_columns(RowMatrix& a, double floor)
     const Eigen::MatrixXd vectors = solver.eigenvectors().rightCols(kept);
     multiply_right(a, vectors * norms.cwiseInverse().asDiagonal());
     return norms.asDiagonal() * vectors.transpose();
+}
+
+/// What rounding leaves of the least of these descending eigenvalues of C that is more than rounding itself, relative:
+/// products with C are off by some units of the last place of the largest.
+double rounding_of(const Eigen::VectorXd& values)
+{
+    double least = values[0];
+    for (const double value : values)
+        if (value > smallest_variance_ratio * values[0])
+            least = value;
+    return 4.0 * std::numeric_limits<double>::epsilon() * values[0] / least;
 }
 
 RowMatrix random_block(Index rows, Index columns, std::uint64_t seed)
@@ -165,7 +170,7 @@ void BlockKrylov::start_from(RowMatrix sample)
 {
     mean_ = sample.colwise().mean().transpose();
     const Index count = sample.rows();
-    for_strips(columns_, [&](std::size_t, Index first, Index width) {
+    for_strips(columns_, strip, [&](Index first, Index width) {
         sample.middleCols(first, width).rowwise() -= mean_.segment(first, width).transpose();
     });
     const RowMatrix gram =
@@ -188,7 +193,7 @@ void BlockKrylov::start_from(RowMatrix sample)
     Random random(options_.seed);
     for (double& value : block.reshaped<Eigen::RowMajor>())
         value = scale * random.normal();
-    for_strips(columns_, [&](std::size_t, Index first, Index width) {
+    for_strips(columns_, strip, [&](Index first, Index width) {
         RowMatrix part = RowMatrix::Zero(width, known);
         add_product_of_columns(sample.middleCols(first, width), weights, part);
         block.middleRows(first, width).leftCols(known) = part;
@@ -225,7 +230,7 @@ void BlockKrylov::add(Index first, const RowMatrix& rows)
 /// Centres rows, and puts them behind those that wait.
 void BlockKrylov::hold(const RowMatrix& rows, Index first, Index count)
 {
-    for_strips(columns_, [&](std::size_t, Index column, Index width) {
+    for_strips(columns_, strip, [&](Index column, Index width) {
         const auto mean = mean_.segment(column, width).transpose();
         for (Index i = 0; i < count; ++i) {
             auto centred = held_.row(held_count_ + i).segment(column, width);
@@ -246,10 +251,10 @@ void BlockKrylov::flush()
             add_product(rows.middleCols(first, count), q.middleRows(first, count), sum);
         });
     std::vector<double> squares(to_size((columns_ + strip - 1) / strip), 0.0);
-    for_strips(columns_, [&](std::size_t number, Index first, Index count) {
+    for_strips(columns_, strip, [&](Index first, Index count) {
         add_product_of_columns(rows.middleCols(first, count), y, product_.middleRows(first, count));
         if (passes_ == 0)
-            squares[number] = rows.middleCols(first, count).squaredNorm();
+            squares[to_size(first / strip)] = rows.middleCols(first, count).squaredNorm();
     });
     for (const double square : squares)
         squares_ += square;
@@ -298,7 +303,7 @@ std::vector<Index> BlockKrylov::outlying_rows() const
 void BlockKrylov::add_directions(RowMatrix rows)
 {
     RowMatrix block(columns_, rows.rows());
-    for_strips(columns_, [&](std::size_t, Index first, Index count) {
+    for_strips(columns_, strip, [&](Index first, Index count) {
         block.middleRows(first, count) =
             rows.middleCols(first, count).transpose().colwise() - mean_.segment(first, count);
     });
@@ -345,7 +350,7 @@ void BlockKrylov::end_pass()
     if (passes_++ == 0) { // the rows were taken about another point than their mean
         const Eigen::VectorXd offset = sums_ / count;
         const RowMatrix shares = offset.transpose() * basis_.back();
-        for_strips(columns_, [&](std::size_t, Index first, Index n) {
+        for_strips(columns_, strip, [&](Index first, Index n) {
             product_.middleRows(first, n) -= count * offset.segment(first, n) * shares;
         });
         mean_ += offset;
@@ -425,6 +430,7 @@ void BlockKrylov::judge(const Eigen::VectorXd& values, const Eigen::VectorXd& re
     }
     // After the first pass the rows that lie far from the start are still to join it.
     is_complete_ = error_ <= options_.tolerance && (passes_ > 1 || product_.cols() == 0);
+    error_ = std::max(error_, rounding_of(values.head(wanted_)));
 }
 
 /// Keeps the best s Ritz vectors alone.
@@ -432,7 +438,7 @@ void BlockKrylov::restart(const Eigen::MatrixXd& vectors, const Eigen::VectorXd&
 {
     const RowMatrix weights = vectors;
     RowMatrix kept(columns_, weights.cols());
-    for_strips(columns_, [&](std::size_t, Index first, Index count) {
+    for_strips(columns_, strip, [&](Index first, Index count) {
         kept.middleRows(first, count).setZero();
         Index row = 0;
         for (const RowMatrix& part : basis_) {
@@ -450,7 +456,7 @@ RowMatrix BlockKrylov::components() const
 {
     const RowMatrix weights = ritz_vectors_.leftCols(wanted_);
     RowMatrix result(wanted_, columns_);
-    for_strips(columns_, [&](std::size_t, Index first, Index count) {
+    for_strips(columns_, strip, [&](Index first, Index count) {
         RowMatrix part = RowMatrix::Zero(count, wanted_);
         Index row = 0;
         for (const RowMatrix& block : basis_) {

@@ -18,7 +18,7 @@ struct BlockKrylovOptions
     Eigen::Index components = 0;
     /// This share of the variance is to be explained where `components` is 0; in (0, 1].
     double variance = 1.0;
-    /// The relative error of each of their variances is at most this, as estimated; in (0, 1).
+    /// The relative error of each of their variances is at most this, as estimated, or what rounding leaves; in (0, 1).
     double tolerance = 1e-6;
     /// The random vectors of the start block are drawn with this seed.
     std::uint64_t seed = 1;
@@ -39,7 +39,9 @@ void check(const BlockKrylovOptions& options);
 ///
 ///     min( r,  sum_(j <= m) r_j^2 / (t_m - t_(m+1)) ),
 ///
-/// and each component has the least of these bounds over the m that include it.
+/// and each component has the least of these bounds over the m that include it. These may be far below what rounding
+/// leaves: no error is reported as less than 4 epsilon t_1 / t_K, in which components of less than 1e-12 t_1, which
+/// are rounding, do not count. Where that is above the tolerance, no further pass would bring it down.
 class BlockKrylov
 {
 public:
@@ -84,7 +86,7 @@ public:
     [[nodiscard]] double error() const
     {
         return error_;
-    } ///< Estimate of the largest relative error.
+    } ///< Estimate of the largest relative error, never below what rounding leaves.
 
     [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; } ///< After the first pass.
     [[nodiscard]] double squared_norm() const

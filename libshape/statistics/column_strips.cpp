@@ -6,8 +6,8 @@
 #include <mutex>
 #include <utility>
 
-#include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/linalg/strips.h"
 
 namespace shape::internal {
 
@@ -38,9 +38,8 @@ ColumnStrips::ColumnStrips(ScratchFile file, Index rows, Index columns)
 void ColumnStrips::put(Index first, const RowMatrix& rows) const
 {
     std::mutex writing; // the kernel lets one write to a file at a time, the others spin
-    parallel_for(to_size(columns_), to_size(width_), [&](std::size_t begin, std::size_t end) {
-        const auto column = static_cast<Index>(begin);
-        const RowMatrix part = rows.middleCols(column, static_cast<Index>(end - begin));
+    for_strips(columns_, width_, [&](Index column, Index count) {
+        const RowMatrix part = rows.middleCols(column, count);
         const std::lock_guard lock(writing);
         file_.write(to_size(column * rows_ + first * part.cols()),
                     {part.data(), to_size(part.size())});

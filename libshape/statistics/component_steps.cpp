@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "libshape/base/error.h"
-#include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/linalg/strips.h"
 #include "libshape/statistics/inner_products.h"
 
 namespace shape::internal {
@@ -20,8 +20,8 @@ using Eigen::Index;
 
 void mix_rows(const RowMatrix& weights, RowMatrix& x)
 {
-    parallel_for(to_size(x.cols()), 512, [&](std::size_t begin, std::size_t end) {
-        auto strip = x.middleCols(static_cast<Index>(begin), static_cast<Index>(end - begin));
+    for_strips(x.cols(), 512, [&](Index first, Index count) {
+        auto strip = x.middleCols(first, count);
         strip = (weights.transpose() * strip).eval();
     });
 }

@@ -15,6 +15,7 @@ struct CrossValidation
     std::vector<int> predicted; ///< N indices of groups.
     Eigen::MatrixXi confusion;  ///< G by G: row the true group, column the predicted one.
     double accuracy = 0.0;      ///< Share of observations whose group was predicted.
+    int modes = 0;              ///< K.
 };
 
 /// Predicts the group of every observation by linear discriminants of the scores of the K leading
@@ -30,13 +31,22 @@ struct CrossValidation
 /// @param groups  At least 2.
 /// @param folds  At least 2, each left out once: groups_of_one(), or for instance one a subject.
 /// @param modes  K >= 1.
-/// @throws InvalidInput if sizes disagree, or, naming the fold, if without it a group is empty or
-///     fewer than K + G observations or K components are left.
+/// @throws InvalidInput if sizes disagree, all observations are equal, or, naming the fold, if without it a group is empty or
+///     fewer than K + G observations or K components (of more than 1e-12 of the largest variance of all) are left.
 /// @throws NumericalError as discriminant_analysis().
 /// Cost: an eigendecomposition of size N, then a few hundred N K^2 for each fold. Same bits for any
 /// thread count.
 [[nodiscard]] CrossValidation cross_validate(const Eigen::MatrixXd& products,
                                              const Grouping& groups, const Grouping& folds,
                                              int modes);
+
+/// The same with as many modes, at most `most`, as every fold leaves to learn from: observations less groups,
+/// components, and of these those before the first in which the pooled covariance of the groups is singular.
+/// @throws InvalidInput as cross_validate() with one mode; NumericalError, naming a fold, if in its first component
+///     already no group varies.
+/// Cost: as cross_validate(), of few components twice as much.
+[[nodiscard]] CrossValidation cross_validate_up_to(const Eigen::MatrixXd& products,
+                                                   const Grouping& groups, const Grouping& folds,
+                                                   int most);
 
 } // namespace shape

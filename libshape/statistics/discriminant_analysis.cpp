@@ -10,6 +10,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/statistics/mean.h"
+#include "libshape/statistics/regular_coordinates.h"
 
 namespace shape {
 using namespace internal;
@@ -60,14 +61,10 @@ DiscriminantAnalysis discriminant_analysis(const RowMatrix& points, const Groupi
     const RowMatrix centred = points.rowwise() - result.mean.transpose();
     const MatrixXd means = counts.cwiseInverse().asDiagonal() * (indicator.transpose() * centred);
     const MatrixXd within = centred - indicator * means;
-    // Coordinates of unit spread each make the test for singularity one of directions.
     const Eigen::VectorXd spread = within.colwise().norm().transpose();
     const MatrixXd scaled = within * spread.cwiseInverse().asDiagonal();
-    // A diagonal entry is the sine of the angle between a direction and those before: below 1e-7 the
-    // square of it, of which the factor is made, is rounding.
     const Eigen::LLT<MatrixXd> factor(scaled.transpose() * scaled);
-    if (factor.info() != Eigen::Success || !scaled.allFinite() ||
-        !(factor.matrixLLT().diagonal().minCoeff() > 1e-7))
+    if (regular_coordinates(points, groups) < points.cols() || factor.info() != Eigen::Success)
         throw NumericalError(
             "discriminants: the pooled covariance of the groups is singular; use fewer "
             "coordinates");

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <memory>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -166,6 +168,7 @@ GroupComparisonPlan::GroupComparisonPlan(const Grouping& groups, const Grouping&
 {
     const Design design{all_points(groups.size()), groups, blocks, covariates};
     check(design);
+    fit_ = std::make_shared<const GroupFit>(groups, blocks, covariates);
     if (design_ == BlockDesign::Nested && blocks.group_count() <= groups.group_count())
         throw InvalidInput(join("groups: ", blocks.group_count(), " blocks in ",
                                 groups.group_count(),
@@ -200,7 +203,7 @@ void GroupComparisonPlan::ask(SumQuestions& questions)
 {
     ask_overall(questions);
     means_ = questions.families.size();
-    questions.families.push_back(means_of(members(groups_)));
+    questions.families.push_back(means_of(fit_));
     for (Pair& pair : pairs_)
         if (pair.test)
             pair.test->ask(questions);
@@ -210,10 +213,14 @@ GroupComparison GroupComparisonPlan::conclude(const SumAnswers& answers) const
 {
     const MatrixXd& means = answers.families[means_].front();
     const auto distance = [&](int a, int b) {
+        if (!fit_->is_determined(a, b))
+            return std::numeric_limits<double>::quiet_NaN();
         return std::sqrt(std::max(means(a, a) + means(b, b) - 2.0 * means(a, b), 0.0));
     };
     GroupComparison result;
     result.design = design_;
+    result.left_out = static_cast<int>(groups_.size()) -
+                      static_cast<int>(fit_->rows().observations.points.size());
     result.overall = conclude_overall(answers);
     if (groups_.group_count() == 2)
         result.pairs.push_back({0, 1, distance(0, 1), result.overall, 1.0});

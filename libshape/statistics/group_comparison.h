@@ -26,7 +26,7 @@ struct PairComparison
 {
     int first = 0; ///< Indices of the groups, first < second.
     int second = 0;
-    double distance = 0.0;   ///< Between the means of the groups.
+    double distance = 0.0;   ///< Between the means of the groups; NaN if it is not determined.
     LinearModelTest test;    ///< These two groups alone are compared.
     double adjusted_p = 1.0; ///< For all pairs at once (Holm 1979).
 };
@@ -37,6 +37,8 @@ struct GroupComparison
     BlockDesign design = BlockDesign::Nested;
     LinearModelTest overall;
     std::vector<PairComparison> pairs; ///< (0, 1), (0, 2), ..., (1, 2), ...
+    int left_out =
+        0; ///< Observations of blocks of one group, which say nothing in a crossed design.
 };
 
 /// Compares the means of groups by permutation (linear_model.h).
@@ -48,6 +50,12 @@ struct GroupComparison
 ///
 /// A pair uses the observations of its two groups, and of them only blocks that have both if the
 /// design of the pair is crossed.
+///
+/// Means, and so distances, are those that the test is of: nested, of the means of the blocks; crossed, of blocks
+/// that have members of several groups, each once, so that a distance is that of the mean difference within the
+/// blocks (of blocks that lack some of the groups, by least squares); with covariates, at the means of these, by the
+/// slopes common to all groups. What needs the slope of a covariate that varies between groups alone (crossed:
+/// between blocks alone) is not determined.
 ///
 /// @param products  N by N inner products of the observations.
 /// @param groups  At least 2.

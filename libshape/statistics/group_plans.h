@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libshape/statistics/group_comparison.h"
+#include "libshape/statistics/group_fit.h"
 #include "libshape/statistics/group_spread.h"
 #include "libshape/statistics/linear_model_plan.h"
 
@@ -36,6 +37,7 @@ private:
     };
     Grouping groups_;
     BlockDesign design_;
+    std::shared_ptr<const GroupFit> fit_;
     std::optional<LinearModelPlan> overall_;
     std::vector<Pair> pairs_; ///< None of two groups, whose test is the overall one.
     std::size_t means_ = 0;
@@ -45,23 +47,25 @@ private:
 class GroupSpreadPlan
 {
 public:
-    /// @throws InvalidInput as group_spread().
-    GroupSpreadPlan(const Grouping& groups, const Grouping& blocks,
-                    const BootstrapOptions& options);
+    /// @throws InvalidInput as check().
+    GroupSpreadPlan(const std::shared_ptr<const GroupFit>& fit, const BootstrapOptions& options);
 
     void ask(SumQuestions& questions);
+    /// @throws InvalidInput if each replicate leaves a group, or a covariate, without what it takes.
     [[nodiscard]] GroupSpread conclude(const SumAnswers& answers) const;
+    /// test_spread().
+    [[nodiscard]] LinearModelTest conclude_test(const SumAnswers& answers,
+                                                const PermutationOptions& options) const;
 
 private:
     struct Model;
     std::shared_ptr<const Model> model_;
     std::size_t first_family_ = 0;
+    std::size_t residuals_ = 0;
 };
 
-/// test_spread() from the distances of the points from the means of their groups, N.
-[[nodiscard]] LinearModelTest test_spread_of_distances(Eigen::VectorXd distances,
-                                                       const Grouping& groups,
-                                                       const Grouping& blocks,
-                                                       const PermutationOptions& options);
+/// test_spread() from the squared distances of the rows from what is expected of them, R.
+[[nodiscard]] LinearModelTest test_spread_of(const GroupFit& fit, const Eigen::VectorXd& squares,
+                                             const PermutationOptions& options);
 
 } // namespace shape::internal

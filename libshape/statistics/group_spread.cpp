@@ -12,6 +12,7 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/statistics/bootstrap_draws.h"
+#include "libshape/statistics/group_fit.h"
 #include "libshape/statistics/group_plans.h"
 #include "libshape/statistics/streamed_sums.h"
 
@@ -37,68 +38,80 @@ MatrixXd distances_of(const MatrixXd& products)
 
 struct internal::GroupSpreadPlan::Model
 {
-    Grouping groups;
-    std::vector<std::vector<int>> members;
+    std::shared_ptr<const GroupFit> fit;
     BootstrapOptions options;
     BootstrapDraws draws;
-
-    /// How many members of each group a replicate draws, G.
-    [[nodiscard]] VectorXd drawn(const VectorXd& times) const
-    {
-        VectorXd counts(groups.group_count());
-        for (std::size_t g = 0; g < members.size(); ++g)
-            counts[static_cast<Index>(g)] = times(members[g]).sum();
-        return counts;
-    }
 };
 
 namespace internal {
 namespace {
 
-Resampling resampling(const Grouping& groups, const Grouping& blocks)
+Resampling resampling(const GroupRows& rows)
 {
-    const bool is_nested = block_design(groups, blocks) == BlockDesign::Nested;
-    return {blocks, is_nested ? groups : one_group(groups.size())};
+    const bool is_nested = rows.design == BlockDesign::Nested;
+    return {rows.blocks, is_nested ? rows.groups : one_group(rows.groups.size())};
+}
+
+/// What a mean of squared distances from what is expected of the rows is multiplied with: (n - 1) over what is left
+/// of the n rows beside mean and slopes.
+double loss_of_slopes(const GroupFit& fit, const VectorXd& leverages, const std::vector<int>& rows)
+{
+    if (!fit.is_adjusted())
+        return 1.0;
+    const double left = (1.0 - leverages(rows).array()).sum();
+    constexpr double rounding = 1e-9;
+    return left > rounding ? static_cast<double>(rows.size() - 1) / left : 1.0;
 }
 
 } // namespace
 
-GroupSpreadPlan::GroupSpreadPlan(const Grouping& groups, const Grouping& blocks,
+GroupSpreadPlan::GroupSpreadPlan(const std::shared_ptr<const GroupFit>& fit,
                                  const BootstrapOptions& options)
     : model_(std::make_shared<const Model>(
-          Model{groups, members(groups), options, {resampling(groups, blocks), options}}))
+          Model{fit, options, BootstrapDraws(resampling(fit->rows()), options)}))
 {
 }
 
 /// How far the mean of each group moves when its members are drawn anew; 0 if none is drawn.
 void GroupSpreadPlan::ask(SumQuestions& questions)
 {
-    questions.groups = model_->groups;
+    const GroupFit& fit = *model_->fit;
+    residuals_ = ask_for_residuals(fit, questions);
     first_family_ = questions.families.size();
-    questions.families.push_back(means_of(model_->members));
-    SumFamily moves{model_->options.replicates, {}, {}, 0};
-    for (const std::vector<int>& group : model_->members)
-        moves.columns.push_back({1, group});
-    moves.bytes_per_member = 4 * to_size(model_->groups.size());
+    questions.families.push_back(means_of(model_->fit));
+    const Index group_count = fit.rows().groups.group_count();
+    SumFamily moves{model_->options.replicates, columns_of(fit, 2 * group_count), {}, 0};
+    moves.bytes_per_member = 4 * to_size(fit.rows().observations.count) +
+                             (fit.is_direct() ? 0 : 8 * to_size(6 * group_count * group_count));
     moves.prepare = [model = model_](Index begin, Index end) -> SumFamily::Fill {
         std::vector<Eigen::VectorXf> times; // small whole numbers
-        std::vector<VectorXd> counts;
+        std::vector<GroupFit::Solution> solutions;
         for (Index r = begin; r < end; ++r) {
             const VectorXd drawn = model->draws.times(static_cast<int>(r));
             times.emplace_back(drawn.cast<float>());
-            counts.push_back(model->drawn(drawn));
+            solutions.push_back(model->fit->solve(drawn));
         }
-        return [model, begin, times = std::move(times), counts = std::move(counts)](
+        return [model, begin, times = std::move(times), solutions = std::move(solutions)](
                    Index member, std::size_t set, std::size_t first, Block weights) {
+            const GroupFit& own = *model->fit;
+            const Observations& all = own.rows().observations;
             const std::size_t r = to_size(member - begin);
-            const double count = counts[r][static_cast<Index>(set)];
-            const std::vector<int>& group = model->members[set];
-            const double share = 1.0 / static_cast<double>(group.size());
-            for (Index i = 0; i < weights.rows(); ++i)
-                weights(i, 0) =
-                    count > 0.0
-                        ? static_cast<double>(times[r][group[first + to_size(i)]]) / count - share
-                        : 0.0;
+            const auto group = static_cast<Index>(set);
+            for (Index i = 0; i < weights.rows(); ++i) {
+                const std::size_t number = first + to_size(i);
+                const std::size_t place =
+                    own.is_direct() ? to_size(own.places()[set][number]) : number;
+                const Index row = all.row_of[place];
+                const double drawn = static_cast<double>(times[r][row]);
+                const double count = solutions[r].counts[group];
+                if (!own.is_direct() && solutions[r].is_determined)
+                    own.fill_moves(solutions[r], drawn, row, weights.row(i));
+                else if (own.is_direct() && count > 0.0)
+                    weights(i, 0) = drawn / count - own.row_weights()(row, group);
+                else
+                    weights.row(i).setZero();
+                weights.row(i) *= all.shares[static_cast<Index>(place)];
+            }
         };
     };
     questions.families.push_back(std::move(moves));
@@ -106,17 +119,25 @@ void GroupSpreadPlan::ask(SumQuestions& questions)
 
 GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
 {
+    const GroupFit& fit = *model_->fit;
+    const VectorXd& squares = squared_residuals(fit, answers, residuals_);
     const MatrixXd& means = answers.families[first_family_].front();
     const std::vector<MatrixXd>& moves = answers.families[first_family_ + 1];
-    const Index group_count = model_->groups.group_count();
+    const Index group_count = fit.rows().groups.group_count();
+    const VectorXd leverages = fit.leverages();
     const auto variances = [&](const VectorXd& times, const VectorXd& moved) {
         VectorXd result(group_count);
         for (Index g = 0; g < group_count; ++g) {
-            const std::vector<int>& group = model_->members[to_size(g)];
+            const std::vector<int>& group = fit.members()[to_size(g)];
+            if (group.size() < 2) {
+                result[g] = 0.0; // it is its mean
+                continue;
+            }
             const VectorXd own = times(group);
             const double count = own.sum();
-            const double squares = own.dot(answers.squares_about_means(group));
-            result[g] = std::max(squares - count * moved[g], 0.0) / std::max(count - 1.0, 1.0);
+            const double sum = own.dot(squares(group));
+            result[g] = std::max(sum - count * moved[g], 0.0) / std::max(count - 1.0, 1.0) *
+                        loss_of_slopes(fit, leverages, group);
         }
         return result;
     };
@@ -124,84 +145,127 @@ GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
     parallel_for(moves.size(), 1, [&](std::size_t r, std::size_t) {
         const VectorXd times = model_->draws.times(static_cast<int>(r));
         auto row = replicates.row(static_cast<Index>(r));
-        if (model_->drawn(times).minCoeff() == 0.0) {
+        if (!fit.solve(times).is_determined) {
             row.setConstant(std::numeric_limits<double>::quiet_NaN());
             return;
         }
-        row.head(group_count) = variances(times, moves[r].diagonal()).transpose();
-        row.tail(group_count * group_count) = distances_of(moves[r]).reshaped().transpose();
+        // Behind the moves of the means, if they are others, are those of the residuals.
+        row.head(group_count) = variances(times, moves[r].diagonal().tail(group_count)).transpose();
+        row.tail(group_count * group_count) =
+            distances_of(moves[r].topLeftCorner(group_count, group_count)).reshaped().transpose();
     });
+    if (replicates.col(0).array().isNaN().all())
+        throw InvalidInput(join("groups: each of the ", moves.size(),
+                                " replicates of the bootstrap leaves a group without members or a "
+                                "covariate without variation; draw more of them"));
 
     GroupSpread result;
     result.distances = distances_of(means);
     result.distance_radii = RowMatrix::Zero(group_count, group_count);
     const VectorXd measured =
-        variances(VectorXd::Ones(model_->groups.size()), VectorXd::Zero(group_count));
+        variances(VectorXd::Ones(fit.rows().observations.count), VectorXd::Zero(group_count));
     const double confidence = model_->options.confidence;
     for (Index g = 0; g < group_count; ++g) {
+        result.counts.push_back(static_cast<int>(fit.members()[to_size(g)].size()));
         result.variances.push_back(measured[g]);
         result.variance_intervals.push_back(percentile_interval(replicates.col(g), confidence));
         for (Index h = 0; h < g; ++h)
             result.distance_radii(g, h) = result.distance_radii(h, g) =
                 quantile(replicates.col(group_count + g + h * group_count), confidence);
     }
+    for (int g = 0; g < fit.rows().groups.group_count(); ++g)
+        for (int h = 0; h < fit.rows().groups.group_count(); ++h)
+            if (!fit.is_determined(g, h))
+                result.distances(g, h) = result.distance_radii(g, h) =
+                    std::numeric_limits<double>::quiet_NaN();
     return result;
 }
 
-LinearModelTest test_spread_of_distances(VectorXd distances, const Grouping& groups,
-                                         const Grouping& blocks, const PermutationOptions& options)
+LinearModelTest GroupSpreadPlan::conclude_test(const SumAnswers& answers,
+                                               const PermutationOptions& options) const
 {
+    const GroupFit& fit = *model_->fit;
+    return test_spread_of(fit, squared_residuals(fit, answers, residuals_), options);
+}
+
+LinearModelTest test_spread_of(const GroupFit& fit, const VectorXd& squares,
+                               const PermutationOptions& options)
+{
+    check(options);
     // The mean of two lies in the middle: their distances are the same one, whatever the points are.
     constexpr std::size_t least_members = 3;
+    VectorXd distances = squares.cwiseSqrt();
+    const VectorXd leverages = fit.leverages();
     std::vector<int> tested;
     int groups_tested = 0;
-    for (const std::vector<int>& group : members(groups))
+    for (const std::vector<int>& group : fit.members()) {
+        const auto count = static_cast<double>(group.size());
+        if (fit.is_adjusted())
+            for (const int row : group)
+                distances[row] /= std::sqrt(std::max(1.0 - leverages[row], 1e-9));
+        else if (group.size() > 1)
+            distances(group) *= std::sqrt(count / (count - 1.0));
         if (group.size() >= least_members) {
             tested.insert(tested.end(), group.begin(), group.end());
             ++groups_tested;
         }
+    }
     if (groups_tested < 2)
         return {};
-    if (groups_tested < groups.group_count()) {
-        std::sort(tested.begin(), tested.end());
-        return test_spread_of_distances(distances(tested), subset(groups, tested),
-                                        subset(blocks, tested), options);
+    std::sort(tested.begin(), tested.end());
+    const bool are_all = groups_tested == fit.rows().groups.group_count();
+    const GroupRows& rows = fit.rows();
+    const Grouping groups = are_all ? rows.groups : subset(rows.groups, tested);
+    const Grouping blocks = are_all ? rows.blocks : subset(rows.blocks, tested);
+    VectorXd kept = distances(tested);
+    kept.array() -= kept.mean();
+    try {
+        GroupComparisonPlan plan(groups, blocks, MatrixXd(kept.size(), 0), options);
+        SumQuestions questions;
+        plan.ask_overall(questions);
+        return plan.conclude_overall(answer_in_memory(kept, questions));
+    } catch (const InvalidInput&) {
+        return {}; // too few are left, or all are as far as the others of their block
     }
-    for (const std::vector<int>& group : members(groups)) {
-        const auto count = static_cast<double>(group.size());
-        if (group.size() > 1)
-            distances(group) *= std::sqrt(count / (count - 1.0));
-    }
-    distances.array() -= distances.mean();
-    GroupComparisonPlan plan(groups, blocks, MatrixXd(distances.size(), 0), options);
-    SumQuestions questions;
-    plan.ask_overall(questions);
-    return plan.conclude_overall(answer_in_memory(distances, questions));
 }
 
 } // namespace internal
 
-GroupSpread group_spread(const MatrixXd& products, const Grouping& groups, const Grouping& blocks,
-                         const BootstrapOptions& options)
+namespace {
+
+void check_observations(const MatrixXd& products, const Grouping& groups, const Grouping& blocks,
+                        const MatrixXd& covariates)
 {
     const Index count = products.rows();
-    if (products.cols() != count || groups.size() != count || blocks.size() != count)
+    if (products.cols() != count || groups.size() != count || blocks.size() != count ||
+        covariates.rows() != count)
         throw InvalidInput(join("groups: inner products are ", count, " by ", products.cols(),
                                 ", groups ", groups.size(), ", blocks ", blocks.size(),
-                                "; all must agree"));
-    GroupSpreadPlan plan(groups, blocks, options);
+                                ", covariates ", covariates.rows(), " rows; all must agree"));
+}
+
+} // namespace
+
+GroupSpread group_spread(const MatrixXd& products, const Grouping& groups, const Grouping& blocks,
+                         const MatrixXd& covariates, const BootstrapOptions& options)
+{
+    check_observations(products, groups, blocks, covariates);
+    GroupSpreadPlan plan(std::make_shared<const GroupFit>(groups, blocks, covariates), options);
     SumQuestions questions;
     plan.ask(questions);
     return plan.conclude(answer(products, questions));
 }
 
 LinearModelTest test_spread(const MatrixXd& products, const Grouping& groups,
-                            const Grouping& blocks, const PermutationOptions& options)
+                            const Grouping& blocks, const MatrixXd& covariates,
+                            const PermutationOptions& options)
 {
+    check_observations(products, groups, blocks, covariates);
+    const GroupFit fit(groups, blocks, covariates);
     SumQuestions questions;
-    questions.groups = groups;
-    return test_spread_of_distances(answer(products, questions).squares_about_means.cwiseSqrt(),
-                                    groups, blocks, options);
+    const std::size_t residuals = ask_for_residuals(fit, questions);
+    return test_spread_of(fit, squared_residuals(fit, answer(products, questions), residuals),
+                          options);
 }
 
 } // namespace shape

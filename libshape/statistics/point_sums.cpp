@@ -53,7 +53,23 @@ std::vector<MatrixXd> products_of_sums(const MatrixXd& products, const SumFamily
     return result;
 }
 
-Eigen::VectorXd squares_of_parts(const MatrixXd& products, const PartSums& parts)
+/// Inner products of points and references, N by K, and of references.
+struct ReferenceProducts
+{
+    MatrixXd with_points;
+    MatrixXd own;
+
+    ReferenceProducts(const MatrixXd& products, const MatrixXd& weights)
+    {
+        if (weights.cols() == 0)
+            return;
+        with_points = products * weights;
+        own = weights.transpose() * with_points;
+    }
+};
+
+Eigen::VectorXd squares_of_parts(const MatrixXd& products, const PartSums& parts,
+                                 const ReferenceProducts& references)
 {
     std::vector<std::vector<int>> members(to_size(parts.parts)); // numbers of points
     for (std::size_t i = 0; i < parts.points.size(); ++i)
@@ -68,7 +84,15 @@ Eigen::VectorXd squares_of_parts(const MatrixXd& products, const PartSums& parts
                     parts.weights[j] * products(parts.points[to_size(j)], parts.points[to_size(i)]);
             sum += parts.weights[i] * row;
         }
-        squares[static_cast<Index>(part)] = sum;
+        const auto number = static_cast<Index>(part);
+        if (parts.taken.cols() > 0) {
+            const Eigen::RowVectorXd taken = parts.taken.row(number);
+            for (const int i : members[part])
+                sum -= 2.0 * parts.weights[i] *
+                       references.with_points.row(parts.points[to_size(i)]).dot(taken);
+            sum = std::max(sum + (taken * references.own).dot(taken), 0.0);
+        }
+        squares[number] = sum;
     });
     return squares;
 }
@@ -97,27 +121,15 @@ Index SumFamily::width() const
                            [](Index sum, const SumColumns& c) { return sum + c.width; });
 }
 
-SumFamily means_of(const std::vector<std::vector<int>>& groups)
-{
-    SumFamily family{1, {}, {}, 0};
-    for (const std::vector<int>& group : groups)
-        family.columns.push_back({1, group});
-    family.prepare = [sizes = family.columns](Index, Index) -> SumFamily::Fill {
-        return [sizes](Index, std::size_t set, std::size_t, Block weights) {
-            weights.setConstant(1.0 / static_cast<double>(sizes[set].support.size()));
-        };
-    };
-    return family;
-}
-
 SumAnswers answer(const MatrixXd& products, const SumQuestions& questions)
 {
     SumAnswers answers;
     answers.squares = products.diagonal();
     for (const SumFamily& family : questions.families)
         answers.families.push_back(products_of_sums(products, family));
+    const ReferenceProducts references(products, questions.references);
     for (const PartSums& parts : questions.parts)
-        answers.parts.push_back(squares_of_parts(products, parts));
+        answers.parts.push_back(squares_of_parts(products, parts, references));
     if (questions.groups)
         answers.squares_about_means = squares_about_means(products, *questions.groups);
     return answers;

@@ -41,9 +41,6 @@ struct SumFamily
     [[nodiscard]] Eigen::Index width() const; ///< Of all columns together.
 };
 
-/// Sums that are the same for all: the means of groups of points, G columns.
-[[nodiscard]] SumFamily means_of(const std::vector<std::vector<int>>& groups);
-
 /// One sum for each part of the points.
 struct PartSums
 {
@@ -51,6 +48,8 @@ struct PartSums
     std::vector<int> part_of; ///< Of each of them, in [0, parts).
     Eigen::VectorXd weights;  ///< Of each of them.
     Eigen::Index parts = 0;
+    /// Parts by K: how much of each of the references is taken from a sum; without columns nothing is.
+    Eigen::MatrixXd taken = {};
 };
 
 struct SumQuestions
@@ -58,6 +57,8 @@ struct SumQuestions
     std::vector<SumFamily> families;
     std::vector<PartSums> parts;
     std::optional<Grouping> groups; ///< From whose means the distances of their members are wanted.
+    /// N by K: weights of the points in sums that parts are measured from; without columns there are none.
+    Eigen::MatrixXd references = {};
 };
 
 struct SumAnswers

@@ -5,8 +5,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
-#include "libshape/base/threads.h"
-#include "libshape/base/to_size.h"
+#include "libshape/linalg/strips.h"
 #include "libshape/linalg/symmetric_eigen.h"
 #include "libshape/statistics/component_steps.h"
 #include "libshape/statistics/inner_products.h"
@@ -36,9 +35,7 @@ void check_data(const RowMatrix& data, const PrincipalComponentsOptions& options
 RowMatrix combine_rows(const RowMatrix& weights, const RowMatrix& x)
 {
     RowMatrix combined(weights.cols(), x.cols());
-    parallel_for(to_size(x.cols()), 512, [&](std::size_t begin, std::size_t end) {
-        const auto first = static_cast<Index>(begin);
-        const auto count = static_cast<Index>(end - begin);
+    for_strips(x.cols(), 512, [&](Index first, Index count) {
         combined.middleCols(first, count).noalias() =
             weights.transpose() * x.middleCols(first, count);
     });
@@ -49,9 +46,7 @@ RowMatrix combine_rows(const RowMatrix& weights, const RowMatrix& x)
 RowMatrix coordinates(const RowMatrix& x, const RowMatrix& modes)
 {
     RowMatrix scores(x.rows(), modes.rows());
-    parallel_for(to_size(x.rows()), 32, [&](std::size_t begin, std::size_t end) {
-        const auto first = static_cast<Index>(begin);
-        const auto count = static_cast<Index>(end - begin);
+    for_strips(x.rows(), 32, [&](Index first, Index count) {
         scores.middleRows(first, count).noalias() = x.middleRows(first, count) * modes.transpose();
     });
     return scores;

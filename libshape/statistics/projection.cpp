@@ -4,8 +4,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
-#include "libshape/base/threads.h"
-#include "libshape/base/to_size.h"
+#include "libshape/linalg/strips.h"
 
 namespace shape {
 using namespace internal;
@@ -17,9 +16,7 @@ SubspaceProjection project_onto_subspace(const RowMatrix& data, const Eigen::Vec
         throw InvalidInput(join("projection: the data has ", data.cols(), " variables, the mean ",
                                 mean.size(), ", the modes ", modes.cols(), "; all must agree"));
     SubspaceProjection result{RowMatrix(data.rows(), modes.rows()), Eigen::VectorXd(data.rows())};
-    parallel_for(to_size(data.rows()), 32, [&](std::size_t begin, std::size_t end) {
-        const auto first = static_cast<Eigen::Index>(begin);
-        const auto count = static_cast<Eigen::Index>(end - begin);
+    for_strips(data.rows(), 32, [&](Eigen::Index first, Eigen::Index count) {
         RowMatrix rest = data.middleRows(first, count).rowwise() - mean.transpose();
         const RowMatrix scores = rest * modes.transpose();
         rest.noalias() -= scores * modes;

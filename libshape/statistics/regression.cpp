@@ -4,6 +4,8 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -26,6 +28,15 @@ void check(const RowMatrix& data, const Eigen::MatrixXd& covariates)
                                 " covariates; at least ", covariates.cols() + 2, " are needed"));
     if (!data.allFinite() || !covariates.allFinite())
         throw InvalidInput("regression: an entry is not finite");
+    for (Index k = 0; k < covariates.cols(); ++k) {
+        const double largest = covariates.col(k).cwiseAbs().maxCoeff();
+        const double squares = covariates.col(k).squaredNorm();
+        if (!std::isfinite(squares) ||
+            (largest > 0.0 && squares < std::numeric_limits<double>::min()))
+            throw InvalidInput(join("regression: covariate ", k, " is ", largest,
+                                    " at most, and its squares overflow or underflow; take another "
+                                    "unit"));
+    }
 }
 
 /// The pseudo-inverse of centred covariates, transposed: N by C.

@@ -26,8 +26,9 @@ struct Regression
 ///
 /// @param data  N by E, finite; one observation a row.
 /// @param covariates  N by C, C >= 1.
-/// @throws InvalidInput if sizes disagree, an entry is not finite, N < C + 2, or a covariate is a
-///     combination of the others and the constant (within 1e-9 of its standard deviation).
+/// @throws InvalidInput if sizes disagree, an entry is not finite, N < C + 2, the sum of a covariate's squares overflows
+///     or underflows, or a covariate is a combination of the others and the constant (within 1e-9 of its standard
+///     deviation).
 /// Cost: 4 N E C multiplications.
 [[nodiscard]] Regression regress(const RowMatrix& data, const Eigen::MatrixXd& covariates);
 

@@ -100,8 +100,9 @@ private:
 class PartSumming
 {
 public:
-    PartSumming(const PartSums& parts, Index coordinates)
+    PartSumming(const PartSums& parts, const PointPasses& points)
         : parts_(&parts),
+          references_(&points.references),
           squares_(Eigen::VectorXd::Constant(parts.parts, waiting)),
           sizes_(to_size(parts.parts), 0)
     {
@@ -109,8 +110,10 @@ public:
             ++sizes_[to_size(part)];
         for (Index part = 0; part < parts.parts; ++part)
             if (sizes_[to_size(part)] == 0)
-                squares_[part] = 0.0;
-        bytes_ = sizeof(double) * to_size(coordinates);
+                squares_[part] = parts.taken.cols() > 0
+                                     ? (parts.taken.row(part) * points.references).squaredNorm()
+                                     : 0.0;
+        bytes_ = sizeof(double) * to_size(points.coordinates);
     }
 
     void start(std::uint64_t memory)
@@ -141,7 +144,7 @@ private:
     {
         if (squares_[static_cast<Index>(part)] != waiting)
             return;
-        if (sizes_[part] == 1) {
+        if (sizes_[part] == 1 && parts_->taken.cols() == 0) {
             squares_[static_cast<Index>(part)] = weight * weight * row.squaredNorm();
             return;
         }
@@ -161,6 +164,8 @@ private:
         Eigen::RowVectorXd& sum = sums_[to_size(slot)];
         sum += weight * row;
         if (seen_[part] == sizes_[part]) {
+            if (parts_->taken.cols() > 0)
+                sum -= parts_->taken.row(static_cast<Index>(part)) * *references_;
             squares_[static_cast<Index>(part)] = sum.squaredNorm();
             free_.push_back(slot);
             slot = -1;
@@ -168,6 +173,7 @@ private:
     }
 
     const PartSums* parts_;
+    const RowMatrix* references_;
     Eigen::VectorXd squares_;
     std::vector<int> sizes_; ///< Members of each part.
     std::vector<int> seen_;  ///< In this pass.
@@ -212,7 +218,7 @@ SumAnswers answer(const PointPasses& points, const SumQuestions& questions, std:
     }
     std::vector<PartSumming> parts;
     for (const PartSums& question : questions.parts)
-        parts.emplace_back(question, points.coordinates);
+        parts.emplace_back(question, points);
 
     bool is_first = true;
     for (auto next = waiting.begin();
@@ -257,8 +263,10 @@ SumAnswers answer_in_memory(const RowMatrix& points, const SumQuestions& questio
         for (Index first = 0; first < points.rows(); first += tile)
             visit(first, points.middleRows(first, std::min(tile, points.rows() - first)));
     };
-    return answer({points.rows(), points.cols(), pass, {}}, questions,
-                  std::numeric_limits<std::uint32_t>::max());
+    PointPasses passes{points.rows(), points.cols(), pass};
+    if (questions.references.cols() > 0)
+        passes.references = questions.references.transpose() * points;
+    return answer(passes, questions, std::numeric_limits<std::uint32_t>::max());
 }
 
 } // namespace shape::internal

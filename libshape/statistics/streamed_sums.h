@@ -21,6 +21,7 @@ struct PointPasses
     /// Shows all points once, in their order, in the same tiles each time.
     std::function<void(const Visit& visit)> pass;
     RowMatrix group_means = {}; ///< G by E: of the groups that a question is about, if one is.
+    RowMatrix references = {};  ///< K by E: the sums that questions have as references, if they do.
 };
 
 /// The same answers as from all inner products, by passes over the points, each as exact: a sum is a sum of

@@ -9,6 +9,7 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/block_products.h"
+#include "libshape/linalg/strips.h"
 #include "libshape/statistics/column_strips.h"
 
 namespace shape::internal {
@@ -17,9 +18,7 @@ using Eigen::Index;
 
 void centre_rows(Block rows, const Eigen::VectorXd& shift, Eigen::VectorXd* sums)
 {
-    parallel_for(to_size(rows.cols()), 4096, [&](std::size_t begin, std::size_t end) {
-        const auto first = static_cast<Index>(begin);
-        const auto count = static_cast<Index>(end - begin);
+    for_strips(rows.cols(), 4096, [&](Index first, Index count) {
         for (Index i = 0; i < rows.rows(); ++i) {
             rows.row(i).segment(first, count) -= shift.segment(first, count).transpose();
             if (sums != nullptr)

@@ -88,6 +88,15 @@ int renameat(int from_place, const char* from, int to_place, const char* to)
     return (int)syscall(SYS_renameat, from_place, from, to_place, to);
 }
 
+int renameat2(int from_place, const char* from, int to_place, const char* to, unsigned int flags)
+{
+    if (fails("rename")) {
+        errno = EIO;
+        return -1;
+    }
+    return (int)syscall(SYS_renameat2, from_place, from, to_place, to, flags);
+}
+
 pid_t fork(void)
 {
     if (fails("fork")) {

@@ -186,7 +186,9 @@ TEST(CollectionFile, RefusesToWriteWhatItWouldNotReadAndKeepsTheOldFile)
     EXPECT_NE(message([](C& c) { c.names[1] = std::string(5000, 'x'); }).find("4096"),
               std::string::npos);
     EXPECT_NE(message([](C& c) { c.names.pop_back(); }).find("/names"), std::string::npos);
-    for (const char* name : {"", ".", "a/b", "zeta"})
+    for (const std::string& name :
+         {std::string(), std::string("a\0b", 3), std::string("zeta"), std::string(4097, 'x'),
+          std::string(1366, '/')}) // of three bytes each
         EXPECT_NE(message([&](C& c) { c.labels[1].name = name; }).find("label column"),
                   std::string::npos);
     EXPECT_NE(message([](C& c) { c.labels[0].values.pop_back(); }).find("/labels/zeta"),
@@ -202,6 +204,45 @@ TEST(CollectionFile, RefusesToWriteWhatItWouldNotReadAndKeepsTheOldFile)
               std::string::npos);
     EXPECT_EQ(test::read_bytes(directory / "c.h5"), "old");
     EXPECT_EQ(directory.names(), std::vector<std::string>{"c.h5"});
+}
+
+TEST(CollectionFile, KeepsLabelsOfAnyName)
+{
+    const test::TemporaryDirectory directory;
+    Collection collection = bumpy_collection();
+    collection.labels.clear();
+    for (const std::string& name :
+         {std::string("50%2F"), std::string(".."), std::string(4096, 'x')})
+        collection.labels.push_back({name, {"a", "", "b", "c"}});
+    write_collection(directory / "plain.h5", collection); // as files of before have them
+    expect_equal(read_collection(directory / "plain.h5"), collection);
+    for (const char* name : {"M/F", "kg/m2", ".", "/", "%", "%2F"})
+        collection.labels.push_back({name, {"1", "2", "", "4"}});
+    collection.labels[2].name = "x";
+    write_collection(directory / "any.h5", collection);
+    expect_equal(read_collection(directory / "any.h5"), collection);
+    EXPECT_EQ(open_collection(directory / "any.h5").labels[3].name, "M/F");
+    if (test::python_with_h5py().empty())
+        GTEST_SKIP() << "no Python with h5py";
+    EXPECT_EQ(test::run_h5py(directory / "plain.h5", "r",
+                             "print('label_names' in f.attrs, [n[:5] for n in f['labels']])\n"),
+              "False ['50%2F', '..', 'xxxxx']\n");
+    EXPECT_EQ(test::run_h5py(directory / "any.h5", "r",
+                             "from urllib.parse import unquote\n"
+                             "print(f.attrs['label_names'].decode(), list(f['labels'])[3])\n"
+                             "print(*map(unquote, f['labels']))\n"),
+              "percent-encoded M%2FF\n50%2F .. x M/F kg/m2 . / % %2F\n");
+    const std::string rename = "f['labels'].move('M%2FF', ";
+    test::expect_refused(
+        directory / "any.h5",
+        {{"f.attrs['label_names'] = np.bytes_('as they are')", "attribute label_names",
+          "must be 'percent-encoded'"},
+         {rename + "'M%2')", "/labels/M%2", "not percent-encoded"},
+         {rename + "'M%GG')", "/labels/M%GG", "not percent-encoded"},
+         {rename + "'M%00')", "/labels/M%00", "not percent-encoded"},
+         {rename + "'M%C3')", "/labels/M%C3", "not percent-encoded"},
+         {rename + "'kg%2fm2')", "/labels/kg%2fm2", "a second label is called 'kg/m2'"}},
+        [](const std::filesystem::path& file) { (void)read_collection(file); });
 }
 
 TEST(CollectionFile, TakesNoMoreLabelsThanItCouldRead)

@@ -50,16 +50,6 @@ TEST_F(LabelFiles, NameMeshesThatAreMissingOrRepeated)
               std::string::npos);
 }
 
-TEST(LabelValues, AreAlikeThatDifferInCaseOrInTheSpellingOfANumberAlone)
-{
-    using Pair = std::pair<std::string, std::string>;
-    EXPECT_EQ(values_alike({"f", "m", "F"}), (Pair{"f", "F"}));
-    EXPECT_EQ(values_alike({"", "TRUE", "x", "True"}), (Pair{"TRUE", "True"}));
-    EXPECT_EQ(values_alike({"1", "2", "1.0"}), (Pair{"1", "1.0"}));
-    EXPECT_EQ(values_alike({"1e1", "10"}), (Pair{"1e1", "10"}));
-    EXPECT_EQ(values_alike({"f", "m", "f", "", "1", "1", "10", "a1", "a10"}), std::nullopt);
-}
-
 TEST_F(LabelFiles, MayBeOfALargerStudy)
 {
     const LabelFile file = read("mesh,x\nz,0\nb,2\nc,3\na,1\n");
@@ -89,6 +79,32 @@ TEST_F(LabelFiles, PassOverRowsWithoutAnythingInTheirCells)
     EXPECT_EQ(read("mesh,x\na,1\nb,2\n,3\n").unused, Values{""});
 }
 
+TEST_F(LabelFiles, LeaveOutColumnsWithoutAName)
+{
+    const LabelFile file = read("mesh, ,x,\t,NA\na,1,2,3,4\nb,5,6,7,8\n");
+    ASSERT_EQ(file.labels.size(), 2u);
+    EXPECT_EQ(file.labels[0].name, "x");
+    EXPECT_EQ(file.labels[0].values, (Values{"2", "6"}));
+    EXPECT_EQ(file.labels[1].name, "NA"); // a name is no value
+    EXPECT_EQ(file.nameless, (std::vector<std::size_t>{1, 3}));
+}
+
+TEST_F(LabelFiles, RefuseTwoColumnsOfOneName)
+{
+    EXPECT_NE(message("mesh,x,y, x\na,1,2,3\n").find("line 1: the columns 'x' and ' x' have one"),
+              std::string::npos);
+    EXPECT_NE(message("mesh,\xC3\xBC,u\xCC\x88\na,1,2\n").find("rename one"), std::string::npos);
+    EXPECT_EQ(read("mesh,x,X\na,1,2\nb,3,4\n").labels.size(), 2u);
+}
+
+TEST_F(LabelFiles, AreTablesWhoseOtherCellsStayAsTheyAre)
+{
+    test::write_bytes(directory_ / "t.csv", " u\xCC\x88 ,mesh \n NA , f\n , \n");
+    const Table table = read_label_table(directory_ / "t.csv");
+    EXPECT_EQ(table.columns, (Values{"\xC3\xBC", "mesh"}));
+    EXPECT_EQ(table.rows, (std::vector<Values>{{" NA ", " f"}}));
+}
+
 TEST(LabelNames, AreAlikeThatATableTakesForOne)
 {
     using Pair = std::pair<std::size_t, std::size_t>;
@@ -98,14 +114,24 @@ TEST(LabelNames, AreAlikeThatATableTakesForOne)
     EXPECT_EQ(names_alike({"a", "A", "a b", "ab", "a"}), std::nullopt);
 }
 
+TEST(LabelFile, SaysWhichNamesOfLabelsAFileCanHold)
+{
+    for (const char* name : {"a", ".", "a/b", " ", "\xC3\xBC"})
+        EXPECT_TRUE(is_storable_label(name)) << name;
+    for (const std::string_view name : {std::string_view(), std::string_view("a\0b", 3)})
+        EXPECT_FALSE(is_storable_label(name)) << name;
+    EXPECT_EQ(label_name("\t u\xCC\x88 x\xC2\xA0"), "\xC3\xBC x");
+}
+
 TEST(LabelValues, AreWithoutOuterBlanksAndEmptyIfMissing)
 {
     for (const char* cell :
-         {"",        " ",     "NA",      "na",     " NA ",    "N/A",         "n/a",
-          "#N/A",    "#NA",   "<NA>",    "NaN",    "nan",     "NAN",         "-nan",
-          "NULL",    "null",  "#NULL!",  ".",      " . ",     "\t",          "\xC2\xA0",
-          "#VALUE!", "#NV",   "-1.#IND", "1.#IND", "1.#QNAN", "-1.#qnan",    "#N/A N/A",
-          "NaT",     "#REF!", "#DIV/0!", "#NAME?", "#NUM!",   "\xE3\x80\x80"})
+         {"",        " ",       "NA",       "na",           " NA ",      "N/A",
+          "n/a",     "#N/A",    "#NA",      "<NA>",         "NaN",       "nan",
+          "NAN",     "-nan",    "NULL",     "null",         "#NULL!",    ".",
+          " . ",     "\t",      "\xC2\xA0", "#VALUE!",      "#NV",       "-1.#IND",
+          "1.#IND",  "1.#QNAN", "-1.#qnan", "#N/A N/A",     "NaT",       "#REF!",
+          "#DIV/0!", "#NAME?",  "#NUM!",    "\xE3\x80\x80", "-nan(ind)", "NaN(ind)"})
         EXPECT_EQ(label_value(cell), "") << cell;
     for (const char* cell : {"0", "none", "x y", "nano", "N", "..", "-", "unknown", "false"})
         EXPECT_EQ(label_value(cell), cell);

@@ -12,18 +12,22 @@ namespace {
 
 using Eigen::Vector3d;
 
-class LandmarkFile : public testing::Test
+class LandmarkFiles : public testing::Test
 {
 protected:
-    [[nodiscard]] std::vector<Landmark> read(const std::string& name, const std::string& text) const
+    [[nodiscard]] LandmarkFile read_all(const std::string& name, const std::string& text) const
     {
         write_bytes(folder_ / name, text);
         return read_landmarks(folder_ / name);
     }
+    [[nodiscard]] std::vector<Landmark> read(const std::string& name, const std::string& text) const
+    {
+        return read_all(name, text).landmarks;
+    }
     TemporaryDirectory folder_;
 };
 
-TEST_F(LandmarkFile, ReadsTables)
+TEST_F(LandmarkFiles, ReadsTables)
 {
     const auto marks = read("a.csv", "scan,name,x,y,z\ns1,nose,1,2,3\ns2,nose,4,5,6\n");
     ASSERT_EQ(marks.size(), 2U);
@@ -37,7 +41,7 @@ TEST_F(LandmarkFile, ReadsTables)
     EXPECT_EQ(of_vertices[0].scan, "");
 }
 
-TEST_F(LandmarkFile, TellsTheCoordinateSystemsOfSlicerApart)
+TEST_F(LandmarkFiles, TellsTheCoordinateSystemsOfSlicerApart)
 {
     const std::string row = "1,10,20,30,0,0,0,1,1,1,0,nose,,\n";
     EXPECT_EQ(read("a.fcsv", "# CoordinateSystem = LPS\n" + row)[0].position, Vector3d(10, 20, 30));
@@ -56,7 +60,63 @@ TEST_F(LandmarkFile, TellsTheCoordinateSystemsOfSlicerApart)
     EXPECT_THROW((void)read("c.mrk.json", markup("XYZ")), InvalidInput);
 }
 
-TEST_F(LandmarkFile, RefusesWhatItCannotRead)
+TEST_F(LandmarkFiles, KeepsThoseWithoutCoordinatesApart)
+{
+    // As R, pandas and spreadsheets write what was not to be seen.
+    const LandmarkFile table = read_all("a.csv",
+                                        "scan,name,vertex,x,y,z\ns1,nose,,1,2,3\n"
+                                        "s1,chin,,NA,NA,NA\ns1,ear,,nan,NaN,\ns1,eye,17,,,\n");
+    ASSERT_EQ(table.landmarks.size(), 1U);
+    ASSERT_EQ(table.missing.size(), 3U);
+    EXPECT_EQ(table.missing[0].name, "chin");
+    EXPECT_EQ(table.missing[1].scan, "s1");
+    EXPECT_EQ(table.missing[2].vertex, 17);
+    EXPECT_EQ(read_all("b.csv", "name,x,y,z\nnose,NA,NA,NA\n").missing.size(), 1U);
+    EXPECT_NE(message_of<InvalidInput>([&] {
+                  (void)read("c.csv", "name,x,y,z\nnose,1,2,3\nchin,NA,2,3\n");
+              }).find("row 2: 1 of the three coordinates is missing; give all of them"),
+              std::string::npos);
+
+    const LandmarkFile points = read_all(
+        "a.fcsv",
+        "# CoordinateSystem = LPS\n1,1,2,3,0,0,0,1,1,1,0,\"left, nose\",\"says \"\"hm\"\"\",,2,0\n"
+        "2,0,0,0,0,0,0,1,1,1,0,chin,,,0,0\n3,4,5,6,0,0,0,1,1,1,0,ear,,,1,0\n"
+        "4,0,0,0,0,0,0,1,1,1,0,eye,,,3,0\n5,nan,nan,nan,0,0,0,1,1,1,0,brow,,\n");
+    ASSERT_EQ(points.landmarks.size(), 1U);
+    EXPECT_EQ(points.landmarks[0].name, "left, nose");
+    ASSERT_EQ(points.missing.size(), 4U);
+    EXPECT_EQ(points.missing[3].name, "brow");
+
+    std::string controls = R"({"label": "nose", "position": [1, 2, 3]})";
+    for (const char* status : {"undefined", "missing", "preview"})
+        controls += std::string(R"(, {"label": "chin", "position": "", "positionStatus": ")") +
+                    status + "\"}";
+    controls += R"(, {"label": "ear", "position": [null, null, null]}, {"label": "eye"})";
+    const LandmarkFile markups =
+        read_all("a.mrk.json", R"({"markups": [{"controlPoints": [)" + controls + "]}]}");
+    EXPECT_EQ(markups.landmarks.size(), 1U);
+    EXPECT_EQ(markups.missing.size(), 5U);
+}
+
+TEST_F(LandmarkFiles, StripsOuterBlanks)
+{
+    const auto marks =
+        read("a.csv", "scan , name,x,y,z\n s1.ply , nose,1, 2,3 \n,,,,\n s2,\xC2\xA0nose ,4,5,6\n");
+    ASSERT_EQ(marks.size(), 2U);
+    for (const Landmark& mark : marks)
+        EXPECT_EQ(mark.name, "nose");
+    EXPECT_EQ(marks[0].scan, "s1");
+    EXPECT_EQ(marks[0].position, Vector3d(1, 2, 3));
+    EXPECT_EQ(marks[1].scan, "s2");
+    EXPECT_EQ(read("a.fcsv", "1, 1, 2, 3,0,0,0,1,1,1,0, nose ,,\n \n")[0].name, "nose");
+    EXPECT_EQ(
+        read("a.mrk.json",
+             R"({"markups": [{"controlPoints": [{"label": " nose ", "position": [1, 2, 3]}]}]})")[0]
+            .name,
+        "nose");
+}
+
+TEST_F(LandmarkFiles, RefusesWhatItCannotRead)
 {
     EXPECT_THROW((void)read("a.csv", "scan,name,x,y\ns1,nose,1,2\n"), InvalidInput);
     EXPECT_THROW((void)read("a.csv", "name,x,y,z\nnose,1,two,3\n"), InvalidInput);
@@ -76,6 +136,9 @@ TEST_F(LandmarkFile, RefusesWhatItCannotRead)
     EXPECT_THROW((void)read("a.fcsv", "1,2,3\n"), InvalidInput);
     EXPECT_THROW((void)read("a.mrk.json", "{"), InvalidInput);
     EXPECT_THROW((void)read("a.mrk.json", "{\"markups\": 3}"), InvalidInput);
+    const std::string deep(500'000, '[');
+    EXPECT_NE(message("a.mrk.json", "{\"markups\": " + deep).find("lists lie more than"),
+              std::string::npos);
     EXPECT_THROW((void)read("a.txt", "nose"), InvalidInput);
     EXPECT_THROW((void)read_landmarks(folder_ / "missing.csv"), FileError);
 }

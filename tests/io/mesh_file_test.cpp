@@ -337,6 +337,11 @@ TEST(PlyFile, ReadsHeadersAsLooseAsTheyCome)
          {"ply\ncomment first\nobj_info second\nformat ascii 1.0\n", "ply \nformat ascii 1.0 \n",
           "\xEF\xBB\xBFply\n\ncomment\nformat ascii 1.0\ncomment C:\\models\\\n"})
         expect_unit_triangle(read("m.ply", start + rest + body));
+    // As templates of exporters declare it, empty.
+    expect_unit_triangle(read("m.ply",
+                              "ply\nformat ascii 1.0\nelement tristrips 0\n"
+                              "property list int int vertex_indices\n" +
+                                  rest + body));
     std::string old_mac = "ply\nformat ascii 1.0\n" + rest + body;
     std::replace(old_mac.begin(), old_mac.end(), '\n', '\r');
     expect_unit_triangle(read("m.ply", old_mac));

@@ -10,6 +10,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/to_size.h"
+#include "libshape/io/mesh_formats.h"
 #include "libshape/io/mesh_write_options.h"
 #include "tests/support/files.h"
 #include "tests/support/matrices.h"
@@ -489,6 +490,40 @@ TEST(GlbFile, PrimitivesThatShareTheirVerticesAreOneSurface)
     EXPECT_EQ(of(replaced(triangle, "{\"POSITION\":2},{}", "{},{}")).meshes[1].points.rows(), 8);
 }
 
+TEST(GlbFile, LinesAndPointsBesideTrianglesAreSkipped)
+{
+    const std::string triangles =
+        R"({"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":2},{}]})";
+    for (const char* mode : {"0", "1", "2", "3"}) {
+        const std::string loose =
+            join(R"({"attributes":{"POSITION":0},"indices":7,"mode":)", mode, "}");
+        for (const std::string& both : {loose + "," + triangles, triangles + "," + loose}) {
+            const MeshFileContent content =
+                read("x.glb", glb_of(replaced(glb_json, triangles, both), glb_buffer));
+            ASSERT_EQ(content.meshes.size(), 3U);
+            EXPECT_EQ(content.meshes[1].points.rows(), 4);
+            EXPECT_EQ(content.meshes[1].faces, halves);
+        }
+        const std::string alone = replaced(glb_json, triangles, loose);
+        EXPECT_NE(refusal("x.glb", glb_of(alone, glb_buffer)).find("points and lines alone"),
+                  std::string::npos);
+        // A curve that another node shows.
+        std::string scene = replaced(glb_json, R"({"mesh":0,"scale":[2,2,2]}])",
+                                     R"({"mesh":0,"name":"skin"},{"mesh":1,"name":"curve"}])");
+        scene = replaced(scene, R"({"nodes":[0]})", R"({"nodes":[2,0]})");
+        scene = replaced(scene, R"(["smile","smile"]}}])",
+                         join(R"(["smile","smile"]}},{"primitives":[)", loose, "]}]"));
+        const MeshFileContent content = read("x.glb", glb_of(scene, glb_buffer));
+        ASSERT_EQ(content.meshes.size(), 3U);
+        EXPECT_EQ(content.meshes[0].name, "x");
+    }
+    const std::string strip = replaced(triangles, "\"indices\"", "\"mode\":5,\"indices\"");
+    EXPECT_NE(
+        refusal("x.glb", glb_of(replaced(glb_json, triangles, triangles + "," + strip), glb_buffer))
+            .find("export single triangles"),
+        std::string::npos);
+}
+
 TEST(GlbFile, TakesTenThousandMeshesInAllAndNoMore)
 {
     // Three members a node, all of one name.
@@ -515,6 +550,34 @@ TEST(GlbFile, TakesTenThousandMeshesInAllAndNoMore)
                   (void)read("n.glb", file_of(3334));
               }).find("more than 10000 meshes"),
               std::string::npos);
+}
+
+TEST(GlbFile, UsesWhatItHoldsAsOftenAsALimitOrItsBufferAllows)
+{
+    // A node makes three meshes of four vertices from a buffer of 68 bytes and more.
+    const auto refusal_of = [](int nodes, std::size_t buffer, std::int64_t rows) -> std::string {
+        std::string json = replaced(glb_json, R"({"children":[1])", R"({"children":[1,2])");
+        json = replaced(json, R"(,{"mesh":0,)", R"(,{"mesh":0},{"mesh":0,)");
+        if (nodes == 1)
+            json = glb_json;
+        std::string bytes = glb_buffer;
+        bytes.resize(buffer);
+        try {
+            (void)parse_glb(glb_of(json, bytes), "a.glb", {}, {.rows = rows});
+            return "";
+        } catch (const LimitExceeded& error) {
+            return error.what();
+        }
+    };
+    EXPECT_EQ(refusal_of(1, 68, 12), "");
+    EXPECT_NE(refusal_of(1, 68, 11).find("3 meshes of 4 vertices; the limit is 11"),
+              std::string::npos);
+    EXPECT_EQ(refusal_of(1, 144, 0), "");
+    EXPECT_NE(refusal_of(1, 140, 0).find("the limit is 11 vertices"), std::string::npos);
+    EXPECT_EQ(refusal_of(2, 68, 24), "");
+    EXPECT_NE(refusal_of(2, 68, 23).find("place more than 23 vertices"), std::string::npos);
+    EXPECT_EQ(refusal_of(2, 144, 12), "");
+    EXPECT_NE(refusal_of(2, 140, 12).find("place more than 23 vertices"), std::string::npos);
 }
 
 TEST(GlbFile, RefusesInALineWhatItDoesNotHold)

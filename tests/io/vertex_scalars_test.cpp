@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "libshape/base/error.h"
@@ -70,6 +71,30 @@ TEST_F(VertexScalars, OfOtherProgramsAreReadWhateverTheirTypeAndPlace)
 {
     test::write_bytes(directory_ / "t.ply", triangle);
     EXPECT_EQ(read_vertex_scalar(directory_ / "t.ply", "heat"), Eigen::Vector3d(7, 8, 9));
+    EXPECT_EQ(read_vertex_scalar(directory_ / "t.ply", "x"), Eigen::Vector3d(0, 1, 0));
+    EXPECT_EQ(read_vertex_scalar(directory_ / "t.ply", "y"), Eigen::Vector3d(0, 0, 1));
+}
+
+TEST_F(VertexScalars, MayHaveGapsWhereThatIsAskedFor)
+{
+    std::string text = triangle;
+    text.replace(text.find("uchar heat"), 10, "float heat");
+    for (const char* gap : {"nan", "-nan(ind)", "NaN", "inf", "-1.#IND", "1e999"}) {
+        std::string with_gap = text;
+        with_gap.replace(with_gap.find("1 0 8"), 5, std::string("1 0 ") + gap); // x, y, heat
+        test::write_bytes(directory_ / "t.ply", with_gap);
+        const Eigen::VectorXd heat = read_vertex_scalar_with_gaps(directory_ / "t.ply", "heat");
+        ASSERT_EQ(heat.size(), 3);
+        EXPECT_TRUE(std::isnan(heat[1])) << gap;
+        EXPECT_EQ(heat[2], 9.0);
+        EXPECT_NE(reading("t.ply", "heat").find("must be a finite number"), std::string::npos);
+    }
+    text.replace(text.find("1 0 8"), 5, "1 0 x");
+    test::write_bytes(directory_ / "t.ply", text);
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)read_vertex_scalar_with_gaps(directory_ / "t.ply", "heat");
+              }).find("vertex 1 is 'x'"),
+              std::string::npos);
 }
 
 TEST_F(VertexScalars, OfFacesAreSharedByTheTrianglesOfAPolygon)
@@ -114,9 +139,10 @@ TEST_F(VertexScalars, RefuseWhatNoFileCanHold)
 TEST_F(VertexScalars, ThatAreNotThereAreNotRead)
 {
     test::write_bytes(directory_ / "t.ply", triangle);
-    for (const char* name : {"cold", "near", "x", "", "vertex_indices"})
-        EXPECT_NE(reading("t.ply", name).find("no property"), std::string::npos) << name;
-    EXPECT_NE(reading("t.obj", "heat").find("only PLY"), std::string::npos);
+    for (const char* name : {"cold", "near", "", "vertex_indices"})
+        EXPECT_NE(reading("t.ply", name).find("; they have x, y, heat and z"), std::string::npos)
+            << name;
+    EXPECT_NE(reading("t.obj", "heat").find("PLY files alone"), std::string::npos);
     EXPECT_THROW((void)read_vertex_scalar(directory_ / "no.ply", "heat"), FileError);
     write_vertex_scalars(directory_ / "nan.ply", mesh_.points, mesh_.topology.faces(),
                          {{"heat", Eigen::VectorXd::Zero(mesh_.points.rows())}});
@@ -125,6 +151,7 @@ TEST_F(VertexScalars, ThatAreNotThereAreNotRead)
     bytes.replace(heat_of_second, 8, std::string("\0\0\0\0\0\0\xf8\x7f", 8));
     test::write_bytes(directory_ / "nan.ply", bytes);
     EXPECT_NE(reading("nan.ply", "heat").find("vertex 1 is not finite"), std::string::npos);
+    EXPECT_TRUE(std::isnan(read_vertex_scalar_with_gaps(directory_ / "nan.ply", "heat")[1]));
     std::string text = triangle;
     text.replace(text.find("1 0 8"), 5, "1 0 nan"); // x, y, heat
     text.replace(text.find("uchar heat"), 10, "float heat");

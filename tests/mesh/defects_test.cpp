@@ -132,5 +132,26 @@ TEST(FindDegenerateGeometry, DrawsTheLineAtTheDocumentedRatio)
     EXPECT_EQ(find_degenerate_geometry(faces, Points::Zero(3, 3)).size(), 1u);
 }
 
+TEST(FindDegenerateGeometry, NamesTheLongestEdgeWherePowersOfItOverflow)
+{
+    const Faces faces = faces_of({{0, 1, 2}});
+    Points points(3, 3);
+    points << 0, 0, 0, 1, 0, 0, 0.5, 0.6, 0;
+    for (const double sound : {1e-59, 1.0, 0.99e60})
+        EXPECT_TRUE(find_degenerate_geometry(faces, sound * points).empty()) << sound;
+    for (const double odd : {1e-300, 1e-61, 1.01e60, 1e200, 1e308}) {
+        const std::vector<Defect> defects = find_degenerate_geometry(faces, odd * points);
+        ASSERT_EQ(defects.size(), 1u) << odd; // squares of 0 and infinity say nothing of faces
+        EXPECT_EQ(defects[0].kind, DefectKind::SizeOutOfRange);
+        EXPECT_EQ(defects[0].face, 0);
+        EXPECT_NE(defects[0].message.find("the longest edge, 0-1,"), std::string::npos)
+            << defects[0].message;
+    }
+    // A vertex far away that belongs to no face is no edge.
+    points.conservativeResize(4, 3);
+    points.row(3) << 1e200, 0, 0;
+    EXPECT_TRUE(find_degenerate_geometry(faces, points).empty());
+}
+
 } // namespace
 } // namespace shape

@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "libshape/base/error.h"
+#include "libshape/base/random.h"
+#include "libshape/mesh/dihedral_angles.h"
 #include "tests/support/files.h"
 #include "tests/support/seams.h"
 
@@ -98,6 +100,28 @@ TEST(Handedness, TellsWhenAllAreInsideOut)
     }
 }
 
+TEST(Handedness, SaysNothingOfClosedMeshesWhoseVerticesArePermuted)
+{
+    const TestMesh mesh = test::bumpy_sphere(2, 0.1, 1);
+    std::vector<Points> meshes;
+    for (unsigned i = 0; i < 6; ++i)
+        meshes.push_back(test::bumpy_sphere(2, 0.1, i).points);
+    meshes[1] = mirror_image(meshes[1]);
+    const auto count = static_cast<int>(mesh.points.rows());
+    for (const int step : {5, 7, 11, 13, 17, 19, 23}) { // none divides 162
+        std::vector<int> order;
+        for (int v = 0; v < count; ++v)
+            order.push_back(v * step % count);
+        meshes[4] = test::bumpy_sphere(2, 0.1, 4).points(order, Eigen::all);
+        const Handedness found = compare_handedness(mesh.topology, meshes);
+        EXPECT_EQ(found.mirrored, Indices{1}) << step;
+        EXPECT_FALSE(found.inside_out);
+        // The rest are inside out, whatever the volume of that one is.
+        const Topology reversed(test::reversed_faces(mesh.topology.faces()), count);
+        EXPECT_TRUE(compare_handedness(reversed, meshes).inside_out) << step;
+    }
+}
+
 TEST(Handedness, SaysNothingOfFlatSheets)
 {
     TestMesh sheet = test::open_patch(6, 1);
@@ -106,6 +130,88 @@ TEST(Handedness, SaysNothingOfFlatSheets)
         sheet.topology, std::vector{sheet.points, mirror_image(sheet.points), sheet.points});
     EXPECT_EQ(found.mirrored, Indices{});
     EXPECT_FALSE(found.inside_out);
+}
+
+/// A sheet whose vertices are scattered about a plane: such sheets have nothing in common.
+Points rough_sheet(const TestMesh& sheet, unsigned seed)
+{
+    internal::Random random(seed);
+    Points points = sheet.points;
+    for (double& z : points.col(2))
+        z = 0.01 * random.normal();
+    return points;
+}
+
+TEST(Handedness, SaysNothingOfRoughSheets)
+{
+    const TestMesh sheet = test::open_patch(20, 1);
+    for (unsigned seed = 1; seed <= 20; ++seed)
+        EXPECT_FALSE(is_mirror_image(sheet.topology, rough_sheet(sheet, seed),
+                                     rough_sheet(sheet, 100 + seed)))
+            << seed;
+    for (const unsigned count : {3U, 5U, 8U}) {
+        std::vector<Points> sheets;
+        for (unsigned i = 0; i < count; ++i)
+            sheets.push_back(rough_sheet(sheet, 200 + i));
+        EXPECT_EQ(compare_handedness(sheet.topology, sheets).mirrored, Indices{}) << count;
+    }
+    const Points one = rough_sheet(sheet, 1);
+    EXPECT_TRUE(is_mirror_image(sheet.topology, mirror_image(one), one));
+}
+
+/// A strip along a polyline that turns by these angles at its inner points.
+TestMesh strip(const std::vector<double>& turns)
+{
+    const auto count = static_cast<int>(turns.size()) + 2;
+    Points points(2 * count, 3);
+    double heading = 0.0;
+    Eigen::RowVector3d at(0, 0, 0);
+    for (int i = 0; i < count; ++i) {
+        points.row(2 * i) = at;
+        points.row(2 * i + 1) = at + Eigen::RowVector3d(0, 1, 0);
+        if (i > 0 && i + 1 < count)
+            heading += turns[static_cast<std::size_t>(i - 1)];
+        at += Eigen::RowVector3d(std::cos(heading), 0, std::sin(heading));
+    }
+    Faces faces(2 * (count - 1), 3);
+    for (int i = 0; i + 1 < count; ++i) {
+        faces.row(2 * i) << 2 * i, 2 * i + 2, 2 * i + 3;
+        faces.row(2 * i + 1) << 2 * i, 2 * i + 3, 2 * i + 1;
+    }
+    return {"strip", Topology(faces, 2 * count), points};
+}
+
+TEST(Handedness, AFoldThatPassesFlatTellsNothing)
+{
+    std::vector<double> turns(21, 0.2);
+    turns[10] = 3.1;
+    const TestMesh up = strip(turns);
+    turns[10] = -3.1;
+    const Points down = strip(turns).points;
+    EXPECT_FALSE(is_mirror_image(up.topology, down, up.points));
+    EXPECT_TRUE(is_mirror_image(up.topology, mirror_image(down), up.points));
+}
+
+TEST(Handedness, IsComparedWithMeanAnglesWhereTheyAreGiven)
+{
+    const TestMesh patch = test::open_patch(10, 1);
+    const Eigen::VectorXd mean =
+        0.5 * (dihedral_angles(patch.topology, patch.points) +
+               dihedral_angles(patch.topology, test::open_patch(10, 2).points));
+    Points flat = patch.points;
+    flat.col(2).setZero();
+    const Points other = test::open_patch(10, 3).points;
+    EXPECT_FALSE(is_mirror_image(patch.topology, mirror_image(other), flat));
+    EXPECT_TRUE(is_mirror_image(patch.topology, mirror_image(other), flat, mean));
+    EXPECT_FALSE(is_mirror_image(patch.topology, other, flat, mean));
+    EXPECT_FALSE(is_mirror_image(patch.topology, mirror_image(other), flat, 0.0 * mean));
+    // Volumes tell of closed ones, whatever the angles are.
+    const TestMesh sphere = test::bumpy_sphere(2, 0.3, 1);
+    EXPECT_FALSE(is_mirror_image(sphere.topology, sphere.points, sphere.points,
+                                 -dihedral_angles(sphere.topology, sphere.points)));
+    EXPECT_THROW((void)is_mirror_image(patch.topology, other, flat, mean.head(3)), InvalidInput);
+    EXPECT_THROW((void)is_mirror_image(patch.topology, Points::Ones(3, 3), flat, mean),
+                 InvalidInput);
 }
 
 TEST(Handedness, SaysNothingOfBowlsWhichHaveNoInside)

@@ -212,9 +212,63 @@ TEST(MeshRepair, SaysWhatLiesNearASeamAndStaysApart)
     for (NamedMesh& mesh : meshes)
         mesh.points(mesh.points.rows() - 1, 0) += 3e-7 * bounding_box_diagonal(mesh.points);
     const RepairedMeshes repaired = repair_meshes(std::move(meshes));
+    EXPECT_EQ(repaired.changes.size(), 1U);
+    ASSERT_EQ(repaired.kept.size(), 1U);
+    EXPECT_TRUE(
+        repaired.kept[0].starts_with("a and b: 2 boundary vertices lie near one another, up to "
+                                     "3e-07 of the diagonal apart, and stay so"))
+        << repaired.kept[0];
+}
+
+TEST(MeshRepair, WeldsPatchesThatMeetWithinTheRoundingOfTheirNumbers)
+{
+    const test::CutMesh cut = test::cut_along_the_equator(sphere(0), true);
+    std::vector<NamedMesh> meshes = cut_spheres(3, cut);
+    for (NamedMesh& mesh : meshes)
+        mesh.points =
+            test::in_scanner_coordinates(8.0 * mesh.points, cut.doubled(sphere(0).points));
+    EXPECT_EQ(find_defects(cut.faces, static_cast<int>(cut.vertices.size())).front().kind,
+              DefectKind::SeveralComponents);
+    const RepairedMeshes repaired = repair_meshes(std::move(meshes));
     ASSERT_EQ(repaired.changes.size(), 1U);
-    EXPECT_NE(repaired.changes[0].find("; 2 more lie near others"), std::string::npos)
-        << repaired.changes[0];
+    EXPECT_NE(repaired.changes[0].find("vertices welded"), std::string::npos);
+    EXPECT_TRUE(repaired.kept.empty());
+    for (const NamedMesh& mesh : repaired.meshes)
+        EXPECT_EQ(mesh.faces, sphere(0).topology.faces());
+}
+
+TEST(MeshRepair, KeepsPatchesThatMeetNearlyAndDropsWhatMeetsAtACorner)
+{
+    const test::CutMesh cut = test::cut_along_the_equator(sphere(0), true);
+    std::vector<NamedMesh> meshes = cut_spheres(3, cut);
+    for (NamedMesh& mesh : meshes) // in full precision: it is not rounding
+        mesh.points.bottomRows(cut.doubled(sphere(0).points)).array() += 1e-5;
+    const RepairedMeshes repaired = repair_meshes(meshes);
+    EXPECT_TRUE(repaired.changes.empty());
+    ASSERT_EQ(repaired.kept.size(), 2U);
+    EXPECT_NE(repaired.kept[0].find("lie near one another"), std::string::npos);
+    EXPECT_TRUE(repaired.kept[1].starts_with("a, b and c: all 2 pieces, as 1 meets the largest"))
+        << repaired.kept[1];
+    EXPECT_EQ(repaired.meshes[2].points, meshes[2].points);
+    EXPECT_EQ(repair_meshes(meshes, {.components = Components::Split}).meshes.size(), 6U);
+
+    // A crumb touches the rim of two triangles at a corner, or nearly.
+    Points points(7, 3);
+    points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0, -1, 0, 0, 0, -1, 0;
+    Faces faces(3, 3);
+    faces << 0, 1, 2, 1, 3, 2, 4, 5, 6;
+    for (const double apart : {0.0, 1e-3}) {
+        points(4, 2) = apart;
+        const RepairedMeshes crumb = repair_meshes({named("a", points, faces)});
+        ASSERT_EQ(crumb.changes.size(), 1U);
+        EXPECT_NE(crumb.changes[0].find("kept the largest of 2 pieces (2 of 3 faces)"),
+                  std::string::npos);
+        ASSERT_EQ(crumb.kept.size(), 1U);
+        EXPECT_TRUE(crumb.kept[0].starts_with(
+            apart > 0.0 ? "a: 2 boundary vertices lie near one another, up to 0.000354"
+                        : "a: 2 boundary vertices that lie on one another stay apart"))
+            << crumb.kept[0];
+    }
 }
 
 TEST(MeshRepair, TurnsMirrorImagesAndSurfacesInsideOut)
@@ -243,7 +297,7 @@ TEST(MeshRepair, TurnsMirrorImagesAndSurfacesInsideOut)
     expect_repaired(repair_meshes(std::move(shuffled)), "e: faces put into the order of a");
 }
 
-TEST(MeshRepair, ScalesByRatiosOfUnitsAlone)
+TEST(MeshRepair, ScalesByPowersOfTenAlone)
 {
     std::vector<NamedMesh> meshes = spheres(9);
     meshes[0].points *= 1e-3;
@@ -263,30 +317,82 @@ TEST(MeshRepair, ScalesByRatiosOfUnitsAlone)
         << kept.kept[0];
 }
 
+/// Spheres whose sizes vary by a share, the first ones larger by a factor; repaired.
+RepairedMeshes repaired_sizes(double factor, std::size_t count, double share)
+{
+    const std::vector<double> deviates{0.0, 1.0, -1.0, 0.5, -0.7, 1.2, -1.2, 0.2, -0.3};
+    std::vector<NamedMesh> meshes = spheres(9);
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        meshes[i].points *= std::exp(share * deviates[i]) * (i < count ? factor : 1.0);
+    return repair_meshes(std::move(meshes));
+}
+
 TEST(MeshRepair, LeavesSizesOfWhichTheUnitsAreInDoubt)
 {
     // Sizes that vary as those of bones do: one mesh, 12 times larger, may be in millimetres or in inches.
-    const std::vector<double> scales{1.0, 1.1, 0.9, 1.05, 0.93, 1.12, 0.88, 1.02, 0.97};
-    const auto repaired_by = [&](double factor, std::size_t count) {
-        std::vector<NamedMesh> meshes = spheres(9);
-        for (std::size_t i = 0; i < meshes.size(); ++i)
-            meshes[i].points *= scales[i] * (i < count ? factor : 1.0);
-        return repair_meshes(std::move(meshes));
-    };
     for (const double factor : {11.0, 12.0}) {
-        const RepairedMeshes doubtful = repaired_by(factor, 1);
+        const RepairedMeshes doubtful = repaired_sizes(factor, 1, 0.1);
         EXPECT_TRUE(doubtful.changes.empty()) << factor;
         ASSERT_EQ(doubtful.kept.size(), 1U);
-        EXPECT_NE(doubtful.kept[0].find("millimetres and centimetres (10)"), std::string::npos)
+        EXPECT_NE(doubtful.kept[0].find("millimetres and centimetres (times 0.1)"),
+                  std::string::npos)
             << doubtful.kept[0];
-        EXPECT_NE(doubtful.kept[0].find("inches and feet (12)"), std::string::npos)
+        EXPECT_NE(doubtful.kept[0].find("inches and feet (times 0.0833)"), std::string::npos)
             << doubtful.kept[0];
         EXPECT_NEAR(doubtful.meshes[0].points.norm(), factor * spheres(9)[0].points.norm(), 1e-9);
     }
-    const RepairedMeshes plain = repaired_by(1000.0, 2);
+    const RepairedMeshes plain = repaired_sizes(1000.0, 2, 0.1);
     ASSERT_EQ(plain.changes.size(), 1U);
     EXPECT_TRUE(plain.kept.empty());
     EXPECT_NEAR(plain.meshes[0].points.norm(), spheres(9)[0].points.norm(), 1e-9);
+    EXPECT_EQ(repaired_sizes(100.0, 4, 0.1).changes.size(), 1U);
+    EXPECT_TRUE(repaired_sizes(70.0, 4, 0.01).changes.empty());
+}
+
+TEST(MeshRepair, GroupsThatDifferInSizeAreNotScaled)
+{
+    // Kinds of animals differ by 2.5, and by nine, whatever the ratio of two units is.
+    for (const double share : {0.005, 0.03})
+        for (const double factor : {2.54, 2.6, 3.28, 9.0, 9.2, 11.0, 12.0, 25.4, 1.0 / 2.54}) {
+            const RepairedMeshes repaired = repaired_sizes(factor, 4, share);
+            EXPECT_TRUE(repaired.changes.empty()) << factor;
+            ASSERT_EQ(repaired.kept.size(), 1U) << factor;
+            EXPECT_TRUE(repaired.kept[0].ends_with("scale by what you know"));
+        }
+    EXPECT_NE(
+        repaired_sizes(2.54, 4, 0.03)
+            .kept[0]
+            .find("may be the ratio of centimetres and inches (times 0.394), or a real difference"),
+        std::string::npos);
+    EXPECT_EQ(repaired_sizes(10.0, 4, 0.03).changes.size(), 1U);
+    EXPECT_TRUE(repaired_sizes(10.0, 4, 0.05).changes.empty()); // it may be nine
+    std::vector<NamedMesh> few = spheres(6);                    // how sizes vary is not known
+    few[0].points *= 10.0;
+    EXPECT_TRUE(repair_meshes(std::move(few)).changes.empty());
+}
+
+TEST(MeshRepair, LeavesOutliersAlone)
+{
+    std::vector<NamedMesh> meshes = spheres(7);
+    meshes[1].points = test::mirror_image(meshes[1].points);
+    meshes[3].points = 1000.0 * test::mirror_image(meshes[3].points);
+    meshes[5].points *= 1000.0;
+    meshes[0].points.row(meshes[0].faces(0, 0)) = meshes[0].points.row(meshes[0].faces(0, 1));
+    MeshRepairOptions options;
+    options.find_outliers = [&](const Collection& collection) {
+        // Not the first, which has a face without an area; the second in the mirror it belongs to.
+        EXPECT_EQ(collection.size(), 6U);
+        EXPECT_EQ(collection.points[0], spheres(2)[1].points);
+        EXPECT_EQ(collection.names[2], "d");
+        return std::vector<std::size_t>{2};
+    };
+    const RepairedMeshes repaired = repair_meshes(meshes, options);
+    EXPECT_EQ(repaired.meshes[3].points, meshes[3].points);
+    EXPECT_EQ(repaired.meshes[1].points, spheres(2)[1].points);
+    EXPECT_TRUE(repaired.meshes[5].points.isApprox(spheres(6)[5].points, 1e-12));
+    EXPECT_EQ(repaired.changes.size(), 2U);
+    ASSERT_EQ(repaired.kept.size(), 1U);
+    EXPECT_TRUE(repaired.kept[0].starts_with("d: far from all others")) << repaired.kept[0];
 }
 
 TEST(MeshRepair, LeavesMoebiusStripsAndThreeFacesAtAnEdge)

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "libshape/base/format.h"
 #include "tests/support/seams.h"
 
@@ -61,6 +63,22 @@ TEST(Oddities, ASeamIsCountedWithAPlaceAndAWayOut)
         << found[0].message;
     EXPECT_TRUE(found[0].message.ends_with("or weld them")) << found[0].message;
     expect_no_command(found);
+    // What is a little apart is near.
+    std::vector<Points> closed = collection.points;
+    for (Points& points : collection.points)
+        points.bottomRows(places).col(0).array() += 1e-6 * bounding_box_diagonal(points);
+    const std::vector<Oddity> near = find_oddities(collection);
+    ASSERT_EQ(near.size(), 1U);
+    EXPECT_EQ(near[0].kind, OddityKind::NearSeam);
+    EXPECT_EQ(near[0].meshes.size(), 7U);
+    EXPECT_TRUE(near[0].message.starts_with(
+        join(2 * places,
+             " boundary vertices lie near one another, up to 1e-06 of the diagonal "
+             "apart, at ",
+             places, " places in all meshes, first a: vertices ")))
+        << near[0].message;
+    expect_no_command(near);
+    collection.points = closed;
     // What is apart in one mesh is not a seam.
     collection.points[3].bottomRows(places) *= 1.01;
     EXPECT_TRUE(find_oddities(collection).empty());
@@ -98,6 +116,49 @@ TEST(Oddities, SizesOfOtherUnitsAreNamed)
     EXPECT_NE(found[0].message.find("g is "), std::string::npos) << found[0].message;
     EXPECT_NE(found[0].message.find("millimetres and metres"), std::string::npos);
     expect_no_command(found);
+}
+
+TEST(Oddities, SizesOfEachUnitAreNamedByThemselves)
+{
+    Collection collection = spheres();
+    collection.points[1] *= 10.0;
+    collection.points[4] *= 10.0;
+    collection.points[2] *= 1000.0;
+    const std::vector<Oddity> found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].meshes, (Indices{1, 2, 4}));
+    for (const char* part :
+         {": b and e are ", " times larger (millimetres and centimetres?), c is ",
+          " times larger (millimetres and metres?) than the other 4 meshes; "})
+        EXPECT_NE(found[0].message.find(part), std::string::npos) << found[0].message;
+    const std::vector<double> sizes{1.0, 10.0, 0.1, 1.1, 11.0, 1e3, 0.9, 0.11, 1e-3};
+    const std::vector<std::size_t> odd = odd_sizes(sizes);
+    EXPECT_EQ(odd, (Indices{1, 2, 4, 5, 7, 8}));
+    EXPECT_EQ(parts_of_odd_sizes(sizes, odd), (std::vector<Indices>{{8}, {2, 7}, {1, 4}, {5}}));
+    // Of one gap each, on either side of the rest.
+    EXPECT_EQ(parts_of_odd_sizes({0.8, 1.0, 1.1, 1.2}, {0, 3}), (std::vector<Indices>{{0}, {3}}));
+}
+
+TEST(Oddities, CopiesAreNamedWithWhatTheyDifferBy)
+{
+    Collection collection = spheres();
+    collection.points[6] = collection.points[1];
+    std::vector<Oddity> found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, OddityKind::Copies);
+    EXPECT_EQ(found[0].meshes, Indices{6});
+    EXPECT_EQ(found[0].message,
+              "b and g are copies of one mesh, in place or moved; statistics count "
+              "each of them: keep one");
+    for (double& x : collection.points[6].reshaped())
+        x = 1e-4 * std::round(1e4 * x);
+    found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NE(found[0].message.find("in place or moved, up to 2"), std::string::npos)
+        << found[0].message;
+    EXPECT_NE(found[0].message.find("e-05 of the diagonal apart, as rounding leaves them;"),
+              std::string::npos)
+        << found[0].message;
 }
 
 TEST(Oddities, OddSizesStandApartFromTheLargestPart)

@@ -11,6 +11,7 @@
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/collections.h"
 #include "tests/support/meshes.h"
+#include "tests/support/seams.h"
 
 namespace shape {
 using namespace internal;
@@ -128,6 +129,29 @@ TEST(Nuisance, RefusesWhatBreaksARule)
     const Collection other{finer.topology, {"finer"}, {finer.points}, {}};
     EXPECT_THROW((void)amounts_of(nuisance, other), InvalidInput);
     EXPECT_THROW((void)with_amounts(nuisance, other, VectorXd::Zero(2)), InvalidInput);
+}
+
+TEST(Nuisance, SaysHowTheTriangulationDiffers)
+{
+    const Collection collection = test::bumpy_spheres(6, 6);
+    const ShapeModel model = fit_model(collection);
+    const Topology reversed(test::reversed_faces(collection.topology.faces()),
+                            collection.topology.vertex_count());
+    const auto said = [&](const Nuisance& nuisance, const Points& points) -> std::string {
+        try {
+            (void)amounts_of(nuisance, {reversed, {"turned"}, {points}, {}});
+        } catch (const InvalidInput& error) {
+            return error.what();
+        }
+        return "";
+    };
+    for (const Nuisance& nuisance : {leading_modes(model, 2), direction_of(bend(collection))}) {
+        const std::string turned = said(nuisance, collection.points[1]);
+        EXPECT_NE(turned.find("mesh turned: face 0 is "), std::string::npos) << turned;
+        EXPECT_NE(turned.find("inside out: reverse its faces"), std::string::npos) << turned;
+        const std::string mirrored = said(nuisance, test::mirror_image(collection.points[1]));
+        EXPECT_NE(mirrored.find("mirror image: mirror it back"), std::string::npos) << mirrored;
+    }
 }
 
 } // namespace

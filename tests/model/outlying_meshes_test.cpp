@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
 #include "tests/support/seams.h"
 
@@ -13,14 +17,14 @@ namespace shape {
 using namespace internal;
 namespace {
 
-Collection spheres(std::size_t count)
+Collection spheres(std::size_t count, int levels = 3)
 {
-    const test::TestMesh first = test::bumpy_sphere(3, 0.1, 0);
+    const test::TestMesh first = test::bumpy_sphere(levels, 0.1, 0);
     Collection collection{first.topology, {}, {}, {}};
     for (std::size_t i = 0; i < count; ++i) {
         collection.names.push_back(join("m", i));
         collection.points.push_back(
-            test::moved(test::bumpy_sphere(3, 0.1, static_cast<unsigned>(i)).points, 3));
+            test::moved(test::bumpy_sphere(levels, 0.1, static_cast<unsigned>(i)).points, 3));
     }
     return collection;
 }
@@ -81,6 +85,39 @@ TEST(OutlyingMeshes, AreThoseOfAnotherShape)
     collection.points[8] = collection.points[7];
     collection.points[8].col(1) *= 1.01;
     EXPECT_TRUE(outliers(collection).empty());
+}
+
+/// To the nearest of all others.
+double nearest_distance(const Collection& collection, std::size_t mesh)
+{
+    const auto shape_of = [&](std::size_t i) -> Eigen::VectorXd {
+        const Eigen::VectorXd lengths = edge_lengths(collection.topology, collection.points[i]);
+        return lengths / lengths.sum();
+    };
+    const Eigen::VectorXd shape = shape_of(mesh);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < collection.size(); ++i)
+        if (i != mesh)
+            nearest = std::min(nearest, (shape_of(i) - shape).norm());
+    return nearest;
+}
+
+TEST(OutlyingMeshes, AreFoundAmongMoreThanAreAllCompared)
+{
+    // Of 2,100 meshes every second or third one is compared with all: 0, 2, 4, 6, 8, 10, ...
+    Collection collection = spheres(2100, 0);
+    for (const std::size_t mesh : {3U, 5U}) // near one another, far from all that are compared
+        collection.points[mesh] = collection.points[0];
+    collection.points[3].col(0) *= 3.0;
+    collection.points[5].col(0) *= 3.01;
+    collection.points[9].col(1) *= 3.0;
+    collection.points[10].col(2) *= 3.0;
+    const std::vector<OutlyingMesh> found = find_outlying_meshes(collection);
+    ASSERT_EQ(found.size(), 2U);
+    for (const std::size_t i : {0U, 1U}) {
+        EXPECT_EQ(found[i].mesh, 9 + i);
+        EXPECT_NEAR(found[i].distance, nearest_distance(collection, 9 + i), 1e-9);
+    }
 }
 
 TEST(OutlyingMeshes, NeedFiveMeshes)

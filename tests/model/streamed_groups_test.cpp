@@ -14,7 +14,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Groups and blocks of 24 meshes: every mesh by itself; subjects in two states; repeated scans.
+/// Groups and blocks of 24 meshes: every mesh by itself; subjects in two states; repeated scans, of some more than of
+/// others; subjects in three states, of whom two lack some.
 struct Design
 {
     const char* name;
@@ -32,10 +33,23 @@ std::vector<Design> designs()
         subjects.push_back(internal::join("s", i % 12 / 2));
         sexes.emplace_back(i % 12 / 2 % 2 == 0 ? "f" : "m");
     }
+    std::vector<std::string> people, of_people, triples, three_states;
+    const std::vector<int> scans{5, 1, 2, 3, 1, 2, 1, 5, 1, 3};
+    for (std::size_t person = 0; person < scans.size(); ++person)
+        for (int k = 0; k < scans[person]; ++k) {
+            people.push_back(internal::join("p", person));
+            of_people.emplace_back(person % 2 == 0 ? "f" : "m");
+        }
+    for (int i = 0; i < 24; ++i) {
+        triples.push_back(internal::join("t", i / 3));
+        three_states.push_back(std::to_string(i == 8 ? 1 : i >= 21 ? 0 : i % 3));
+    }
     return {{"single", group_by(thirds), groups_of_one(24)},
             {"two", group_by(halves), groups_of_one(24)},
             {"crossed", group_by(states), group_by(subjects)},
-            {"nested", group_by(sexes), group_by(subjects)}};
+            {"nested", group_by(sexes), group_by(subjects)},
+            {"scans", group_by(of_people), group_by(people)},
+            {"incomplete", group_by(three_states), group_by(triples)}};
 }
 
 void expect_near(const LinearModelTest& a, const LinearModelTest& b)
@@ -53,6 +67,8 @@ void expect_near(const StreamedGroups& a, const GroupComparison& comparison,
                  const GroupSpread& spread, const LinearModelTest& spread_test)
 {
     EXPECT_EQ(a.comparison.design, comparison.design);
+    EXPECT_EQ(a.comparison.left_out, comparison.left_out);
+    EXPECT_EQ(a.spread.counts, spread.counts);
     expect_near(a.comparison.overall, comparison.overall);
     expect_near(a.spread_test, spread_test);
     ASSERT_EQ(a.comparison.pairs.size(), comparison.pairs.size());
@@ -80,26 +96,28 @@ TEST(StreamedGroups, AreWhatTheCollectionInMemoryGives)
         for (const bool adjusts : {false, true})
             for (const bool by_inner_products : {false, true}) {
                 SCOPED_TRACE(internal::join(design.name, " ", adjusts, " ", by_inner_products));
-                const GroupedShapes shapes = group_shapes(collection, design.groups, {});
+                StreamedGroupsOptions options;
+                if (adjusts)
+                    options.covariates = [](const Eigen::VectorXd& sizes) { return sizes; };
+                const GroupedShapes shapes =
+                    group_shapes(collection, design.groups, {}, design.blocks, options.covariates);
                 const Eigen::MatrixXd covariates =
                     adjusts ? Eigen::MatrixXd(shapes.sizes) : Eigen::MatrixXd(24, 0);
-                StreamedGroupsOptions options;
                 options.permutations.permutations = 49;
                 options.bootstrap.replicates = 40;
                 options.with_companions = true;
                 options.by_inner_products = by_inner_products;
-                if (adjusts)
-                    options.covariates = [](const Eigen::VectorXd& sizes) { return sizes; };
                 const StreamedGroups found =
                     compare_groups(stream_of(collection), design.groups, design.blocks, options);
                 EXPECT_EQ(found.by_inner_products, by_inner_products);
-                expect_near(
-                    found,
-                    compare_groups(shapes.products, design.groups, design.blocks, covariates,
-                                   options.permutations),
-                    group_spread(shapes.products, design.groups, design.blocks, options.bootstrap),
-                    test_spread(shapes.products, design.groups, design.blocks,
-                                options.permutations));
+                expect_near(found,
+                            compare_groups(shapes.products, design.groups, design.blocks,
+                                           covariates, options.permutations),
+                            group_spread(shapes.products, design.groups, design.blocks, covariates,
+                                         options.bootstrap),
+                            test_spread(shapes.products, design.groups, design.blocks, covariates,
+                                        options.permutations));
+                EXPECT_EQ(found.shapes.covariate_means, shapes.covariate_means);
                 EXPECT_LE((found.shapes.means - shapes.means).cwiseAbs().maxCoeff(), 1e-14);
                 EXPECT_LE(
                     (found.shapes.dihedral_angles - shapes.dihedral_angles).cwiseAbs().maxCoeff(),

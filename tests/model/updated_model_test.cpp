@@ -21,6 +21,21 @@ Collection part(const Collection& collection, std::size_t begin, std::size_t end
     return subset(collection, meshes);
 }
 
+void expect_near(const ShapeModel& a, const ShapeModel& b)
+{
+    const auto near = [](const auto& x, const auto& y) {
+        return x.rows() == y.rows() && x.cols() == y.cols() &&
+               (x - y).cwiseAbs().maxCoeff() <= 1e-10 * y.cwiseAbs().maxCoeff();
+    };
+    EXPECT_TRUE(near(a.mean, b.mean));
+    EXPECT_TRUE(near(a.modes, b.modes));
+    EXPECT_TRUE(near(a.mean_dihedral_angles, b.mean_dihedral_angles));
+    EXPECT_TRUE(near(a.mode_dihedral_angles, b.mode_dihedral_angles));
+    EXPECT_TRUE(near(a.variances, b.variances));
+    EXPECT_TRUE(near(a.scores, b.scores));
+    EXPECT_TRUE(near(a.sizes, b.sizes));
+}
+
 TEST(UpdatedModel, IsTheModelOfAllMeshes)
 {
     for (Collection collection : {test::bumpy_spheres(30, 1), test::folded_spheres(30)}) {
@@ -34,21 +49,39 @@ TEST(UpdatedModel, IsTheModelOfAllMeshes)
             const ShapeModel updated =
                 update_model(fit_model(part(collection, 0, 22), {.space = space}),
                              part(collection, 22, 30), options);
-            const auto near = [](const auto& a, const auto& b) {
-                return (a - b).cwiseAbs().maxCoeff() <= 1e-10 * b.cwiseAbs().maxCoeff();
-            };
-            EXPECT_TRUE(near(updated.mean, expected.mean));
-            EXPECT_TRUE(near(updated.modes, expected.modes));
-            EXPECT_TRUE(near(updated.mean_dihedral_angles, expected.mean_dihedral_angles));
-            EXPECT_TRUE(near(updated.mode_dihedral_angles, expected.mode_dihedral_angles));
-            EXPECT_TRUE(near(updated.variances, expected.variances));
-            EXPECT_TRUE(near(updated.scores, expected.scores));
-            EXPECT_TRUE(near(updated.sizes, expected.sizes));
+            expect_near(updated, expected);
             EXPECT_EQ(updated.names, expected.names);
             EXPECT_EQ(updated.labels[0].values, expected.labels[0].values);
             EXPECT_EQ(updated.reference_points, expected.reference_points);
         }
     }
+}
+
+TEST(UpdatedModel, TakesAModelOfEqualMeshesWhoseModesHoldAllVariance)
+{
+    Collection collection = test::bumpy_spheres(16, 3);
+    collection.points[3] = collection.points[2];
+    collection.points[7] = collection.points[0];
+    collection.points[9] = (1.0 + 1e-14) * collection.points[4];
+    ShapeModel old = fit_model(part(collection, 0, 12));
+    ASSERT_EQ(old.mode_count(), 8); // of 11
+    const Collection added = part(collection, 12, 16);
+    const ModelOptions options{.modes = 5};
+    expect_near(update_model(old, added, options), fit_model(collection, options));
+    old.total_variance *= 1.0 + 1e-10; // one that has lost more than rounding
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)update_model(old, added);
+              }).find("8 modes of 11"),
+              std::string::npos);
+}
+
+TEST(UpdatedModel, SaysWhatItTakesInMemory)
+{
+    const ShapeModel model =
+        fit_model(test::bumpy_spheres(10, 1)); // 9 modes, 120 edges, 42 vertices
+    EXPECT_EQ(update_memory(model, 5), 8u * (2 * 120 * (9 + 14 + 15) + 3 * 42 * 5 + 3 * 15 * 15));
+    EXPECT_EQ(update_memory(model, 5, {.modes = 3}),
+              8u * (2 * 120 * (9 + 3 + 15) + 3 * 42 * 5 + 3 * 15 * 15));
 }
 
 TEST(UpdatedModel, RefusesWhatCouldNotBeThatModel)

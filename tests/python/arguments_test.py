@@ -164,6 +164,37 @@ class Refusals(unittest.TestCase):
             "F: row 0 names vertex": lambda: ls.edges((V, F - 10**6)),
         })
 
+    def test_messages_of_the_library_name_the_arguments(self) -> None:
+        """Where its fields are called otherwise, and a few where they are not."""
+        neutral, happy = "expression=neutral", "expression=happy"
+        frames = ls.interpolate(faces[0], faces[1], frames=2)
+        self.refused(ls.InvalidInput, {
+            r"^with_dihedrals is -1, must be in \[0, 1e6\]$": lambda: faces.model(with_dihedrals=-1),
+            r"^with_positions is -2, must be in \[0, 1e6\]$": lambda: ls.groups(faces, "expression", with_positions=-2),
+            "^with_dihedrals is set, but belongs to edge space":
+                lambda: faces.model(space="procrustes", with_dihedrals=1),
+            "^with_positions is set": lambda: faces.model(space="procrustes", with_positions=1),
+            "^area_weighted is set": lambda: faces.model(space="procrustes", area_weighted=True),
+            "^coordinates is set": lambda: faces.model(space="procrustes", coordinates="log"),
+            "^to is happy, must be another group": lambda: ls.difference(faces, happy, happy),
+            "^from_ is empty, must be a label": lambda: ls.difference(faces, " =neutral", happy),
+            "^to is empty, must be a label": lambda: ls.difference(faces, neutral, " =happy"),
+            "^variance is 2, must be in": lambda: faces.model(variance=2),
+            "^variance is 0.5, must be 1 where modes": lambda: faces.model(modes=2, variance=0.5),
+            "^quality is set, but belongs to the method 'dihedral', which":
+                lambda: model.decode([1], method="closure", quality="fine"),
+            "^smoothness is set, but belongs to the method 'dihedral'":
+                lambda: smile().apply(method="multiscale", smoothness=1),
+            "^smoothness is 0, must be > 0": lambda: ls.interpolate(faces[0], faces[1], frames=2, smoothness=0),
+            "^smoothness is -1, must be > 0": lambda: ls.fit(faces[0], faces[0], smoothness=-1),
+            "^growth_smoothness is 0, must be > 0": lambda: ls.fit(faces[0], faces[0], growth_smoothness=0),
+            "^landmark_tolerance is -1, must be >= 0": lambda: ls.fit(faces[0], faces[0], landmark_tolerance=-1),
+            "^frames_per_second is 0, must be > 0": lambda: frames.write("x.glb", frames_per_second=0),
+            "^frames_per_second is 1e.07, must be in": lambda: frames.write("x.glb", frames_per_second=1e7),
+            "^tolerance is -1, must be >= 0": lambda: frames.write("x.glb", tolerance=-1),
+            "^colors: has 1 rows, the mesh has": lambda: faces[0].write("x.ply", colors=np.zeros((1, 3), np.uint8)),
+        })
+
     def test_endings_that_do_not_fit_what_is_written(self) -> None:
         frames = ls.interpolate(faces[0], faces[1], frames=2)
         with tempfile.TemporaryDirectory() as folder:

@@ -125,19 +125,34 @@ class SameBitsAsTheProgram(WithFaces):
         frames.write(self.folder / "frames.glb", tolerance=1e-9)
         self.assertEqual(len(ls.read(self.folder / "frames.glb")), 4)
 
-    def test_frames_that_the_program_follows(self) -> None:
-        """Up to 30 frames are blends of their own; what is said of more in the docstring of interpolate()."""
-        names = [f"faces/{self.faces.names[i]}.ply" for i in (0, 1)]
-        for count, options, same in (
-            (30, {}, True), (31, {}, False), (31, {"quality": "preview"}, True), (3, {"squared": True}, True),
+    def test_frames_of_paths(self) -> None:
+        """31 frames and more are a motion, whose neighbours agree on folds; fewer are blends of their own."""
+        for meshes, count, options in (
+            (2, 5, {}), (2, 30, {}), (2, 31, {}), (3, 31, {}), (2, 61, {}), (2, 31, {"quality": "preview"}),
+            (2, 31, {"squared": True}), (2, 31, {"smoothness": 0.02}), (2, 31, {"avoid_contact": True}),
+            (2, 3, {"squared": True}), (2, 3, {"method": "closure"}),
         ):
             more = ["--lengths", "squared"] if "squared" in options else []
-            more += ["--quality", options["quality"]] if "quality" in options else []
-            shape(self.folder, "interpolate", *names, "--frames", str(count), *more, "-o", "many", "--force", "--quiet")
-            wanted = [ls.read_mesh(self.folder / f"many/frame_{i:04}.ply").V for i in range(count)]
-            frames = ls.interpolate(self.faces[0], self.faces[1], frames=count, **options)
-            with self.subTest(count, **options):
-                self.assertEqual(all(np.array_equal(a.V, b) for a, b in zip(frames, wanted)), same)
+            more += ["--avoid-contact"] if "avoid_contact" in options else []
+            for option in ("quality", "smoothness", "method"):
+                more += [f"--{option}", str(options[option])] if option in options else []
+            names = [f"faces/{name}.ply" for name in self.faces.names[:meshes]]
+            shape(self.folder, "interpolate", *names, "--frames", str(count), *more, "-o", f"of{count}", "--force",
+                  "--quiet")
+            frames = ls.interpolate(self.faces[:meshes], frames=count, **options)
+            with self.subTest(meshes=meshes, count=count, **options):
+                self.assertEqual(len(frames), count)
+                for i, frame in enumerate(frames):
+                    wanted = ls.read_mesh(self.folder / f"of{count}/frame_{i:04}.ply")
+                    np.testing.assert_array_equal(frame.V, wanted.V)
+        # Which of the two it is: a blend at the same place is the same mesh, or another.
+        weights = [[1.0 - t, t] for t in (0.2, 0.4)]
+        alone = [ls.edges(mesh).lengths for mesh in ls.interpolate(self.faces[:2], weights=weights)]
+        for count, same in ((6, True), (31, False)):
+            frames = ls.interpolate(self.faces[:2], frames=count)
+            for t, lengths in zip((0.2, 0.4), alone):
+                found = ls.edges(frames[round(t * (count - 1))]).lengths
+                self.assertEqual(np.allclose(found, lengths, rtol=1e-9, atol=0), same)
 
     def test_seeds_of_patches(self) -> None:
         def of_program(seed: int, *arguments: str) -> np.ndarray:

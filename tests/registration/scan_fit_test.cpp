@@ -41,6 +41,27 @@ double rms(const Points& a, const Points& b)
     return std::sqrt((a - b).squaredNorm() / static_cast<double>(a.rows()));
 }
 
+/// On the pattern and where widened() brings them.
+LandmarkPairs five_landmarks(const TestMesh& mesh)
+{
+    const std::vector<int> vertices{0, 100, 200, 300, 400};
+    LandmarkPairs marks;
+    marks.names = {"a", "b", "c", "d", "e"};
+    marks.on_template = mesh.points(vertices, Eigen::all);
+    marks.on_scan = widened(mesh.points)(vertices, Eigen::all);
+    return marks;
+}
+
+LandmarkPairs marks_at(const std::vector<int>& vertices, const Points& here, const Points& there)
+{
+    LandmarkPairs marks;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+        marks.names.push_back(std::string(1, static_cast<char>('a' + i)));
+    marks.on_template = here(vertices, Eigen::all);
+    marks.on_scan = there(vertices, Eigen::all);
+    return marks;
+}
+
 TEST(ScanFitter, FindsTheVerticesOfAWiderShape)
 {
     const TestMesh mesh = pattern();
@@ -68,6 +89,104 @@ TEST(ScanFitter, FollowsTheScanWhereverItLiesInWhateverUnit)
     EXPECT_LT(rms(fit.points, truth), 0.02 * fit.diagonal);
 }
 
+TEST(ScanFitter, FollowsAScanThatIsFarAwayButNotTurned)
+{
+    const TestMesh mesh = pattern();
+    TestMesh scan = wide_scan();
+    const Eigen::RowVector3d away(20.0, -3.0, 5.0);
+    scan.points.rowwise() += away;
+    const ScanFit fit = ScanFitter(mesh.topology, mesh.points).fit(scan_of(scan));
+    EXPECT_EQ(fit.status, FitStatus::Good);
+    EXPECT_LT(rms(fit.points, Points(widened(mesh.points).rowwise() + away)), 0.01 * fit.diagonal);
+}
+
+TEST(ScanFitter, ALargerScanHasTheSameFitButForTheFactor)
+{
+    const TestMesh mesh = pattern();
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    const TestMesh scan = wide_scan();
+    const ScanFit known = fitter.fit(scan_of(scan));
+    EXPECT_EQ(known.status, FitStatus::Good);
+    for (const double factor : {1000.0, 0.001, 25.4, 3.0}) {
+        const ScanFit fit = fitter.fit(clean_scan(factor * scan.points, scan.topology.faces()));
+        EXPECT_EQ(fit.status, known.status) << factor;
+        EXPECT_LT((fit.points / factor - known.points).cwiseAbs().maxCoeff(), 1e-4 * known.diagonal)
+            << factor;
+        EXPECT_NEAR(fit.strain_rms, known.strain_rms, 1e-4) << factor;
+    }
+    const ScanFit in_mm = fitter.fit(clean_scan(1000.0 * scan.points, scan.topology.faces()));
+    EXPECT_EQ(in_mm.scale, 1000.0);
+    EXPECT_LT((in_mm.growth - known.growth).cwiseAbs().maxCoeff(), 1e-4);
+    const LandmarkPairs marks = five_landmarks(mesh);
+    const ScanFit marked = fitter.fit(scan_of(scan), marks);
+    const ScanFit marked_in_mm =
+        fitter.fit(clean_scan(1000.0 * scan.points, scan.topology.faces()),
+                   {marks.names, marks.on_template, 1000.0 * marks.on_scan});
+    EXPECT_EQ(marked_in_mm.status, marked.status);
+    EXPECT_LT((marked_in_mm.points / 1000.0 - marked.points).cwiseAbs().maxCoeff(),
+              1e-4 * marked.diagonal);
+}
+
+/// Nearly the same after half a turn about any of their axes; the scan is a fifth larger.
+struct HalfTurns
+{
+    TestMesh mesh = bumpy_sphere(3, 0.05, 5);
+    TestMesh scan = bumpy_sphere(4, 0.05, 8);
+    TestMesh truth = bumpy_sphere(3, 0.05, 8); // other vertices of the scan's surface
+
+    HalfTurns()
+    {
+        stretch(mesh.points, 1.4, 0.7);
+        for (TestMesh* other : {&scan, &truth}) {
+            stretch(other->points, 1.45, 0.68);
+            other->points *= 1.2;
+        }
+    }
+    static void stretch(Points& points, double by_x, double by_z)
+    {
+        points.col(0) *= by_x;
+        points.col(2) *= by_z;
+    }
+};
+
+TEST(ScanFitter, DoubtsAStartWhenATurnedOneIsNearlyAsGoodInWhateverUnit)
+{
+    const HalfTurns shapes;
+    const ScanFitter fitter(shapes.mesh.topology, shapes.mesh.points);
+    const ScanFit known = fitter.fit(scan_of(shapes.scan));
+    EXPECT_EQ(known.status, FitStatus::Check);
+    EXPECT_NE(known.start_doubt.find("degrees it fits nearly as well"), std::string::npos)
+        << known.start_doubt;
+    EXPECT_EQ(known.reasons, std::vector<std::string>{known.start_doubt});
+    // As it lies is how it is meant.
+    EXPECT_LT(rms(known.points, shapes.truth.points), 0.1 * known.diagonal);
+    for (const double factor : {1000.0, 100.0, 10.0, 3.0, 2.0, 1.3, 0.001}) {
+        const ScanFit fit =
+            fitter.fit(clean_scan(factor * shapes.scan.points, shapes.scan.topology.faces()));
+        EXPECT_EQ(fit.status, FitStatus::Check) << factor;
+        EXPECT_EQ(fit.start_doubt, known.start_doubt) << factor;
+        EXPECT_LT((fit.points / factor - known.points).cwiseAbs().maxCoeff(), 1e-4 * known.diagonal)
+            << factor;
+    }
+}
+
+TEST(ScanFitter, KeepsADoubtUntilLandmarksDispelIt)
+{
+    const HalfTurns shapes;
+    const ScanFitter fitter(shapes.mesh.topology, shapes.mesh.points);
+    const Scan scan = scan_of(shapes.scan);
+    const ScanFit first = fitter.fit(scan);
+    const ScanFit again =
+        fitter.fit_again(scan, {}, first, shape_of(shapes.mesh.topology, shapes.truth.points));
+    EXPECT_EQ(again.status, FitStatus::Check);
+    EXPECT_EQ(again.start_doubt, first.start_doubt);
+    EXPECT_EQ(std::ranges::count(again.reasons, first.start_doubt), 1);
+    const std::vector<int> vertices{351, 170}; // at the ends of two axes
+    const ScanFit marked =
+        fitter.fit(scan, marks_at(vertices, shapes.mesh.points, shapes.truth.points));
+    EXPECT_EQ(marked.start_doubt, "");
+}
+
 TEST(ScanFitter, TurnsAScanThatIsInsideOut)
 {
     const TestMesh mesh = pattern();
@@ -79,17 +198,6 @@ TEST(ScanFitter, TurnsAScanThatIsInsideOut)
     EXPECT_EQ(straight.turned_faces, 0);
     EXPECT_EQ(turned.turned_faces, scan.faces.rows());
     EXPECT_LT(rms(straight.points, turned.points), 1e-3 * straight.diagonal);
-}
-
-/// On the pattern and where widened() brings them.
-LandmarkPairs five_landmarks(const TestMesh& mesh)
-{
-    const std::vector<int> vertices{0, 100, 200, 300, 400};
-    LandmarkPairs marks;
-    marks.names = {"a", "b", "c", "d", "e"};
-    marks.on_template = mesh.points(vertices, Eigen::all);
-    marks.on_scan = widened(mesh.points)(vertices, Eigen::all);
-    return marks;
 }
 
 TEST(ScanFitter, MeetsLandmarks)
@@ -155,16 +263,6 @@ TEST(ScanFitter, FailsOnAnotherThingAltogether)
     const ScanFit triangle = fitter.fit(clean_scan(corners, one));
     EXPECT_EQ(triangle.status, FitStatus::Failed);
     EXPECT_FALSE(triangle.reasons.empty());
-}
-
-LandmarkPairs marks_at(const std::vector<int>& vertices, const Points& here, const Points& there)
-{
-    LandmarkPairs marks;
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-        marks.names.push_back(std::string(1, static_cast<char>('a' + i)));
-    marks.on_template = here(vertices, Eigen::all);
-    marks.on_scan = there(vertices, Eigen::all);
-    return marks;
 }
 
 TEST(ScanFitter, SaysWhichLandmarksWereSwappedOrLieOffTheSurface)

@@ -141,6 +141,66 @@ TEST(CrossValidate, KnowsNothingOfTheFoldItPredicts)
     EXPECT_EQ(before[1], after[1]);
 }
 
+/// Five points, twelve times each, in two groups that have all of them.
+Sample few_points()
+{
+    const MatrixXd points = test::random_matrix(5, 8, 90);
+    RowMatrix data(60, 8);
+    std::vector<std::string> groups;
+    for (Index i = 0; i < 60; ++i) {
+        data.row(i) = points.row(i % 5);
+        groups.push_back(i < 30 ? "a" : "b");
+    }
+    return {data, group_by(groups), groups_of_one(60)};
+}
+
+TEST(CrossValidate, TakesFewerModesWhereTheObservationsHaveNotSoMany)
+{
+    const Sample full = sample(85, 0.6);
+    const MatrixXd many = inner_products(full.data);
+    EXPECT_EQ(cross_validate_up_to(many, full.states, full.subjects, 8).predicted,
+              cross_validate(many, full.states, full.subjects, 8).predicted);
+    EXPECT_EQ(cross_validate_up_to(many, full.states, full.subjects, 8).modes, 8);
+
+    const Sample low = few_points();
+    const MatrixXd products = inner_products(low.data);
+    const CrossValidation found = cross_validate_up_to(products, low.states, low.subjects, 20);
+    EXPECT_EQ(found.modes, 4);
+    EXPECT_EQ(found.predicted, cross_validate(products, low.states, low.subjects, 4).predicted);
+    EXPECT_EQ(found.predicted, predicted_directly(low, low.subjects, 4));
+
+    // Where each point is of one group alone, one direction less varies within the groups.
+    Sample pure = low;
+    for (std::size_t i = 0; i < 60; ++i)
+        pure.states.group_of[i] = i % 5 < 2 ? 0 : 1;
+    const CrossValidation apart = cross_validate_up_to(products, pure.states, pure.subjects, 20);
+    EXPECT_EQ(apart.modes, 3);
+    EXPECT_EQ(apart.predicted, predicted_directly(pure, pure.subjects, 3));
+    EXPECT_THROW((void)cross_validate(products, pure.states, pure.subjects, 4), NumericalError);
+    for (std::size_t i = 0; i < 60; ++i) // two points, a group each: nothing varies within them
+        pure.data.row(static_cast<Index>(i)) = low.data.row(pure.states.group_of[i]);
+    EXPECT_THROW(
+        (void)cross_validate_up_to(inner_products(pure.data), pure.states, pure.subjects, 20),
+        NumericalError);
+}
+
+TEST(CrossValidate, LearnsNoComponentThatAFoldTakesAwayWithIt)
+{
+    Sample s = few_points(); // one observation alone leaves the span of the others
+    s.data.row(7) += 0.1 * test::random_matrix(1, 8, 91).row(0);
+    const MatrixXd products = inner_products(s.data);
+    EXPECT_EQ(cross_validate_up_to(products, s.states, s.subjects, 20).modes, 4);
+    const std::string message = test::message_of<InvalidInput>(
+        [&] { (void)cross_validate(products, s.states, s.subjects, 5); });
+    EXPECT_EQ(message,
+              "cross-validation: modes is 5, but without fold '7' there are 59 observations of 4 "
+              "components in 2 groups; it must be at most 4");
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  (void)cross_validate(MatrixXd::Zero(60, 60), s.states, s.subjects, 1);
+              }).find("all observations are equal"),
+              std::string::npos);
+}
+
 TEST(CrossValidate, HasTheSameBitsForAnyThreadCount)
 {
     const Sample s = sample(70, 0.3);
@@ -178,8 +238,8 @@ TEST(CrossValidate, SaysWhatIsWrong)
         message(s.states, s.states, 3),
         "cross-validation: without fold 'calm' nothing is left of group 'calm' to learn from");
     EXPECT_EQ(message(s.states, s.subjects, 55),
-              "cross-validation: modes is 55, but without fold '0' there are 57 observations in 3 "
-              "groups; it must be at most 40");
+              "cross-validation: modes is 55, but without fold '0' there are 57 observations of 40 "
+              "components in 3 groups; it must be at most 40");
     EXPECT_NE(message(one_group(60), s.subjects, 3).find("1 group,"), std::string::npos);
     EXPECT_NE(message(s.states, one_group(60), 3).find("1 fold,"), std::string::npos);
     EXPECT_NE(message(s.states, s.subjects, 0).find("0 modes"), std::string::npos);

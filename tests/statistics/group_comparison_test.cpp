@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
 #include <cmath>
 
 #include "libshape/base/error.h"
@@ -22,6 +23,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 using Labels = std::vector<std::string>;
 
 GroupComparison compare(const RowMatrix& data, const Labels& groups, const Grouping& blocks,
@@ -85,6 +87,8 @@ TEST(CompareGroups, ComparesTheMeansOfNestedBlocks)
     EXPECT_NEAR(nested.overall.f, direct.overall.f, 1e-11);
     EXPECT_EQ(nested.overall.p_value, direct.overall.p_value);
     EXPECT_EQ(nested.overall.residual_degrees_of_freedom, 4);
+    EXPECT_NEAR(nested.pairs[0].distance, direct.pairs[0].distance, 1e-13);
+    EXPECT_EQ(nested.left_out, 0);
 }
 
 TEST(CompareGroups, LeavesBlocksOfOneGroupOutOfACrossedDesign)
@@ -97,6 +101,29 @@ TEST(CompareGroups, LeavesBlocksOfOneGroupOutOfACrossedDesign)
                                           group_by({"1", "1", "2", "2", "3", "3"}));
     EXPECT_NEAR(all.overall.f, pairs.overall.f, 1e-11);
     EXPECT_EQ(all.overall.p_value, pairs.overall.p_value);
+    EXPECT_NEAR(all.pairs[0].distance, pairs.pairs[0].distance, 1e-13);
+    EXPECT_EQ(all.left_out, 2);
+    EXPECT_EQ(pairs.left_out, 0);
+}
+
+TEST(CompareGroups, MeasuresTheDifferenceWithinBlocksHoweverOftenEachWasMeasured)
+{
+    // The same difference in all, up to whom subjects are; most scans before are of the first.
+    const Labels groups{"a", "a", "a", "a", "b", "a", "b", "b", "b", "a", "b"};
+    const Labels blocks{"1", "1", "1", "1", "1", "2", "2", "2", "2", "3", "3"};
+    const RowMatrix subjects = 10.0 * test::random_matrix(3, 4, 15);
+    const RowMatrix scans = test::random_matrix(11, 4, 16);
+    RowMatrix data(11, 4);
+    for (std::size_t i = 0; i < 11; ++i) {
+        const auto row = static_cast<Index>(i);
+        data.row(row) = scans.row(row) + subjects.row(std::stoi(blocks[i]) - 1);
+    }
+    const Eigen::RowVectorXd difference =
+        ((data.row(4) - data.topRows(4).colwise().mean()) +
+         (data.middleRows(6, 3).colwise().mean() - data.row(5)) + (data.row(10) - data.row(9))) /
+        3.0;
+    EXPECT_NEAR(compare(data, groups, group_by(blocks)).pairs[0].distance, difference.norm(),
+                1e-12);
 }
 
 TEST(CompareGroups, TakesCovariatesIntoAccount)
@@ -117,6 +144,21 @@ TEST(CompareGroups, TakesCovariatesIntoAccount)
                        {.permutations = 99});
     EXPECT_GT(adjusted.overall.p_value, 0.05);
     EXPECT_EQ(adjusted.overall.residual_degrees_of_freedom, count - 3);
+    MatrixXd columns(count, 3);
+    columns << indicators(group_by(groups)), covariate;
+    const MatrixXd fitted = columns.completeOrthogonalDecomposition().solve(MatrixXd(data));
+    EXPECT_NEAR(adjusted.pairs[0].distance, (fitted.row(0) - fitted.row(1)).norm(), 1e-12);
+    EXPECT_LT(adjusted.pairs[0].distance,
+              0.1 * compare(data, groups, groups_of_one(count)).pairs[0].distance);
+    // Ages of people say nothing within them, and so nothing of others.
+    const Labels states{"a", "b", "a", "b", "a", "b", "a", "b", "c", "c", "c", "c"};
+    const Labels people{"1", "1", "2", "2", "3", "3", "4", "4", "5", "6", "7", "8"};
+    const VectorXd ages = (VectorXd(12) << 1, 1, 2, 2, 5, 5, 3, 3, 6, 4, 9, 7).finished();
+    const GroupComparison open = compare_groups(inner_products(data.topRows(12)), group_by(states),
+                                                group_by(people), ages, {.permutations = 9});
+    EXPECT_GT(open.pairs[0].distance, 0.0);
+    EXPECT_TRUE(std::isnan(open.pairs[1].distance));
+    EXPECT_EQ(open.pairs[1].test.residual_degrees_of_freedom, 5);
 }
 
 TEST(CompareGroups, LeavesAPairWithoutDegreesOfFreedomUntested)

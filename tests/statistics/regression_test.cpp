@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/statistics/inner_products.h"
 #include "libshape/statistics/linear_model.h"
+#include "tests/support/files.h"
 #include "tests/support/matrices.h"
 
 namespace shape {
@@ -94,6 +95,13 @@ TEST(Regress, RefusesWhatBreaksARule)
     EXPECT_THROW((void)regress(data, bad), InvalidInput);
     bad.col(1) = 3.0 * bad.col(0).array() + 1.0;
     EXPECT_THROW((void)regress(data, bad), InvalidInput);
+    for (const double unit : {1e300, 1e-300}) {
+        bad = good;
+        bad.col(1) *= unit;
+        EXPECT_NE(
+            test::message_of<InvalidInput>([&] { (void)regress(data, bad); }).find("overflow"),
+            std::string::npos);
+    }
 }
 
 } // namespace

@@ -54,11 +54,14 @@ SumQuestions questions()
         parts.part_of.push_back(i < 10 ? i : 10 + i % 2);
     }
     parts.weights = Eigen::VectorXd::LinSpaced(static_cast<Index>(parts.points.size()), -1.0, 2.0);
+    PartSums from_references = parts;
+    from_references.taken = test::random_matrix(12, 2, 5);
     return {{family(700, {{1, all}}), family(3, {{2, few}, {1, all}})},
-            {parts},
+            {parts, from_references},
             group_by({"a", "b", "b", "c", "a", "a", "a", "a", "a", "a", "a", "a", "a", "a",
                       "a", "a", "a", "a", "a", "a", "b", "b", "b", "b", "b", "b", "b", "b",
-                      "b", "b", "b", "b", "b", "b", "b", "b", "b", "b", "b", "b"})};
+                      "b", "b", "b", "b", "b", "b", "b", "b", "b", "b", "b", "b"}),
+            test::random_matrix(40, 2, 6)};
 }
 
 /// From passes in tiles of 7; counts them.
@@ -75,7 +78,8 @@ SumAnswers in_passes(const RowMatrix& points, const SumQuestions& asked, std::ui
         for (Index first = 0; first < points.rows(); first += 7)
             visit(first, points.middleRows(first, std::min<Index>(7, points.rows() - first)));
     };
-    return answer({points.rows(), points.cols(), pass, means}, asked, memory);
+    const RowMatrix references = asked.references.transpose() * points;
+    return answer({points.rows(), points.cols(), pass, means, references}, asked, memory);
 }
 
 void expect_near(const SumAnswers& a, const SumAnswers& b, double tolerance)
@@ -126,6 +130,25 @@ TEST(StreamedSums, OfPointsInMemoryAreTheSame)
     asked.groups.reset();
     SumAnswers expected = answer(inner_products(points), asked);
     expect_near(answer_in_memory(points, asked), expected, 1e-11);
+}
+
+TEST(StreamedSums, OfPartsAreMeasuredFromReferences)
+{
+    const RowMatrix points = test::random_matrix(5, 4, 4);
+    PartSums parts{{0, 1, 3}, {0, 0, 1}, Eigen::Vector3d(0.5, 0.5, 1.0), 2};
+    parts.taken = (Eigen::MatrixXd(2, 2) << 1.0, -2.0, 0.0, 3.0).finished();
+    Eigen::MatrixXd references = Eigen::MatrixXd::Zero(5, 2);
+    references(4, 0) = 1.0;
+    references.col(1).setConstant(0.2);
+    const SumQuestions asked{{}, {parts}, {}, references};
+    const Eigen::RowVectorXd mean = points.colwise().mean();
+    const Eigen::RowVectorXd first =
+        0.5 * (points.row(0) + points.row(1)) - points.row(4) + 2.0 * mean;
+    for (const SumAnswers& found :
+         {answer_in_memory(points, asked), answer(inner_products(points), asked)}) {
+        EXPECT_NEAR(found.parts[0][0], first.squaredNorm(), 1e-12);
+        EXPECT_NEAR(found.parts[0][1], (points.row(3) - 3.0 * mean).squaredNorm(), 1e-12);
+    }
 }
 
 TEST(StreamedSums, OfNoPointAreZero)

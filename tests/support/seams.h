@@ -2,13 +2,15 @@
 
 #pragma once
 
+#include <cmath>
+
 #include "libshape/base/to_size.h"
 #include "tests/support/meshes.h"
 
 namespace shape::test {
 
-/// A closed mesh around the origin cut open along half of its equator: the faces above take a vertex
-/// of their own, appended, for every vertex of the rim with y > 0. What exporters do along a seam.
+/// A closed mesh around the origin cut open along half of its equator (or all of it, into two patches): the faces above
+/// take a vertex of their own, appended, for every vertex of the rim with y > 0. What exporters do along a seam.
 struct CutMesh
 {
     Faces faces;
@@ -21,7 +23,7 @@ struct CutMesh
     }
 };
 
-[[nodiscard]] inline CutMesh cut_along_the_equator(const TestMesh& mesh)
+[[nodiscard]] inline CutMesh cut_along_the_equator(const TestMesh& mesh, bool into_patches = false)
 {
     const Faces& faces = mesh.topology.faces();
     const auto is_above = [&](Eigen::Index f) {
@@ -38,7 +40,7 @@ struct CutMesh
     for (int v = 0; v < mesh.points.rows(); ++v)
         cut.vertices.push_back(v);
     for (int v = 0; v < mesh.points.rows(); ++v)
-        if (sides[internal::to_size(v)] == 3 && mesh.points(v, 1) > 1e-9) {
+        if (sides[internal::to_size(v)] == 3 && (into_patches || mesh.points(v, 1) > 1e-9)) {
             copy[internal::to_size(v)] = static_cast<int>(cut.vertices.size());
             cut.vertices.push_back(v);
         }
@@ -47,6 +49,17 @@ struct CutMesh
             if (const int own = copy[internal::to_size(faces(f, c))]; is_above(f) && own >= 0)
                 cut.faces(f, c) = own;
     return cut;
+}
+
+/// As scanners have it, in single precision far from the origin, the last vertices one number further in every
+/// coordinate: what exporters leave where patches meet.
+[[nodiscard]] inline Points in_scanner_coordinates(const Points& points, int last)
+{
+    Points moved = points.rowwise() + Eigen::RowVector3d(150.0, -220.0, 900.0);
+    moved = moved.cast<float>().cast<double>();
+    for (double& x : moved.bottomRows(last).reshaped())
+        x = std::nextafter(static_cast<float>(x), 1e9F);
+    return moved;
 }
 
 /// The mesh in a mirror: x changes its sign, the faces stay.

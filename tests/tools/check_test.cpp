@@ -85,6 +85,68 @@ TEST_F(Check, SeamsAreSaidAndRepaired)
     EXPECT_EQ(repaired.points[5], sphere(5).points);
 }
 
+TEST_F(Check, PatchesThatMeetWithinRoundingAreWeldedAndNoneIsThrownAway)
+{
+    const CutMesh cut = cut_along_the_equator(sphere(0), true);
+    const int doubled = cut.doubled(sphere(0).points);
+    for (unsigned i = 0; i < 7; ++i)
+        write_mesh(folder_ / join("set/m", i, ".stl"),
+                   in_scanner_coordinates(8.0 * cut.points(sphere(i).points), doubled), cut.faces,
+                   MeshFormat::Stl);
+    for (unsigned i = 0; i < 7; ++i)
+        std::filesystem::remove(folder_ / join("set/m", i, ".ply"));
+    const Outcome outcome = shape({"check", "set"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_NE(outcome.out.find(join(2 * doubled, " of ", 162 + doubled, " vertices lie on others")),
+              std::string::npos)
+        << outcome.out;
+    const Collection repaired = fixed();
+    EXPECT_TRUE(repaired.topology.is_closed());
+    EXPECT_EQ(repaired.topology.face_count(), 320);
+}
+
+TEST_F(Check, PatchesThatNearlyMeetAreSaidAndNoneIsThrownAway)
+{
+    const CutMesh cut = cut_along_the_equator(sphere(0), true);
+    for (unsigned i = 0; i < 7; ++i) {
+        Points points = cut.points(sphere(i).points);
+        points.bottomRows(cut.doubled(sphere(0).points)).array() += 1e-5;
+        write(i, points, cut.faces);
+    }
+    EXPECT_NE(shape({"check", "set"}).out.find("vertices lie near others, up to "),
+              std::string::npos);
+    const Outcome outcome = shape({"check", "set", "--fix", "repaired"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    for (const char* said : {"0 meshes written, 0 changes", "all 2 pieces, as 1 meets the largest",
+                             "left to repair: m0 (not written): several_components"})
+        EXPECT_NE(outcome.err.find(said), std::string::npos) << said << "\n" << outcome.err;
+    EXPECT_FALSE(folder_.has("repaired"));
+}
+
+TEST_F(Check, ASeamThatNearlyCloses)
+{
+    const CutMesh cut = cut_along_the_equator(sphere(0));
+    const auto write_apart = [&](unsigned i, double share) {
+        Points points = cut.points(sphere(i).points);
+        points.bottomRows(cut.doubled(sphere(0).points)).col(0).array() +=
+            share * bounding_box_diagonal(points);
+        write(i, points, cut.faces);
+    };
+    for (unsigned i = 0; i < 7; ++i)
+        write_apart(i, 1e-6);
+    expect_said("near_seam", {"boundary vertices lie near one another, up to 1e-06 of the diagonal",
+                              "merge vertices by that distance"});
+    for (unsigned i = 0; i < 5; ++i)
+        write_apart(i, 0.01);
+    const Json figures = run({"check", "set"});
+    EXPECT_TRUE(figures["warnings"].empty()) << figures["warnings"].dump();
+    EXPECT_EQ(figures["suspicious"], 2);
+    EXPECT_EQ(figures["meshes"][6]["warnings"][0]["kind"], "touching");
+    EXPECT_NE(figures["meshes"][6]["warnings"][0]["message"].get<std::string>().find(
+                  "lie on others or up to 1e-06 of the diagonal away in this mesh"),
+              std::string::npos);
+}
+
 TEST_F(Check, TheSlitDoublePyramidOfTwoMeshesIsASeam)
 {
     const std::string faces =
@@ -176,7 +238,7 @@ TEST_F(Check, OtherUnitsAreSaidAndRepaired)
     write(1, 1000.0 * sphere(1).points, sphere(1).topology.faces());
     write(6, 1000.0 * sphere(6).points, sphere(6).topology.faces());
     expect_said("size", {"m1 and m6 are ", "millimetres and metres",
-                         "(" + repair + " scales by units where the ratio leaves no doubt)"});
+                         "(" + repair + " scales by 10, 100 and 1000 where that leaves no doubt)"});
     EXPECT_TRUE(fixed().points[6].isApprox(sphere(6).points, 1e-12));
 }
 
@@ -190,6 +252,40 @@ TEST_F(Check, CopiesUnderOtherNamesAreSaid)
     EXPECT_EQ(figures["suspicious"], 2);
     const std::string said = figures["warnings"][0]["message"];
     EXPECT_TRUE(said.starts_with("m3, m4 and m5 are copies of one mesh")) << said;
+}
+
+TEST_F(Check, NamesThatATableTakesForOneAreSaid)
+{
+    const TestMesh other = sphere(9);
+    write_mesh(folder_ / "set/m0 .ply", other.points, other.topology.faces(), MeshFormat::Ply);
+    expect_said("names_alike", {"set/m0.ply", "set/m0 .ply", "composition of accents alone"});
+    EXPECT_EQ(run({"check", "set"})["suspicious"], 2);
+}
+
+TEST_F(Check, CopiesThatWereRoundedAreSaidByAppendingToo)
+{
+    EXPECT_EQ(shape({"collect", "set", "-o", "c.h5"}).exit_code, 0);
+    std::filesystem::create_directory(folder_ / "more");
+    const Points text = (1e4 * sphere(5).points).array().round() / 1e4;
+    write_mesh(folder_ / "more/text.obj", text, sphere(5).topology.faces(), MeshFormat::Obj);
+    Points single = sphere(4).points.rowwise() + Eigen::RowVector3d(0, 0, 900);
+    single = single.cast<float>().cast<double>();
+    write_mesh(folder_ / "more/moved.ply", single, sphere(4).topology.faces(), MeshFormat::Ply);
+    write_mesh(folder_ / "more/other.ply", sphere(9).points, sphere(9).topology.faces(),
+               MeshFormat::Ply);
+    const Outcome together = shape({"check", "set", "more"});
+    const Outcome appended = shape({"collect", "more", "--append", "-o", "c.h5"});
+    EXPECT_EQ(appended.exit_code, 0) << appended.err;
+    for (const char* copies : {"m4 and moved are copies of one mesh, in place or moved, up to ",
+                               "m5 and text are copies of one mesh, in place or moved, up to "}) {
+        EXPECT_NE(together.out.find(copies), std::string::npos) << together.out;
+        EXPECT_NE(appended.err.find(copies), std::string::npos) << appended.err;
+    }
+    // What the collection held before is not said again.
+    write_mesh(folder_ / "late.ply", sphere(10).points, sphere(10).topology.faces(),
+               MeshFormat::Ply);
+    const Outcome late = shape({"collect", "late.ply", "--append", "-o", "c.h5"});
+    EXPECT_EQ(late.err.find("copies"), std::string::npos) << late.err;
 }
 
 TEST_F(Check, ExchangedVerticesAreSaid)
@@ -238,6 +334,102 @@ TEST_F(Check, FixSplitsIntoPartsThatCorrespondToTheSamePartAlone)
     EXPECT_EQ(
         files_in(folder_ / "parts"),
         (std::vector<std::string>{"a_part1.ply", "a_part2.ply", "b_part1.ply", "b_part2.ply"}));
+}
+
+TEST_F(Check, FixLeavesWhatItWouldHaveToGuess)
+{
+    // Permuted vertices under the same faces, mirrored and in another unit, and two kinds that differ by 2.5.
+    std::vector<int> order;
+    for (int v = 0; v < 162; ++v)
+        order.push_back(v * 7 % 162);
+    const Points permuted = 1000.0 * sphere(3).points(order, Eigen::all);
+    write(3, permuted, sphere(3).topology.faces());
+    EXPECT_EQ(shape({"check", "set"}).out.find("mirror image"), std::string::npos);
+    Outcome outcome = shape({"check", "set", "--fix", "repaired"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("7 meshes written, 0 changes"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("left as it is: m3: far from all others"), std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(read_mesh(folder_ / "repaired/m3.ply").points, permuted);
+    for (unsigned i = 0; i < 7; ++i)
+        write(i, (i < 3 ? 2.54 : 1.0) * sphere(i).points, sphere(i).topology.faces());
+    outcome = shape({"check", "set", "--fix", "kinds"});
+    EXPECT_NE(outcome.err.find("7 meshes written, 0 changes"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("m0, m1 and m2: not scaled, 2.5"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("centimetres and inches (times 0.394), or a real difference"),
+              std::string::npos)
+        << outcome.err;
+}
+
+TEST_F(Check, FixKeepsTheLabelsOfACollectionInATableBesideItsMeshes)
+{
+    EXPECT_EQ(shape({"collect", "set", "-o", "c.h5"}).exit_code, 0);
+    Collection collection = read_collection(folder_ / "c.h5");
+    collection.names[2] = "a/b";
+    collection.labels = {{"sex", {"f", "m", "f", "m", "f", "m", ""}}};
+    write_collection(folder_ / "l.h5", collection);
+    const Json fix = run({"check", "l.h5", "set/m2.ply", "--fix", "repaired"})["fix"];
+    EXPECT_EQ(fix["outputs"].back(), "repaired/labels.csv");
+    EXPECT_EQ(folder_.read("repaired/labels.csv"),
+              "mesh,sex\nm0,f\nm1,m\na_b,f\nm3,m\nm4,f\nm5,m\nm6,\nm2,\n");
+    EXPECT_NE(shape({"check", "l.h5", "--fix", "again"}).err.find("labels: again/labels.csv"),
+              std::string::npos);
+    EXPECT_EQ(
+        shape({"collect", "repaired", "-o", "r.h5", "--labels", "repaired/labels.csv"}).exit_code,
+        0);
+    EXPECT_EQ(read_collection(folder_ / "r.h5").names[0], "a_b");
+    EXPECT_EQ(read_collection(folder_ / "r.h5").labels[0].values[0], "f");
+    (void)run({"check", "set", "--fix", "plain"});
+    EXPECT_FALSE(folder_.has("plain/labels.csv"));
+}
+
+TEST_F(Check, FixKeepsTheLabelsOfTheParts)
+{
+    const TestMesh whole = sphere(0);
+    Points points(whole.points.rows() + 3, 3);
+    points << whole.points, 9.0 * Eigen::Matrix3d::Identity();
+    Faces faces(whole.topology.face_count() + 1, 3);
+    faces << whole.topology.faces(), Eigen::RowVector3i(162, 163, 164);
+    write_mesh(folder_ / "two.ply", points, faces, MeshFormat::Ply);
+    Collection collection{whole.topology, {"one_part1"}, {whole.points}, {{"sex", {"m"}}}};
+    write_collection(folder_ / "l.h5", collection);
+    (void)shape({"check", "l.h5", "two.ply", "--fix", "parts", "--components", "split"});
+    EXPECT_EQ(folder_.read("parts/labels.csv"), "mesh,sex\none_part1,m\ntwo_part1,\ntwo_part2,\n");
+}
+
+TEST_F(Check, FixNamesWhatHasNoNameOfItsOwnByItsPath)
+{
+    std::filesystem::create_directory(folder_ / "other");
+    write_mesh(folder_ / "other/m1.ply", sphere(9).points,
+               reversed_faces(sphere(9).topology.faces()), MeshFormat::Ply);
+    const Outcome outcome = shape({"check", "set", "other", "--fix", "repaired"});
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_NE(outcome.err.find("7 meshes written, 0 changes"), std::string::npos) << outcome.err;
+    EXPECT_NE(
+        outcome.err.find("left to repair: other/m1.ply (not written): repeated_name: the mesh "
+                         "of set/m1.ply is called 'm1' too; rename one of the files"),
+        std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(read_mesh(folder_ / "repaired/m1.ply").points, sphere(1).points);
+}
+
+TEST_F(Check, FixTakesADirectoryAndNoFile)
+{
+    const auto before = folder_.content();
+    for (const char* file : {"f.h5", "f.PLY", "repaired/f.obj", "f.csv"}) {
+        const Outcome outcome = shape({"check", "set", "--fix", file});
+        EXPECT_EQ(outcome.exit_code, 2) << file;
+        EXPECT_NE(outcome.err.find(join("--fix: '", file,
+                                        "' has the ending of a file; name a "
+                                        "directory")),
+                  std::string::npos)
+            << outcome.err;
+    }
+    EXPECT_EQ(folder_.content(), before);
+    for (const char* directory : {"v1.2", "g.ply/"})
+        EXPECT_EQ(shape({"check", "set", "--fix", directory}).exit_code, 0) << directory;
+    EXPECT_EQ(files_in(folder_ / "g.ply").size(), 7U);
+    EXPECT_EQ(shape({"check", "set", "--fix", "g.ply", "--force"}).exit_code, 0); // it is one
 }
 
 TEST_F(Check, FixNeverWritesBesideTheInput)

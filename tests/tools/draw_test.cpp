@@ -4,12 +4,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "tests/tools/program.h"
 
 namespace shape::test {
+using namespace internal;
 namespace {
 
 using Arguments = std::vector<std::string>;
@@ -91,12 +93,113 @@ TEST_F(ColouredMeshes, AreRefusedWithoutValues)
         return all;
     };
     expect_refused(with({"a.ply"}), 3, "'heat'");
-    expect_refused(with({"a.obj"}), 3, "only PLY");
+    expect_refused(with({"a.obj"}), 3, "PLY files alone");
     expect_refused(with({"f.h5"}), 3, "--color-by needs PLY");
     expect_refused(with({"hot.ply", "--color-range", "3"}), 2, "LOW:HIGH");
     expect_refused(with({"hot.ply", "--color-range", "3:x"}), 2, "--color-range");
     expect_refused(with({"hot.ply", "--color-range", "3:2"}), 2, "below");
     expect_refused({"draw", "hot.ply", "-o", "x.svg", "--color-range", "1:2"}, 2, "--color-by");
+}
+
+TEST_F(ColouredMeshes, MayBeColouredByACoordinate)
+{
+    const NamedMesh mesh = read_mesh(folder_ / "a.ply");
+    (void)figures({"draw", "a.ply", "--color-by", "z", "-o", "z.svg"});
+    const double low = mesh.points.col(2).minCoeff();
+    const double high = mesh.points.col(2).maxCoeff();
+    const double reach = std::max(-low, high);
+    EXPECT_EQ(figures({"draw", "a.ply", "--color-by", "z", "-o", "z.png"})["color_range"],
+              Json({-reach, reach}));
+    expect_refused({"draw", "a.ply", "--color-by", "heat", "-o", "x.svg"}, 3,
+                   "'heat'; they have x, y and z");
+}
+
+TEST_F(ColouredMeshes, AreGreyWhereThereIsNoValue)
+{
+    const auto write = [&](const std::string& file, const std::string& first,
+                           const std::string& rest) {
+        folder_.write(file,
+                      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                      "property float y\nproperty float z\nproperty float heat\n"
+                      "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+                      "0 0 0 " +
+                          first + "\n1 0 0 " + rest + "\n0 1 0 " + rest + "\n0 0 1 " + rest +
+                          "\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+    };
+    write("some.ply", "-nan(ind)", "3");
+    write("none.ply", "nan", "nan");
+    const Outcome some = run({"draw", "some.ply", "none.ply", "--color-by", "heat", "-o", "s.svg"});
+    EXPECT_EQ(some.exit_code, 0) << some.err;
+    EXPECT_NE(some.err.find("heat: 5 of 8 vertices have no finite value and are grey"),
+              std::string::npos)
+        << some.err;
+    EXPECT_NE(some.err.find("colours from 3 to 6"), std::string::npos) << some.err;
+    const Json none = figures({"draw", "none.ply", "--color-by", "heat", "-o", "n.svg"});
+    EXPECT_FALSE(none.contains("color_range"));
+    EXPECT_EQ(folder_.read("n.svg").find(">heat<"), std::string::npos); // no bar of colours
+}
+
+/// A picture of two meshes above a plot of scores.
+class DrawnScores : public ColouredMeshes
+{
+protected:
+    [[nodiscard]] Outcome draw(const std::string& table, const std::string& color_by = "") const
+    {
+        folder_.write("s.csv", table);
+        Arguments arguments{"draw", "a.ply", "b.ply", "--scores", "s.csv", "-o", "x.svg"};
+        if (!color_by.empty())
+            arguments.insert(arguments.end(), {"--color-by", color_by});
+        return run(arguments);
+    }
+    void expect_legend(const std::vector<std::string>& there,
+                       const std::vector<std::string>& missing) const
+    {
+        const std::string picture = folder_.read("x.svg");
+        for (const std::string& text : there)
+            EXPECT_NE(picture.find(">" + text + "<"), std::string::npos) << text;
+        for (const std::string& text : missing)
+            EXPECT_EQ(picture.find(">" + text + "<"), std::string::npos) << text;
+        std::filesystem::remove(folder_ / "x.svg");
+    }
+    void expect_refused_scores(const std::string& table, const char* said,
+                               const std::string& color_by = "") const
+    {
+        const Outcome outcome = draw(table, color_by);
+        EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+        EXPECT_NE(outcome.err.find(said), std::string::npos) << outcome.err;
+        EXPECT_FALSE(folder_.has("x.svg"));
+    }
+};
+
+TEST_F(DrawnScores, AreColouredByTheRulesOfLabels)
+{
+    EXPECT_EQ(draw("mesh, sex ,size,residual,pc1,pc2\na,NA,1,0,1,2\nb,nan,1,0,2,1\nc, f,1,0,0,1\n"
+                   "d,f ,1, 0 , 3 ,1\ne,.,1,0,3,2\nf,m,1,0,3,3\n,,,,,\n",
+                   "sex")
+                  .exit_code,
+              0);
+    expect_legend({"no value", "f", "m"}, {"NA", "nan", ".", " f"});
+    std::string ages = "mesh,size,residual,pc1,pc2,age\n"; // behind the scores, as people add it
+    for (int i = 0; i < 9; ++i)
+        ages += join("m", i, ",1,0,", i, ",", i * i, ",", i == 4 ? "NA" : join(20 + i), "\n");
+    const Outcome scale = draw(ages, "age");
+    EXPECT_EQ(scale.exit_code, 0) << scale.err;
+    expect_legend({"age"}, {"21", "NA", "no value"});
+    const Outcome alike = draw("mesh,sex,residual,pc1,pc2\na,f,0,1,2\nb,F,0,2,1\n", "sex");
+    EXPECT_NE(alike.err.find("s.csv: label 'sex' has the values 'f' and 'F'"), std::string::npos)
+        << alike.err;
+    expect_legend({"f", "F"}, {});
+}
+
+TEST_F(DrawnScores, AreOfOneRowAMesh)
+{
+    const std::string head = "mesh,residual,pc1,pc2\n";
+    expect_refused_scores(head + "a,0,1,2\nb,0,2,1\n a ,0,1,2\n", "s.csv: mesh 'a' occurs twice");
+    expect_refused_scores(head + "a,0,1,x\n", "s.csv, mesh a, column pc2: 'x'");
+    expect_refused_scores(head + "a,0,NA,1\n", "s.csv, mesh a, column pc1: the number is missing");
+    expect_refused_scores(head, "no scores");
+    expect_refused_scores(head + "a,0,1,2\n", "no column 'sex'; there are mesh, residual, pc1",
+                          "sex");
 }
 
 /// Effects of four subjects with two moods each.

@@ -80,6 +80,37 @@ TEST_F(Fit, ScansWithoutLandmarksAreNamedWithThoseOfNoScan)
         << told.err;
 }
 
+TEST_F(Fit, PassesOverLandmarksThatAreNotToBeSeen)
+{
+    const Points pattern = points("pattern.ply"), scan = points("scans/s0.ply");
+    const auto row = [](const std::string& start, const Points& of, int v) {
+        std::string text = start;
+        for (int k = 0; k < 3; ++k)
+            text += "," + print_number(of(v, k));
+        return text + "\n";
+    };
+    std::string marks = "scan, name,vertex,x,y,z\n";
+    // Of the template: by place, by vertex alone, and one that it does not have.
+    for (const int v : {0, 100, 200})
+        marks += row("pattern,l" + std::to_string(v) + ",", pattern, v);
+    marks += "pattern,l300,300,,,\npattern,l400,NA,NA,NA,NA\n";
+    for (const int v : {0, 100, 200, 300, 400})
+        marks += row(" s0 , l" + std::to_string(v) + ",", scan, v);
+    marks += "s0,l500,500,NaN,NA, \n,,,,,\n";
+    folder_.write("marks.csv", marks);
+    const Arguments arguments{"fit",    "pattern.ply", "scans/s0.ply", "-o",
+                              "marked", "--landmarks", "marks.csv"};
+    const Outcome told = outcome(arguments);
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    EXPECT_NE(told.err.find("2 landmarks have no coordinates and are passed over, first 'l400' of "
+                            "pattern"),
+              std::string::npos)
+        << told.err;
+    const Json report = Json::parse(folder_.read("marked/fit.json"));
+    EXPECT_EQ(report["scans"][0]["landmarks"], 4);
+    EXPECT_EQ(report["scans"][0]["status"], "good");
+}
+
 TEST_F(Fit, WritesACollectionWithoutWhatFailed)
 {
     Points corners(3, 3);
@@ -140,6 +171,23 @@ TEST_F(Fit, FitsScansThatWereMadeUp)
     EXPECT_EQ(fits["scans"][0]["landmarks"], 8);
     EXPECT_EQ(outcome({"synth", "torus", "--noise", "0.1", "-o", "t"}).exit_code, 2);
     EXPECT_EQ(outcome({"synth", "scans", "--of", "faces", "--count", "3", "-o", "t"}).exit_code, 2);
+}
+
+TEST_F(Fit, SaysWhichScansHaveNamesThatATableTakesForOne)
+{
+    write("scans/s0 .ply", points("scans/s1.ply"), read_mesh(folder_ / "scans/s1.ply").faces);
+    const Outcome told = outcome({"fit", "pattern.ply", "scans", "-o", "fitted"});
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    for (const char* said : {"'scans/s0.ply'", "'scans/s0 .ply'", "differ by outer blanks"})
+        EXPECT_NE(told.err.find(said), std::string::npos) << told.err;
+    // Equal names are refused, also those of scans of another shard.
+    std::filesystem::create_directory(folder_ / "more");
+    write("more/s0.ply", points("scans/s1.ply"), read_mesh(folder_ / "scans/s1.ply").faces);
+    const Outcome refused = outcome(
+        {"fit", "pattern.ply", "scans/s0.ply", "more/s0.ply", "-o", "out", "--shard", "1/2"});
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.err.find("more/s0.ply: two scans are named 's0'"), std::string::npos)
+        << refused.err;
 }
 
 TEST_F(Fit, NamesNoReportThatIsNotKept)

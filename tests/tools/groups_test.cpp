@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 
+#include <Eigen/QR>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -7,6 +8,7 @@
 #include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/table_file.h"
+#include "tests/support/matrices.h"
 #include "tests/support/meshes.h"
 #include "tests/tools/program_test.h"
 
@@ -133,6 +135,118 @@ TEST_F(Groups, OfSubjectsAreComparedByTheirMeans)
                            "calm.csv", "--space", "procrustes"});
     EXPECT_EQ(calm["meshes"], 6);
     EXPECT_EQ(calm["space"], "procrustes");
+}
+
+TEST_F(Groups, OfRepeatedScansCountEverySubjectOnceInAllFigures)
+{
+    folder_.write("scans/.keep", "");
+    std::string labels = "mesh,person,sex\n";
+    RowMatrix people(6, 120);
+    Eigen::VectorXd sizes(6);
+    const std::vector<int> counts{3, 1, 1, 2, 2, 4};
+    for (unsigned person = 0; person < 6; ++person) {
+        people.row(person).setZero();
+        sizes[person] = 0.0;
+        for (int k = 0; k < counts[person]; ++k) {
+            TestMesh mesh = bumpy_sphere(1, 0.2, person + 1);
+            mesh.points +=
+                0.01 * random_matrix(mesh.points.rows(), 3, 10 * person + static_cast<unsigned>(k));
+            const std::string name = join("p", person, "_", k);
+            write_mesh(folder_ / ("scans/" + name + ".ply"), mesh.points, mesh.topology.faces(),
+                       MeshFormat::Ply);
+            labels += join(name, ",p", person, person % 2 == 0 ? ",f\n" : ",m\n");
+            people.row(person) += shape_of("scans/" + name + ".ply").transpose() / counts[person];
+            sizes[person] += lengths("scans/" + name + ".ply").sum() / counts[person];
+        }
+    }
+    folder_.write("scans.csv", labels);
+    const Arguments groups{"groups",   "scans",  "--labels", "scans.csv", "--by",   "sex",
+                           "--within", "person", "-o",       "g.csv",     "--force"};
+    const Json figures = run(groups + Arguments{"--means", "m"});
+    EXPECT_EQ(figures["design"], "nested");
+    EXPECT_EQ(figures["left_out"], 0);
+    EXPECT_EQ(figures["groups"][0]["meshes"], 6);
+    EXPECT_EQ(figures["groups"][0]["blocks"], 3);
+    const std::vector<int> women{0, 2, 4}, men{1, 3, 5};
+    const Eigen::RowVectorXd f = people(women, Eigen::all).colwise().mean();
+    const Eigen::RowVectorXd m = people(men, Eigen::all).colwise().mean();
+    EXPECT_NEAR(figures["pairs"][0]["distance"], (f - m).norm(), 1e-9 * (f - m).norm());
+    const double variance = (people(women, Eigen::all).rowwise() - f).squaredNorm() / 2.0;
+    EXPECT_NEAR(figures["groups"][0]["variance"], variance, 1e-9 * variance);
+    EXPECT_NEAR(figures["groups"][0]["mean_size"], sizes(women).mean(), 1e-9 * sizes[0]);
+    EXPECT_EQ(figures["spread"]["residual_df"], 4);
+    const Eigen::RowVectorXd of_meshes =
+        (3.0 * people.row(0) + people.row(2) + 2.0 * people.row(4)) / 6.0;
+    const Eigen::RowVectorXd mean = shape_of("m/f.ply").transpose();
+    EXPECT_LT((mean - f).norm(), (mean - of_meshes).norm());
+    EXPECT_NE(run_shape(folder_.path(), groups).err.find("each person counts once, by its mean"),
+              std::string::npos);
+}
+
+TEST_F(Groups, AreComparedWithinSubjectsThatHaveBothAlone)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    labels.rows.back()[2] = "calm"; // s5 has no glad mesh
+    write_table(folder_ / "gaps.csv", labels);
+    const Arguments groups{"groups",   "people",  "--labels", "gaps.csv", "--by",   "mood",
+                           "--within", "subject", "-o",       "g.csv",    "--force"};
+    const Json figures = run(groups);
+    EXPECT_EQ(figures["design"], "crossed");
+    EXPECT_EQ(figures["left_out"], 2);
+    EXPECT_EQ(figures["groups"][0]["meshes"], 7);
+    EXPECT_EQ(figures["groups"][0]["blocks"], 5);
+    Eigen::VectorXd difference = Eigen::VectorXd::Zero(120);
+    for (int i = 0; i < 5; ++i)
+        difference += (shape_of(join("people/s", i, "_glad.ply")) -
+                       shape_of(join("people/s", i, "_calm.ply"))) /
+                      5.0;
+    EXPECT_NEAR(figures["pairs"][0]["distance"], difference.norm(), 1e-9 * difference.norm());
+    const std::string err =
+        run_shape(folder_.path(), groups + Arguments{"--adjust-for", "age"}).err;
+    for (const char* said :
+         {"means and distances within each subject", "2 meshes are left out, whose subject lies",
+          "calm: 7 meshes, subject counted: 5, variance",
+          "--adjust-for age changes nothing: it is the same in all meshes of each subject"})
+        EXPECT_NE(err.find(said), std::string::npos) << said << "\n" << err;
+}
+
+TEST_F(Groups, HaveAdjustedMeansDistancesAndVariances)
+{
+    const Arguments groups{"groups",       "people.h5", "--by", "sex",   "--only", "mood=calm",
+                           "--adjust-for", "age",       "-o",   "g.csv", "--force"};
+    const Json figures = run(groups + Arguments{"--means", "adjusted"});
+    RowMatrix data(6, 120);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(6, 3);
+    Eigen::VectorXd sizes(6);
+    for (int i = 0; i < 6; ++i) {
+        data.row(i) = shape_of(join("people/s", i, "_calm.ply")).transpose();
+        sizes[i] = lengths(join("people/s", i, "_calm.ply")).sum();
+        columns(i, i % 2) = 1.0;
+        columns(i, 2) = 20 + (7 * i) % 11;
+    }
+    const double age = columns.col(2).mean();
+    columns.col(2).array() -= age;
+    const Eigen::MatrixXd solve = columns.completeOrthogonalDecomposition().pseudoInverse();
+    const Eigen::MatrixXd fitted = solve * data;
+    const double distance = (fitted.row(0) - fitted.row(1)).norm();
+    EXPECT_EQ(figures["adjusted_for"][0]["label"], "age");
+    EXPECT_NEAR(figures["adjusted_for"][0]["at"], age, 1e-12 * age);
+    EXPECT_NEAR(figures["pairs"][0]["distance"], distance, 1e-9 * distance);
+    EXPECT_NEAR(figures["groups"][1]["mean_size"], (solve * sizes)[1], 1e-9 * sizes[0]);
+    const Eigen::MatrixXd left = data - columns * fitted;
+    const Eigen::VectorXd leverages = (columns * solve).diagonal();
+    double squares = 0.0, freedom = 0.0;
+    for (const int i : {0, 2, 4}) {
+        squares += left.row(i).squaredNorm();
+        freedom += 1.0 - leverages[i];
+    }
+    EXPECT_NEAR(figures["groups"][0]["variance"], squares / freedom, 1e-9 * squares / freedom);
+    const Eigen::RowVectorXd mean = shape_of("adjusted/f.ply").transpose();
+    const Eigen::RowVectorXd raw = (data.row(0) + data.row(2) + data.row(4)) / 3.0;
+    EXPECT_LT((mean - fitted.row(0)).norm(), (mean - raw).norm());
+    EXPECT_NE(run_shape(folder_.path(), groups)
+                  .err.find("means and distances at age = 24.6667, variances about the slopes"),
+              std::string::npos);
 }
 
 TEST_F(Groups, AreChosenByTheirLabels)
@@ -322,6 +436,34 @@ TEST_F(Groups, RegressionTestsEachCovariateBeyondTheOthers)
               5);
 }
 
+TEST_F(Groups, AreToldApartInAsManyModesAsTheMeshesHave)
+{
+    std::string labels = "mesh,half\n";
+    folder_.write("copies/.keep", "");
+    for (unsigned i = 0; i < 24; ++i) { // of three shapes, which vary in two modes
+        const TestMesh mesh = bumpy_sphere(1, 0.2, i % 3 + 1);
+        write_mesh(folder_ / join("copies/m", i, ".ply"), mesh.points, mesh.topology.faces(),
+                   MeshFormat::Ply);
+        labels += join("m", i, i < 12 ? ",first\n" : ",second\n");
+    }
+    folder_.write("copies.csv", labels);
+    const Arguments copies{"copies", "--labels", "copies.csv"};
+    const Arguments classify = Arguments{"classify"} + copies + Arguments{"--by", "half"};
+    EXPECT_EQ(run(classify + Arguments{"-o", "c.csv", "--plot", "c.svg"})["modes"], 2);
+    const Outcome told = run_shape(folder_.path(), classify + Arguments{"-o", "d.csv"});
+    EXPECT_NE(told.err.find("2 modes are used, as many as the meshes allow"), std::string::npos)
+        << told.err;
+    const Outcome more =
+        run_shape(folder_.path(), classify + Arguments{"-o", "e.csv", "--modes", "3"});
+    EXPECT_EQ(more.exit_code, 3);
+    EXPECT_NE(more.err.find("23 observations of 2 components in 2 groups; it must be at most 2"),
+              std::string::npos)
+        << more.err;
+    EXPECT_EQ(run(Arguments{"quality", "-o", "q.csv", "--tests", "3", "--samples", "2"} +
+                  copies)["modes"],
+              (std::vector<int>{1, 2}));
+}
+
 TEST_F(Groups, RemovingAllModesLeavesOneShape)
 {
     (void)run({"remove", "a.ply", "b.ply", "c.ply", "--modes", "2", "-o", "mean"});
@@ -494,6 +636,9 @@ TEST_F(Groups, WrongUsageIsNamed)
     expect_failure(2, load + Arguments{"--mesh", "x.ply", "--only", "mood=calm"}, {"--load"});
     expect_failure(2, smile({}), {"-o"});
     expect_failure(2, smile({"-o", "x.h5", "--mesh", "x.ply"}), {"--apply"});
+    expect_failure(
+        2, {"difference", "people.h5", "-o", "x.h5", "--from", "mood=calm", "--to", "mood=calm"},
+        {"--from and --to are both mood=calm"});
     expect_failure(2, {"difference", "a.ply", "-o", "x.h5", "--pair-by", "k", "--to", "k=2"},
                    {"--from"});
     expect_failure(2,

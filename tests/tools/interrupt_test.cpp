@@ -73,5 +73,18 @@ TEST_F(Interrupts, EndWhatIsMadeUp)
                {.interrupt_when_caught = true});
 }
 
+TEST_F(Interrupts, EndScansThatAreMadeUpAndTakeTheirNewFoldersAway)
+{
+    expect_end({"synth", "scans", "--count", "2", "--vertices", "200000", "-o", "raw/first"},
+               {.interrupt_at_change = true});
+    const Folder there; // before the run
+    const Outcome outcome =
+        run_shape(there.path(), {"synth", "scans", "--count", "40", "-o", there.path().string()},
+                  {.interrupt_at_change = true});
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    ASSERT_TRUE(std::filesystem::exists(there.path()));
+    EXPECT_EQ(files_in(there.path()), Arguments{});
+}
+
 } // namespace
 } // namespace shape::test

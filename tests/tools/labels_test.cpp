@@ -109,6 +109,18 @@ TEST_F(LabelledMeshes, ValuesThatDifferInCaseAloneAreSaid)
         << outcome.err;
 }
 
+TEST_F(LabelledMeshes, ValuesThatLookAlikeAreSaid)
+{
+    folder_.write("l.csv", "mesh,site,visit\nm0,New York,pre-op\nm1,New  York,pre\u2013op\n");
+    const Outcome outcome =
+        shape({"collect", "set/m0.ply", "set/m1.ply", "--labels", "l.csv", "-o", "c.h5"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    for (const char* said : {"label 'site' has the values 'New York' and 'New  York', which differ "
+                             "in blanks and are two groups",
+                             "which differ in characters that look alike (U+002D and U+2013)"})
+        EXPECT_NE(outcome.err.find(said), std::string::npos) << outcome.err;
+}
+
 TEST_F(LabelledMeshes, DirectoriesNamedLikeMeshesArePassedOver)
 {
     folder_.write("set/old.ply/m9.ply", folder_.read("set/m0.ply"));
@@ -137,6 +149,17 @@ TEST_F(LabelledMeshes, NamesThatATableTakesForOneAreWarnedOf)
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(outcome.err.find("composition of accents alone"), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("n/\xC3\xBCx.ply"), std::string::npos) << outcome.err;
+}
+
+TEST_F(LabelledMeshes, NamesThatAreAddedAreComparedWithThoseThatAreThere)
+{
+    (void)run({"collect", "set/m0.ply", "set/m1.ply", "-o", "c.h5"});
+    folder_.write("n/m1 .ply", folder_.read("set/m2.ply"));
+    const Outcome outcome = shape({"collect", "n", "--append", "-o", "c.h5"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("the names of 'c.h5: mesh m1' and 'm1 ' differ by outer blanks"),
+              std::string::npos)
+        << outcome.err;
 }
 
 TEST_F(LabelledMeshes, IndividualsAreKnownByTheNameOfTheirColumn)
@@ -225,6 +248,14 @@ TEST_F(LabelledMeshes, RepeatedScansAreWarnedOfWhereverTheyCount)
     EXPECT_FALSE(warns({"difference", "--pair-by", "person", "--from", "session=0", "--to",
                         "session=1", "-o", "x.h5", "--effects", "e.ply"},
                        ""));
+    // Who was scanned more often weighs more in the mean.
+    text = "mesh,person,sex\n";
+    for (int i = 0; i < 10; ++i) {
+        const int person = std::max(i / 2 - 1, 0);
+        text += join("m", i, ",p", person, ",", person % 2 == 0 ? "f" : "m", "\n");
+    }
+    folder_.write("l.csv", text);
+    EXPECT_TRUE(warns(sexes, "weigh more. Take one mesh, or the mean, of each"));
 }
 
 /// Twelve scans under scans/ of four people, three of each: two of either sex (sex.csv), each of another age
@@ -339,6 +370,72 @@ TEST_F(FewPeople, AreNoGroupsThatDifferMuch)
         EXPECT_EQ(said(question), "") << question.front();
 }
 
+TEST_F(FewPeople, AreToldFromShapesByThresholdsOfNearness)
+{
+    // What names begin with has distances of 0.21, 0.31, 0.45 and 0.58 times those between people, give or take 0.02.
+    scan(named_, 0.004);
+    EXPECT_NE(said(groups_), "");
+    EXPECT_NE(said(regress_), "");
+    scan(named_, 0.006);
+    EXPECT_NE(said(groups_), "");
+    EXPECT_EQ(said(regress_), ""); // age may be what makes them differ
+    scan(named_, 0.009);
+    EXPECT_NE(said(groups_), "");
+    scan(named_, 0.013);
+    EXPECT_EQ(said(groups_), "");
+}
+
+TEST_F(FewPeople, AreToldWhereShapeIsRegressedOnSize)
+{
+    const std::string rule = "the 12 meshes are not independent if those ";
+    const std::string advice = "Take one mesh, or the mean, of each ";
+    const Arguments by_size{"regress", "--on", "size", "-o", "x.csv", "--permutations", "9"};
+    scan(named_, 0.002);
+    EXPECT_TRUE(said(by_size).starts_with(rule + "whose names begin alike")) << said(by_size);
+    EXPECT_TRUE(said(by_size).ends_with(advice + "set")) << said(by_size);
+    const Outcome bare = shape(by_size + Arguments{"scans", "--force"}); // no table of labels
+    EXPECT_NE(bare.err.find(rule + "whose names begin alike"), std::string::npos) << bare.err;
+    (void)run({"collect", "scans", "-o", "scans.h5", "--force"});
+    const Outcome passes = shape(by_size + Arguments{"scans.h5", "--force", "--memory", "100M"});
+    EXPECT_NE(passes.err.find(rule + "whose names begin alike"), std::string::npos) << passes.err;
+    scan(numbered_, 0.02, "Patient_ID");
+    EXPECT_TRUE(said(by_size).starts_with(rule + "of one Patient_ID (4 of them)")) << said(by_size);
+    EXPECT_TRUE(said(by_size).ends_with(advice + "Patient_ID")) << said(by_size);
+    // People that grow: sizes differ as much within them as between them.
+    scan(named_, 0.002, "Patient_ID");
+    for (int i = 0; i < 12; ++i) {
+        const std::string file = "scans/" + named_(i, i / 3) + ".ply";
+        write_mesh(folder_ / file, (1.0 + 0.2 * (i % 3)) * points(file),
+                   read_mesh(folder_ / file).faces);
+    }
+    EXPECT_EQ(said(by_size), "");
+}
+
+TEST_F(LabelledMeshes, SizesOfRepeatedScansAreNearlyTheSame)
+{
+    // Sizes 1, 1.1, ... 1.4 of five people, give or take `error`.
+    const auto is_told = [&](const std::string& name, double error) {
+        Values people;
+        for (int i = 0; i < 10; ++i) {
+            people.push_back(join("p", i / 2));
+            const std::string file = join("set/m", i, ".ply");
+            const double size = 1.0 + 0.1 * (i / 2) + (i % 2 == 0 ? error : -error);
+            write_mesh(folder_ / file, size / lengths(file).sum() * points(file),
+                       read_mesh(folder_ / file).faces);
+        }
+        write_labels(name, people);
+        const Outcome outcome = shape({"regress", "set", "--labels", "l.csv", "--on", "size", "-o",
+                                       "x.csv", "--permutations", "9", "--force"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.err.find("not independent if those of one " + name) != std::string::npos;
+    };
+    // Standard deviations within people of 0.15, 0.35 and 0.6 of that of all.
+    EXPECT_TRUE(is_told("site", 0.016));
+    EXPECT_FALSE(is_told("site", 0.038));
+    EXPECT_TRUE(is_told("person", 0.038));
+    EXPECT_FALSE(is_told("person", 0.072));
+}
+
 TEST_F(LabelledMeshes, ValuesThatDifferInSpellingAloneAreWarnedOf)
 {
     write_labels("g", {"f", "F", "m", "m", "f", "m", "f", "m", "f", "m"});
@@ -352,19 +449,72 @@ TEST_F(LabelledMeshes, ValuesThatDifferInSpellingAloneAreWarnedOf)
         << none.err;
 }
 
-TEST_F(LabelledMeshes, ColumnsThatNoFileKeepsAreRefusedBeforeMeshesAreRead)
+TEST_F(LabelledMeshes, ColumnsOfAnyNameAreKept)
 {
-    write_labels("sex/age", {"f", "f", "m", "m", "f", "m", "f", "m", "f", "m"});
-    EXPECT_EQ(
-        run({"groups", "set", "--labels", "l.csv", "--by", "sex/age", "-o", "g.csv"})["groups"]
-            .size(),
-        2U); // which keeps none
-    folder_.write("set/m0.ply", "not a mesh");
-    for (const Arguments& command : {Arguments{"collect", "set"}, Arguments{"stats", "set"}}) {
-        const Outcome outcome = shape(command + Arguments{"--labels", "l.csv", "-o", "x.h5"});
+    std::string text = "mesh,M/F,kg/m2,., ,NA\n";
+    for (int i = 0; i < 10; ++i)
+        text += join("m", i, i % 2 == 0 ? ",f," : ",m,", 20 + i, ",a,b,c\n");
+    folder_.write("l.csv", text);
+    const Outcome outcome = shape({"collect", "set", "--labels", "l.csv", "-o", "c.h5"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("l.csv: 1 column without a name left out, first column 5"),
+              std::string::npos)
+        << outcome.err;
+    (void)run({"stats", "set", "--labels", "l.csv", "-o", "m.h5"});
+    (void)run({"collect", "c.h5", "--only", "kg/m2=21", "--only", "NA", "-o", "e.h5"});
+    const Json kept{{"M/F", 2}, {"kg/m2", 10}, {".", 1}, {"NA", 1}};
+    EXPECT_EQ(run({"info", "c.h5"})["labels"], kept);
+    EXPECT_EQ(run({"info", "m.h5"})["labels"], kept);
+    EXPECT_EQ(run({"info", "e.h5"})["labels"]["M/F"], 1);
+    (void)run({"groups", "c.h5", "--by", "M/F", "-o", "g.csv", "--means", "means", "--permutations",
+               "9", "--bootstrap", "9", "--quality", "preview"});
+    (void)run({"regress", "c.h5", "--on", "kg/m2", "-o", "r.csv", "--at", "25", "--expected",
+               "expected", "--quality", "preview"});
+    EXPECT_EQ(files_in(folder_ / "expected"), Values{"kg_m2_25.ply"});
+}
+
+TEST_F(LabelledMeshes, CodesOfMissingValuesAreWarnedOf)
+{
+    write_labels("age", {"20", "-999", "21", "25", "30", "-999", "22", "23", "35", "39"});
+    const std::string doubt =
+        "label 'age' is -999 in 2 meshes, apart from all other numbers (20 to 39)";
+    const Arguments regress{"regress", "-o", "r.csv", "--permutations", "9", "--force"};
+    const auto said = [&](const Arguments& arguments) {
+        const Outcome outcome = shape(arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        const std::size_t first = outcome.err.find(doubt);
+        EXPECT_EQ(outcome.err.find(doubt, first + 1), std::string::npos) << outcome.err;
+        return first != std::string::npos;
+    };
+    EXPECT_TRUE(said(regress + Arguments{"set", "--labels", "l.csv", "--on", "age"}));
+    EXPECT_TRUE(said({"collect", "set", "--labels", "l.csv", "-o", "c.h5"}));
+    EXPECT_TRUE(said(regress + Arguments{"c.h5", "--on", "age"}));
+    EXPECT_TRUE(said(regress + Arguments{"c.h5", "--on", "age", "--memory", "100M"}));
+    EXPECT_FALSE(said(regress + Arguments{"c.h5", "--on", "size"}));
+    std::string text = "mesh,age,sex\n";
+    for (int i = 0; i < 10; ++i)
+        text += join("m", i, ",", i < 2 ? 9999 : 20 + i, i % 2 == 0 ? ",f\n" : ",m\n");
+    folder_.write("l.csv", text);
+    (void)run({"collect", "set", "--labels", "l.csv", "-o", "c.h5", "--force"});
+    const Outcome outcome = shape({"groups", "c.h5", "--by", "sex", "--adjust-for", "age", "-o",
+                                   "g.csv", "--permutations", "9", "--bootstrap", "9"});
+    EXPECT_NE(outcome.err.find("label 'age' is 9999 in 2 meshes"), std::string::npos)
+        << outcome.err;
+}
+
+TEST_F(LabelledMeshes, NumbersWhoseSquaresOverflowOrUnderflowAreToldFromConstantOnes)
+{
+    for (const char* exponent : {"e300", "e-300"}) {
+        Values values;
+        for (int i = 1; i <= 10; ++i)
+            values.push_back(join(i, exponent));
+        write_labels("dose", values);
+        const Outcome outcome =
+            shape({"regress", "set", "--labels", "l.csv", "--on", "dose", "-o", "r.csv"});
         EXPECT_EQ(outcome.exit_code, 3);
-        EXPECT_NE(outcome.err.find("l.csv: label column 'sex/age'"), std::string::npos)
+        EXPECT_NE(outcome.err.find("label 'dose': the squares of numbers as "), std::string::npos)
             << outcome.err;
+        EXPECT_NE(outcome.err.find("give them in another unit"), std::string::npos);
     }
 }
 

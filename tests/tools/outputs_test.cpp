@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/tools/program.h"
 
@@ -33,6 +35,60 @@ TEST_F(Outputs, ForceReplacesAFile)
     EXPECT_NE(folder_.read("model.h5"), "old");
 }
 
+TEST_F(Outputs, WriteProtectedFilesAreNotReplacedEvenByForce)
+{
+    namespace fs = std::filesystem;
+    ASSERT_EQ(run({"stats", "a.ply", "b.ply", "-o", "m.h5"}).exit_code, 0);
+    ASSERT_EQ(run({"collect", "a.ply", "-o", "set.h5"}).exit_code, 0);
+    for (const char* part : {"1/2", "2/2"})
+        ASSERT_EQ(
+            run({"generate", "m.h5", "--sample", "2", "-o", "parts", "--shard", part}).exit_code,
+            0);
+    for (const char* file :
+         {"model.h5", "new/frame_0001.ply", "table/scores.csv", "parts/sample_0001.ply",
+          "fitted/fit.csv", "fitted/fit.svg", "again/fit.csv"})
+        folder_.write(file, "old");
+    struct Case
+    {
+        std::string file;
+        Arguments arguments;
+    };
+    const std::vector<Case> cases = {
+        {"model.h5", {"stats", "a.ply", "b.ply", "-o", "model.h5"}},
+        {"set.h5", {"collect", "b.ply", "--append", "-o", "set.h5"}},
+        {"new/frame_0001.ply", {"interpolate", "a.ply", "b.ply", "--frames", "2", "-o", "new"}},
+        {"table/scores.csv", {"export", "m.h5", "--to", "csv", "-o", "table"}},
+        {"parts/sample_0001.ply", {"merge", "parts"}},
+        {"fitted/fit.csv", {"fit", "a.ply", "b.ply", "-o", "fitted"}},
+        {"fitted/fit.svg", {"fit", "a.ply", "b.ply", "-o", "fitted"}},
+        {"again/fit.csv", {"fit", "a.ply", "b.ply", "-o", "again", "--resume"}},
+    };
+    for (const auto& [file, arguments] : cases) {
+        // Its group may write: that of the owner counts.
+        fs::permissions(folder_ / file, fs::perms::owner_read | fs::perms::group_write);
+        const std::map<std::string, std::string> before = folder_.content();
+        const Outcome outcome = run(arguments + Arguments{"--force"});
+        EXPECT_EQ(outcome.exit_code, 5) << file;
+        EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+        EXPECT_NE(outcome.err.find(file + ": exists and is write-protected"), std::string::npos)
+            << outcome.err;
+        EXPECT_TRUE(folder_.content() == before) << file;
+        fs::permissions(folder_ / file, fs::perms::owner_all);
+    }
+    EXPECT_EQ(run(cases[0].arguments + Arguments{"--force"}).exit_code, 0);
+    EXPECT_EQ(run(cases[4].arguments + Arguments{"--force"}).exit_code, 0);
+}
+
+TEST_F(Outputs, ATableOfFitsIsNotReplacedWithoutForce)
+{
+    folder_.write("fitted/fit.csv", "old");
+    const Outcome outcome = run({"fit", "a.ply", "b.ply", "-o", "fitted"});
+    EXPECT_EQ(outcome.exit_code, 5);
+    EXPECT_NE(outcome.err.find("fitted/fit.csv: exists; --force"), std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(folder_.read("fitted/fit.csv"), "old");
+}
+
 TEST_F(Outputs, MayHaveEndingsInCapitals)
 {
     EXPECT_EQ(run({"stats", "a.ply", "b.ply", "c.ply", "-o", "M.H5"}).exit_code, 0);
@@ -45,6 +101,43 @@ TEST_F(Outputs, MayHaveEndingsInCapitals)
     EXPECT_TRUE(folder_.read("D.PNG").starts_with("\x89PNG"));
     for (const char* page : {"P.HTML", "P.htm"}) // with or without the page in this build
         EXPECT_NE(run({"explore", "M.H5", "-o", page}).exit_code, 2) << page;
+}
+
+TEST_F(Outputs, AFileThatAppearsWhileTheRunWorksIsReplacedWithForceAlone)
+{
+    folder_.write("bin/rsvg-convert", // stands for another run, which is quicker
+                  "#!/bin/sh\ncat > /dev/null\nprintf theirs > p.png\nprintf '\\211PNG'\n");
+    std::filesystem::permissions(folder_ / "bin/rsvg-convert", std::filesystem::perms::owner_all);
+    const Launch launch{.environment = {"PATH=" + (folder_ / "bin").string() + ":/usr/bin:/bin"}};
+    const Arguments distance{"distance", "a.ply", "b.ply",  "c.ply",
+                             "-o",       "d.csv", "--plot", "p.png"};
+    const Outcome outcome = run(distance, launch);
+    EXPECT_EQ(outcome.exit_code, 5);
+    EXPECT_NE(outcome.err.find("p.png: since this run began"), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder_.read("p.png"), "theirs");
+    std::filesystem::remove(folder_ / "p.png");
+    EXPECT_EQ(run(distance + Arguments{"--force"}, launch).exit_code, 0);
+    EXPECT_EQ(folder_.read("p.png"), "\211PNG");
+}
+
+TEST_F(Outputs, OfTwoRunsThatWriteOneOutputOneEndsWell)
+{
+    ASSERT_EQ(run({"stats", "a.ply", "b.ply", "c.ply", "-o", "m.h5"}).exit_code, 0);
+    for (const Arguments& command :
+         {Arguments{"collect", "a.ply", "b.ply", "c.ply", "-o", "out.h5"},
+          Arguments{"generate", "m.h5", "--sample", "3", "-o", "meshes"},
+          Arguments{"export", "m.h5", "--to", "csv", "-o", "tables"}}) {
+        Outcome other;
+        std::thread second([&] { other = run(command); });
+        const Outcome outcome = run(command);
+        second.join();
+        const std::string& lost = outcome.exit_code == 0 ? other.err : outcome.err;
+        EXPECT_EQ(outcome.exit_code + other.exit_code, 5) << outcome.err << other.err;
+        EXPECT_NE(lost.find("shape: error: "), std::string::npos) << lost;
+        EXPECT_TRUE(folder_.has(command.back()));
+        for (const auto& [name, content] : folder_.content())
+            EXPECT_EQ(name.find(".unfinished"), std::string::npos) << name;
+    }
 }
 
 TEST_F(Outputs, ForceReplacesOnlyItsOwnFilesOfADirectory)
@@ -93,6 +186,26 @@ TEST_F(Outputs, ADirectoryMayHaveAnEndingIfItEndsInASlash)
 {
     EXPECT_EQ(run({"interpolate", "a.ply", "b.ply", "--frames", "2", "-o", "v1.5/"}).exit_code, 0);
     EXPECT_EQ(files_in(folder_ / "v1.5"), (Arguments{"frame_0000.ply", "frame_0001.ply"}));
+}
+
+TEST_F(Outputs, APathWithAnotherEndingIsToldThatADirectoryMayEndInASlash)
+{
+    ASSERT_EQ(run({"stats", "a.ply", "b.ply", "-o", "m.h5"}).exit_code, 0);
+    for (const Arguments& arguments :
+         {Arguments{"generate", "m.h5", "--sample", "2", "-o", "set_25.4"},
+          Arguments{"generate", "m.h5", "--sample", "2", "-o", "set.ply"},
+          Arguments{"interpolate", "a.ply", "b.ply", "--frames", "2", "-o", "set_25.4"},
+          Arguments{"synth", "torus", "-o", "set_25.4"},
+          Arguments{"export", "m.h5", "--to", "csv", "-o", "set.h5"},
+          Arguments{"fit", "a.ply", "b.ply", "-o", "set_25.4"}}) {
+        const Outcome refused = run(arguments);
+        EXPECT_EQ(refused.exit_code, 2) << refused.err;
+        EXPECT_NE(refused.err.find("; a directory may end in a slash"), std::string::npos)
+            << arguments.front() << ": " << refused.err;
+    }
+    EXPECT_EQ(
+        run({"fit", "a.ply", "b.ply", "--no-search", "--keep-failed", "-o", "set_25.4/"}).exit_code,
+        0);
 }
 
 TEST_F(Outputs, MessagesGoToStderrAndDataToStdout)

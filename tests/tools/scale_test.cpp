@@ -7,6 +7,7 @@
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "tests/support/collections.h"
+#include "tests/support/meshes.h"
 #include "tests/tools/program_test.h"
 
 namespace shape::test {
@@ -144,6 +145,12 @@ TEST_F(Scale, ARunThatEndedEarlyIsResumedToTheSameBits)
     folder_.write("m.h5.unfinished", state.substr(0, state.size() / 2));
     EXPECT_EQ(outcome(kept + Arguments{"--resume"}).exit_code, 3);
     folder_.write("m.h5.unfinished", state);
+    // Another memory would change no bit of gram, nor does it who chose gram.
+    Arguments automatic{"stats", "c.h5", "--memory", "300M", "--save-every", "1e-9", "--resume"};
+    EXPECT_EQ(outcome(automatic + Arguments{"-o", "m.h5"}).exit_code, 0);
+    EXPECT_EQ(folder_.read("m.h5"), folder_.read("whole.h5"));
+    std::filesystem::remove(folder_ / "m.h5");
+    folder_.write("m.h5.unfinished", state);
     const Json resumed = run(kept + Arguments{"--resume"});
     EXPECT_EQ(resumed["passes"], 2); // those of the run before count
     EXPECT_EQ(folder_.read("m.h5"), folder_.read("whole.h5"));
@@ -162,6 +169,10 @@ TEST_F(Scale, ARunThatIsInterruptedSaysWhereItGoesOn)
     ASSERT_EQ(stopped.exit_code, 130);
     EXPECT_NE(stopped.err.find("m.h5.unfinished has the passes before"), std::string::npos)
         << stopped.err;
+    const Outcome other =
+        outcome(command + Arguments{"-o", "m.h5", "--resume", "--memory", "300M"});
+    EXPECT_EQ(other.exit_code, 3); // by the memory krylov restarts
+    EXPECT_NE(other.err.find("was another: memory had"), std::string::npos) << other.err;
     (void)run(command + Arguments{"-o", "m.h5", "--resume"});
     EXPECT_EQ(folder_.read("m.h5"), folder_.read("whole.h5"));
 }
@@ -265,6 +276,61 @@ TEST_F(Scale, AnUpdatedModelIsThatOfAFreshRun)
     EXPECT_NE(none.err.find("no mesh to add"), std::string::npos) << none.err;
 }
 
+TEST_F(Scale, AnUpdatedModelHasTheLabelsOfTheInput)
+{
+    write_labels();
+    write_early_and_late("early.h5");
+    (void)run({"stats", "early.h5", "-o", "plain.h5"});
+    (void)run({"collect", "c.h5", "--labels", "l.csv", "-o", "labelled.h5"});
+    (void)run({"stats", "labelled.h5", "-o", "fresh.h5"});
+    const Outcome updated =
+        outcome({"stats", "labelled.h5", "--update", "plain.h5", "-o", "updated.h5"});
+    EXPECT_EQ(updated.exit_code, 0) << updated.err;
+    EXPECT_EQ(updated.err.find("warning"), std::string::npos) << updated.err;
+    const Labels labels = read_model(folder_ / "updated.h5").labels;
+    const Labels expected = read_model(folder_ / "fresh.h5").labels;
+    ASSERT_EQ(labels.size(), expected.size());
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        EXPECT_EQ(labels[i].name, expected[i].name);
+        EXPECT_EQ(labels[i].values, expected[i].values);
+    }
+    std::string other = "mesh,side\n";
+    for (const std::string& name : bumpy_spheres(60, 3).names)
+        other += name + ",left\n";
+    folder_.write("other.csv", other);
+    (void)run({"stats", "early.h5", "--labels", "l.csv", "-o", "early_model.h5"});
+    const Outcome changed = outcome({"stats", "c.h5", "--labels", "other.csv", "--update",
+                                     "early_model.h5", "-o", "changed.h5"});
+    EXPECT_NE(changed.err.find("early_model.h5: 24 labels are others than in the input"),
+              std::string::npos) // three of five are right
+        << changed.err;
+    EXPECT_EQ(find_label(read_model(folder_ / "changed.h5").labels, "side").values,
+              std::vector<std::string>(60, "left"));
+}
+
+TEST_F(Scale, AnUpdateThatDoesNotFitIntoTheMemoryIsRefused)
+{
+    const TestMesh sphere = icosphere(4);
+    const Points points = Points::Random(sphere.points.rows(), 3);
+    Collection collection{sphere.topology, {}, {}, {}};
+    for (int i = 0; i < 60; ++i) {
+        collection.names.push_back("m" + std::to_string(i));
+        collection.points.emplace_back(sphere.points + 1e-3 * (i % 5) * points +
+                                       1e-3 * (i % 7) * points.colwise().reverse());
+    }
+    write_collection(folder_ / "all.h5", collection);
+    write_collection(folder_ / "two.h5", subset(collection, {0, 1}));
+    (void)run({"stats", "two.h5", "-o", "two_model.h5"});
+    const Arguments update{"stats", "all.h5", "--update", "two_model.h5", "-o", "u.h5", "--memory"};
+    const Outcome refused = outcome(update + Arguments{"16M"});
+    EXPECT_EQ(refused.exit_code, 6);
+    EXPECT_NE(refused.err.find("--update: the 2 meshes of two_model.h5 and 58 meshes more need"),
+              std::string::npos)
+        << refused.err;
+    EXPECT_FALSE(folder_.has("u.h5"));
+    EXPECT_EQ(outcome(update + Arguments{"1G"}).exit_code, 0);
+}
+
 TEST_F(Scale, DerivedValuesAndCompressionAreWrittenOnDemand)
 {
     (void)run({"collect", "c.h5", "-o", "derived.h5", "--store-derived"});
@@ -309,6 +375,25 @@ TEST_F(Scale, ADamagedBlockEndsEveryWayOfReadingInALine)
         EXPECT_EQ(line_count(damaged.err), 1) << damaged.err;
         EXPECT_FALSE(folder_.has("m.h5") || folder_.has("m.csv"));
     }
+}
+
+TEST_F(Scale, AMeshWhosePowersOverflowIsNamedByEveryWayOfReading)
+{
+    Collection some = subset(bumpy_spheres(60, 3), {0, 1, 2, 3});
+    some.points[2] *= 1e200;
+    write_collection(folder_ / "huge.h5", some);
+    for (const Arguments& way :
+         {Arguments{}, Arguments{"--algorithm", "gram"}, Arguments{"--algorithm", "krylov"}}) {
+        const Outcome refused =
+            outcome(Arguments{"stats", "huge.h5", "-o", "m.h5", "--modes", "2"} + way);
+        EXPECT_EQ(refused.exit_code, 3);
+        EXPECT_NE(refused.err.find("huge.h5: mesh " + some.names[2] + ": the longest edge, "),
+                  std::string::npos)
+            << refused.err;
+        EXPECT_EQ(line_count(refused.err), 1) << refused.err;
+    }
+    const Json checked = Json::parse(run_shape(folder_.path(), {"check", "huge.h5", "--json"}).out);
+    EXPECT_NE(checked.dump().find("size_out_of_range"), std::string::npos);
 }
 
 /// The figures that two ways give alike, to rounding.

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -11,6 +13,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/io/label_doubts.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/oddities.h"
@@ -64,6 +67,19 @@ std::string only(const std::string& label)
     return "--only " + label;
 }
 
+/// Sums of squares are what covariates go into.
+void check_magnitude(const std::string& label, const Eigen::VectorXd& values)
+{
+    const double largest = values.cwiseAbs().maxCoeff();
+    const double squares = values.squaredNorm();
+    const bool overflows = !std::isfinite(squares);
+    if (overflows || (largest > 0.0 && squares < std::numeric_limits<double>::min()))
+        throw InvalidInput(join("label '", label, "': the squares of numbers as ",
+                                overflows ? "large" : "small", " as ", largest,
+                                overflows ? " overflow" : " underflow",
+                                " double precision; give them in another unit"));
+}
+
 } // namespace
 
 void add_labelled_input(CLI::App& command, LabelledInput& input)
@@ -97,7 +113,7 @@ std::vector<std::size_t> chosen_meshes(const std::vector<std::string>& only, con
     std::set<std::string> labelled;
     for (const std::string& text : only) {
         if (text.find('=') == std::string::npos) {
-            labelled.insert(label_value(text));
+            labelled.insert(label_name(text));
             continue;
         }
         const auto [label, value] = label_and_value("--only", text);
@@ -135,7 +151,7 @@ std::pair<std::string, std::string> label_and_value(const std::string& option,
     const std::size_t sign = text.find('=');
     if (sign == std::string::npos || sign == 0)
         throw UsageError(join(option, ": '", text, "' must be LABEL=VALUE"));
-    const std::string label = label_value(text.substr(0, sign));
+    const std::string label = label_name(text.substr(0, sign));
     const std::string value = label_value(text.substr(sign + 1));
     if (value.empty())
         throw UsageError(join(option, ": '", text,
@@ -186,8 +202,20 @@ Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& s
         for (std::size_t i = 0; i < meshes.size(); ++i)
             result(static_cast<Eigen::Index>(i), column) = parse_number(
                 label.values[i], join("label '", columns[c], "' of mesh ", meshes.names[i]));
+        check_magnitude(columns[c], result.col(column));
     }
     return result;
+}
+
+void warn_of_missing_codes(const Session& session, const LabelledInput& input, const Labels& labels,
+                           const std::vector<std::string>& columns)
+{
+    if (!input.meshes.labels.empty())
+        return; // said when that was read
+    for (const LabelColumn& label : labels)
+        if (std::find(columns.begin(), columns.end(), label.name) != columns.end())
+            if (const auto doubt = doubt_about_numbers(label))
+                session.warn(*doubt);
 }
 
 Eigen::MatrixXd codes(const Grouping& groups)

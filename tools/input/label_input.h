@@ -73,9 +73,14 @@ struct MeshLabels
 
 /// The numbers of labels, one column each; `size` stands for the sizes.
 /// @throws InvalidInput if there is no such label, or a mesh has no value of it or one that is not a
-///     number.
+///     number, or if squares of the numbers overflow or underflow.
 [[nodiscard]] Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& sizes,
                                             const std::vector<std::string>& columns);
+
+/// Warns of numbers in these columns that are likely to stand for no value (missing_codes()), where labels come from
+/// files of collections: tables say so themselves when they are read.
+void warn_of_missing_codes(const Session& session, const LabelledInput& input, const Labels& labels,
+                           const std::vector<std::string>& columns);
 
 /// The number of the group of each observation, as a covariate.
 [[nodiscard]] Eigen::MatrixXd codes(const Grouping& groups);

@@ -33,7 +33,7 @@ std::vector<fs::path> chosen_files(const MeshChoice& choice, const std::vector<s
     return files;
 }
 
-Collection choose_meshes(const MeshChoice& choice, const Collection& run)
+Collection choose_meshes(const MeshChoice& choice, const Collection& run, const NamedMesh& known)
 {
     std::vector<NamedMesh> meshes;
     for (const std::string& text : choice.texts) {
@@ -50,17 +50,12 @@ Collection choose_meshes(const MeshChoice& choice, const Collection& run)
             std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
         }
     }
-    for (const NamedMesh& mesh : meshes)
-        if (mesh.faces.rows() != run.topology.face_count() ||
-            mesh.points.rows() != run.topology.vertex_count() || mesh.faces != run.topology.faces())
+    for (const NamedMesh& mesh : meshes) {
+        const std::string difference = describe_correspondence_break(known, mesh);
+        if (!difference.empty())
             throw InvalidInput(
-                join(choice.option, ": another triangulation than the meshes of the run; ",
-                     describe_correspondence_break(
-                         {"the run", "the run",
-                          run.points.empty() ? Points::Zero(run.topology.vertex_count(), 3)
-                                             : run.points.front(),
-                          run.topology.faces()},
-                         mesh)));
+                join(choice.option, ": another triangulation than ", known.path, "; ", difference));
+    }
     return collect(std::move(meshes));
 }
 

@@ -25,8 +25,11 @@ struct MeshChoice
     const MeshChoice& choice, const std::vector<std::string>& names);
 
 /// The meshes, in the order of the texts.
-/// @param run  The meshes of the run; or none of them, with the triangulation that is wanted.
-/// @throws as chosen_files() and collect(); InvalidInput if a mesh has another triangulation.
-[[nodiscard]] Collection choose_meshes(const MeshChoice& choice, const Collection& run);
+/// @param run  The meshes of the run, if there are any.
+/// @param known  One of the meshes whose triangulation is wanted; its path is for messages.
+/// @throws as chosen_files() and collect(); InvalidInput if a mesh has another triangulation, saying whether it is a mirror
+///     image of the known one, inside out, or what else.
+[[nodiscard]] Collection choose_meshes(const MeshChoice& choice, const Collection& run,
+                                       const NamedMesh& known);
 
 } // namespace shape::tools

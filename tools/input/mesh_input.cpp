@@ -2,9 +2,13 @@
 
 #include "tools/input/mesh_input.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <map>
 #include <numeric>
 #include <set>
 #include <system_error>
@@ -14,9 +18,9 @@
 #include "libshape/base/format.h"
 #include "libshape/base/letter_case.h"
 #include "libshape/io/collection_file.h"
+#include "libshape/io/label_doubts.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/mesh_file.h"
-#include "libshape/io/table_file.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/joined_labels.h"
 #include "tools/input/natural_order.h"
@@ -57,12 +61,13 @@ fs::path place_of(const fs::path& path)
 struct MeshesBelow
 {
     std::vector<std::string> folders; ///< That hold some: from the directory on, in natural order.
+    std::vector<std::string> unreadable; ///< Folders that permissions keep shut; likewise.
     std::size_t count = 0;
-    bool is_all = true; ///< Whether everything below was looked at.
+    bool is_all = true; ///< Whether everything else below was looked at.
 };
 
-/// Left out are hidden folders, links to folders, what is named beside the directory, what libshape itself writes beside
-/// meshes (residuals/, unfinished/, shards), and what cannot be read, since nobody asked for it.
+/// Left out are hidden folders, links to folders, what is named beside the directory, and what libshape itself writes
+/// beside meshes (residuals/, unfinished/, shards).
 MeshesBelow meshes_below(const fs::path& directory, const MeshInput& input)
 {
     constexpr int deepest = 4;
@@ -79,6 +84,10 @@ MeshesBelow meshes_below(const fs::path& directory, const MeshInput& input)
                name.find(".shard-") != std::string::npos || named.contains(folder);
     };
     const fs::path root = place_of(directory);
+    const auto is_shut = [](const fs::directory_entry& folder) {
+        return !folder.is_symlink() && access(folder.path().c_str(), R_OK | X_OK) != 0 &&
+               errno == EACCES;
+    };
     MeshesBelow below;
     std::set<std::string> folders;
     std::size_t looked_at = 0;
@@ -93,8 +102,12 @@ MeshesBelow meshes_below(const fs::path& directory, const MeshInput& input)
         }
         std::error_code unknown;
         if (entry->is_directory(unknown)) {
-            if (entry.depth() >= deepest || is_passed_by(path))
+            if (entry.depth() >= deepest || is_passed_by(path)) {
                 entry.disable_recursion_pending();
+            } else if (is_shut(*entry)) {
+                entry.disable_recursion_pending();
+                below.unreadable.push_back(path.lexically_relative(root).string());
+            }
         } else if (entry.depth() > 0 && is_mesh_file(path) && !is_hidden(path) &&
                    !named.contains(path)) {
             ++below.count;
@@ -102,18 +115,24 @@ MeshesBelow meshes_below(const fs::path& directory, const MeshInput& input)
         }
     }
     below.folders.assign(folders.begin(), folders.end());
-    std::sort(below.folders.begin(), below.folders.end(), natural_less);
+    sort_naturally(below.folders);
+    sort_naturally(below.unreadable);
     return below;
+}
+
+/// "3 subfolders (a, b and c/d)".
+std::string describe(const std::vector<std::string>& folders)
+{
+    std::vector<std::size_t> all(folders.size());
+    std::iota(all.begin(), all.end(), 0);
+    return join(counted(folders.size(), "subfolder"), " (", list_names(folders, all), ")");
 }
 
 /// "at least 12 mesh files in 3 subfolders (a, b and c/d)".
 std::string describe(const MeshesBelow& below)
 {
-    std::vector<std::size_t> all(below.folders.size());
-    std::iota(all.begin(), all.end(), 0);
     return join(below.is_all ? "" : "at least ", counted(below.count, "mesh file"), " in ",
-                counted(below.folders.size(), "subfolder"), " (", list_names(below.folders, all),
-                ")");
+                describe(below.folders));
 }
 
 /// How the meshes of subfolders are named.
@@ -124,23 +143,37 @@ std::string way_to_take(const fs::path& directory, const MeshesBelow& below)
                                      : join("name each of them, such as ", first);
 }
 
+/// Which subfolders cannot be looked into, and what to do if that is not meant.
+std::string describe_unreadable(const fs::path& directory, const MeshesBelow& below)
+{
+    const std::string first = (directory / below.unreadable.front()).string();
+    return join(describe(below.unreadable),
+                " cannot be read (permission denied); to take meshes in ",
+                below.unreadable.size() == 1
+                    ? join("it, `chmod u+rx ", first, "` and name it")
+                    : join("them, `chmod u+rx` each, such as ", first, ", and name them"));
+}
+
 std::vector<fs::path> mesh_files_of_directory(const fs::path& directory, const MeshInput& input)
 {
-    std::vector<fs::path> files;
+    std::vector<std::string> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(directory))
         if (!entry.is_directory() && is_mesh_file(entry.path()) && !is_hidden(entry.path()))
-            files.push_back(entry.path());
-    if (files.empty()) {
+            names.push_back(entry.path().filename().string());
+    if (names.empty()) {
         const MeshesBelow below = meshes_below(directory, input);
         throw InvalidInput(join(
             directory.string(),
             ": the directory holds no mesh file (.obj .ply .off .stl .vtk .vtp .glb) itself",
             below.count > 0 ? join(", but ", describe(below), ": ", way_to_take(directory, below))
-                            : std::string("; other formats must be exported as one of them")));
+            : below.unreadable.empty()
+                ? std::string("; other formats must be exported as one of them")
+                : join(", and ", describe_unreadable(directory, below))));
     }
-    std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-        return natural_less(a.filename().string(), b.filename().string());
-    });
+    sort_naturally(names);
+    std::vector<fs::path> files;
+    for (const std::string& name : names)
+        files.push_back(directory / name);
     return files;
 }
 
@@ -167,7 +200,7 @@ std::vector<std::string> picked_files(const fs::path& directory, bool (*is_picke
     for (const fs::directory_entry& entry : fs::directory_iterator(directory))
         if (std::error_code unknown; is_picked(entry.path()) && !entry.is_directory(unknown))
             names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end(), natural_less);
+    sort_naturally(names);
     return names;
 }
 
@@ -201,6 +234,14 @@ void note_files_passed_over(const MeshNotices& notices, const fs::path& director
                              ", are not taken; to take a collection, name it itself"));
 }
 
+/// Each by itself: of two meshes that differ it is known which is the odd one.
+void check_triangulation(const NamedMesh& known, const NamedMesh& mesh)
+{
+    const std::string difference = describe_correspondence_break(known, mesh);
+    if (!difference.empty())
+        throw InvalidInput(join("another triangulation than ", known.path, "; ", difference));
+}
+
 /// A collection file alone: its meshes share their faces, which then need not be held once a mesh.
 Collection read_single_collection(const fs::path& path)
 {
@@ -216,27 +257,15 @@ Collection read_single_collection(const fs::path& path)
     return collection;
 }
 
-/// Two files of one name as tables spell it: a row is then of neither, unless it spells the name as the file does.
-void warn_of_names_alike(const MeshNotices& notices, const std::vector<NamedMesh>& meshes)
-{
-    std::vector<std::string> names;
-    for (const NamedMesh& mesh : meshes)
-        names.push_back(mesh.name);
-    if (const auto alike = names_alike(names))
-        notices.warn(join(
-            "the names of '", meshes[alike->first].path, "' and '", meshes[alike->second].path,
-            "' differ by outer blanks, endings or the composition of accents alone: a "
-            "table of labels cannot tell them apart unless it spells them so; rename one of them"));
-}
-
 /// a, b, a becomes a, b, a (2).
 void number_repeated_names(std::vector<NamedMesh>& meshes)
 {
     std::set<std::string> taken;
+    std::map<std::string, int> numbers; // the last one of a name that many have
     for (NamedMesh& mesh : meshes) {
         const std::string name = mesh.name;
-        for (int number = 2; !taken.insert(mesh.name).second; ++number)
-            mesh.name = join(name, " (", number, ")");
+        while (!taken.insert(mesh.name).second)
+            mesh.name = join(name, " (", ++numbers.try_emplace(name, 1).first->second, ")");
     }
 }
 
@@ -254,6 +283,19 @@ void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name
                      "Split polygons as fans from their first corner (default: refuse them)");
 }
 
+std::optional<NamesAlike> find_names_alike(const std::vector<std::string>& names,
+                                           const std::vector<std::string>& paths)
+{
+    const auto alike = names_alike(names);
+    if (!alike)
+        return std::nullopt;
+    return NamesAlike{
+        alike->first, alike->second,
+        join("the names of '", paths[alike->first], "' and '", paths[alike->second],
+             "' differ by outer blanks, endings or the composition of accents alone: a table of "
+             "labels cannot tell them apart unless it spells them so; rename one of them")};
+}
+
 Labels labels_of(const MeshNotices& notices, const std::string& path,
                  const std::vector<std::string>& names)
 {
@@ -262,20 +304,12 @@ Labels labels_of(const MeshNotices& notices, const std::string& path,
         notices.message(join(path, ": ", counted(file.unused.size(), "row"),
                              " of meshes that are not among these left out, first '",
                              file.unused.front(), "'"));
-    for (const std::string& sentence : alike_values(file.labels))
+    if (!file.nameless.empty())
+        notices.message(join(path, ": ", counted(file.nameless.size(), "column"),
+                             " without a name left out, first column ", file.nameless.front() + 1));
+    for (const std::string& sentence : doubts_about(file.labels))
         notices.warn(join(path, ": ", sentence));
     return std::move(file.labels);
-}
-
-void check_stored_labels(const MeshInput& input)
-{
-    if (input.labels.empty())
-        return;
-    for (const std::string& column : read_table(input.labels).columns)
-        if (column == "." || column.find('/') != std::string::npos) // as groups of HDF5 have it
-            throw InvalidInput(join(input.labels, ": label column '", column,
-                                    "': a collection or model cannot hold a name that is '.' or "
-                                    "has '/' in it; rename the column"));
 }
 
 bool is_collection_file(const fs::path& path)
@@ -304,11 +338,16 @@ void note_passed_over(const MeshNotices& notices, const MeshInput& input)
     for (const fs::path path : input.paths)
         if (fs::is_directory(path))
             note_files_passed_over(notices, path, input);
-    for (const fs::path path : input.paths)
-        if (fs::is_directory(path))
-            if (const MeshesBelow below = meshes_below(path, input); below.count > 0)
-                notices.message(join(path.string(), ": ", describe(below),
-                                     " not taken; to take them too, ", way_to_take(path, below)));
+    for (const fs::path path : input.paths) {
+        if (!fs::is_directory(path))
+            continue;
+        const MeshesBelow below = meshes_below(path, input);
+        if (below.count > 0)
+            notices.message(join(path.string(), ": ", describe(below),
+                                 " not taken; to take them too, ", way_to_take(path, below)));
+        if (!below.unreadable.empty())
+            notices.warn(join(path.string(), ": ", describe_unreadable(path, below)));
+    }
 }
 
 std::vector<fs::path> input_files(const MeshInput& input)
@@ -381,8 +420,10 @@ std::string advice_on(const Oddity& oddity)
             return oddity.message + ", or `shape check MESHES --fix DIR`";
         case OddityKind::Size:
             return oddity.message +
-                   " (`shape check MESHES --fix DIR` scales by units where the ratio leaves no "
+                   " (`shape check MESHES --fix DIR` scales by 10, 100 and 1000 where that leaves "
+                   "no "
                    "doubt)";
+        case OddityKind::NearSeam:
         case OddityKind::Copies:
             break;
     }
@@ -395,6 +436,11 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
     note_passed_over(notices, input);
     if (files.size() == 1 && is_collection_file(files.front())) {
         Collection collection = read_single_collection(files.front());
+        if (input.known)
+            check_triangulation(*input.known,
+                                {collection.names.front(),
+                                 join(files.front().string(), ": mesh ", collection.names.front()),
+                                 collection.points.front(), collection.topology.faces()});
         if (!input.labels.empty())
             collection.labels = labels_of(notices, input.labels, collection.names);
         return collection;
@@ -411,16 +457,27 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
             notices.progress("reading", i + 1, files.size());
     }
     notes.say(notices);
+    if (input.known)
+        for (const NamedMesh& mesh : meshes)
+            check_triangulation(*input.known, mesh);
     if (input.may_repeat)
         number_repeated_names(meshes);
-    warn_of_names_alike(notices, meshes);
+    std::vector<std::string> names;
+    std::vector<std::string> paths;
+    for (const NamedMesh& mesh : meshes) {
+        names.push_back(mesh.name);
+        paths.push_back(mesh.path);
+    }
+    if (const auto alike = find_names_alike(names, paths))
+        notices.warn(alike->message);
     Collection collection = collect(std::move(meshes));
     collection.labels =
         input.labels.empty() ? labels : labels_of(notices, input.labels, collection.names);
     for (const Oddity& oddity : find_oddities(collection)) {
-        const bool is_of_each = oddity.kind == OddityKind::Seam;
+        const bool is_of_each =
+            oddity.kind == OddityKind::Seam || oddity.kind == OddityKind::NearSeam;
         const bool is_copy = oddity.kind == OddityKind::Copies;
-        if (is_of_each || (is_copy ? !input.may_repeat : !input.have_model))
+        if (is_of_each || (is_copy ? !input.may_repeat : !input.known))
             notices.warn(advice_on(oddity));
     }
     return collection;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,10 @@ struct MeshInput
     std::vector<std::string> paths; ///< Files, directories and collection files, in any mix.
     bool triangulate = false;       ///< Split polygons as fans.
     bool may_repeat = false;        ///< Meshes of one name are told apart by a number.
-    bool have_model = false; ///< They are compared with a model's meshes, not with each other.
-    std::string labels;      ///< CSV file with labels; empty: those of the collections.
+    std::string labels;             ///< CSV file with labels; empty: those of the collections.
+    /// One of the meshes, as of a model, that these are compared with, and not with each other: they must have its
+    /// triangulation.
+    std::optional<NamedMesh> known = {};
 };
 
 /// Adds MESHES (or an option of another name that takes them) and --triangulate.
@@ -49,20 +52,25 @@ struct MeshNotices
 };
 [[nodiscard]] MeshNotices notices_of(const Session& session);
 
-/// Warns of files in the directories that hold meshes in formats that are not read, and says how many
-/// mesh files lie in their subfolders and are not taken.
+/// Warns of files in the directories that hold meshes in formats that are not read and of subfolders that cannot be
+/// looked into, and says how many mesh files lie in their subfolders and are not taken.
 void note_passed_over(const MeshNotices& notices, const MeshInput& input);
 
 /// All files that reading the input opens: mesh_files() and the file of labels.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const MeshInput& input);
 
-/// The labels of these meshes in a file; says which of its rows are of others.
+/// Two meshes that a table of labels takes for one (names_alike()).
+struct NamesAlike
+{
+    std::size_t first, second;
+    std::string message; ///< With their paths and what to do.
+};
+[[nodiscard]] std::optional<NamesAlike> find_names_alike(const std::vector<std::string>& names,
+                                                         const std::vector<std::string>& paths);
+
+/// The labels of these meshes in a file; says which of its rows and columns are left out, and warns of doubts_about() it.
 [[nodiscard]] Labels labels_of(const MeshNotices& notices, const std::string& path,
                                const std::vector<std::string>& names);
-
-/// For commands whose output keeps the labels: reads the table's columns before any work.
-/// @throws InvalidInput if a name is one that no collection or model holds; as read_table().
-void check_stored_labels(const MeshInput& input);
 
 /// The meshes of one file: a mesh, or the members of a collection with their labels.
 struct FileContent

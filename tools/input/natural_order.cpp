@@ -3,20 +3,28 @@
 #include "tools/input/natural_order.h"
 
 #include <algorithm>
+#include <array>
 #include <compare>
+#include <numeric>
+#include <set>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace shape::tools {
 namespace {
+
+constexpr std::string_view hyphen = "-";
+constexpr std::string_view minus = "\xE2\x88\x92"; // of Unicode, which is nothing but a sign
 
 bool is_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-bool is_word_character(char c)
+bool is_letter(char c)
 {
-    return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c & 0x80) != 0;
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c & 0x80) != 0;
 }
 
 std::size_t end_of_digits(std::string_view text, std::size_t at)
@@ -29,7 +37,7 @@ std::size_t end_of_digits(std::string_view text, std::size_t at)
 /// A piece of a name: a number, or one other character.
 struct Piece
 {
-    std::string_view text = {};
+    std::string_view text = {}; ///< Without a sign.
     bool is_number = false;
     bool is_negative = false;
     std::string_view whole = {};    ///< Digits before the point, without leading zeros.
@@ -38,14 +46,10 @@ struct Piece
 
 Piece piece_at(std::string_view text, std::size_t begin)
 {
-    const bool may_be_signed = begin == 0 || !is_word_character(text[begin - 1]);
-    const bool is_signed = may_be_signed && (text[begin] == '-' || text[begin] == '+') &&
-                           begin + 1 < text.size() && is_digit(text[begin + 1]);
-    const std::size_t first = begin + (is_signed ? 1 : 0);
-    if (!is_digit(text[first]))
+    if (!is_digit(text[begin]))
         return {.text = text.substr(begin, 1)};
-    std::size_t end = end_of_digits(text, first);
-    Piece piece{.is_number = true, .whole = text.substr(first, end - first)};
+    std::size_t end = end_of_digits(text, begin);
+    Piece piece{.is_number = true, .whole = text.substr(begin, end - begin)};
     if (end + 1 < text.size() && text[end] == '.' && is_digit(text[end + 1])) {
         const std::size_t point = end;
         end = end_of_digits(text, point + 1);
@@ -53,49 +57,149 @@ Piece piece_at(std::string_view text, std::size_t begin)
         piece.fraction = piece.fraction.substr(0, piece.fraction.find_last_not_of('0') + 1);
     }
     piece.whole.remove_prefix(std::min(piece.whole.find_first_not_of('0'), piece.whole.size()));
-    const bool is_zero = piece.whole.empty() && piece.fraction.empty();
-    piece.is_negative = text[begin] == '-' && !is_zero;
     piece.text = text.substr(begin, end - begin);
     return piece;
 }
 
+/// A piece, and what may be its sign.
+struct SignedPiece
+{
+    Piece piece;
+    std::string_view sign = {}; ///< Right before a number.
+    bool may_separate = false;  ///< It is a hyphen behind a letter or another hyphen.
+    std::string place = {};     ///< Of a number: what stands before its sign, numbers as `#`.
+};
+
+/// What stands at `at` if it can be the sign of the number behind it.
+std::string_view sign_at(std::string_view text, std::size_t at)
+{
+    if (at > 0 && is_digit(text[at - 1]))
+        return {};
+    for (const std::string_view sign : {hyphen, std::string_view("+"), minus}) {
+        const std::size_t next = at + sign.size();
+        if (text.substr(at).starts_with(sign) && next < text.size() && is_digit(text[next]))
+            return text.substr(at, sign.size());
+    }
+    return {};
+}
+
+std::vector<SignedPiece> split(std::string_view text)
+{
+    std::vector<SignedPiece> pieces;
+    std::string place;
+    for (std::size_t at = 0; at < text.size();) {
+        SignedPiece next{.piece = {}, .sign = sign_at(text, at)};
+        next.may_separate =
+            next.sign == hyphen && at > 0 && (is_letter(text[at - 1]) || text[at - 1] == '-');
+        at += next.sign.size();
+        next.piece = piece_at(text, at);
+        at += next.piece.text.size();
+        if (next.piece.is_number)
+            next.place = place;
+        place += next.piece.is_number ? "#" : next.piece.text;
+        pieces.push_back(std::move(next));
+    }
+    return pieces;
+}
+
+/// NumberPlaces at which numbers stand without a hyphen: one that stands there elsewhere is a sign.
+using NumberPlaces = std::set<std::string>;
+
+void add_places(const std::vector<SignedPiece>& pieces, NumberPlaces& places)
+{
+    for (const SignedPiece& next : pieces)
+        if (next.piece.is_number && (next.sign.empty() || next.sign == "+"))
+            places.insert(next.place);
+        else if (next.may_separate)
+            places.insert(next.place + '-');
+}
+
+/// The pieces once it is known which signs there are.
+std::vector<Piece> decided(const std::vector<SignedPiece>& pieces, const NumberPlaces& places)
+{
+    std::vector<Piece> result;
+    for (const SignedPiece& next : pieces) {
+        Piece piece = next.piece;
+        const bool is_sign = !next.may_separate || places.contains(next.place);
+        if (!is_sign)
+            result.push_back({.text = next.sign});
+        const bool is_zero = piece.whole.empty() && piece.fraction.empty();
+        piece.is_negative = is_sign && !is_zero && (next.sign == hyphen || next.sign == minus);
+        result.push_back(piece);
+    }
+    return result;
+}
+
 std::strong_ordering magnitude_order(const Piece& a, const Piece& b)
 {
-    if (const auto order = a.whole.size() <=> b.whole.size(); std::is_neq(order))
-        return order;
-    if (const auto order = a.whole <=> b.whole; std::is_neq(order))
-        return order;
-    return a.fraction <=> b.fraction;
+    return std::tuple(a.whole.size(), a.whole, a.fraction) <=>
+           std::tuple(b.whole.size(), b.whole, b.fraction);
 }
 
 /// Numbers stand where their digits would among the other characters.
 std::strong_ordering order_of(const Piece& a, const Piece& b)
 {
-    if (a.is_number != b.is_number)
+    if (!a.is_number || !b.is_number)
         return (a.is_number ? '0' : static_cast<unsigned char>(a.text[0])) <=>
                (b.is_number ? '0' : static_cast<unsigned char>(b.text[0]));
-    if (!a.is_number)
-        return static_cast<unsigned char>(a.text[0]) <=> static_cast<unsigned char>(b.text[0]);
     if (a.is_negative != b.is_negative)
         return a.is_negative ? std::strong_ordering::less : std::strong_ordering::greater;
     return a.is_negative ? magnitude_order(b, a) : magnitude_order(a, b);
 }
 
+std::strong_ordering order_of(const std::vector<Piece>& a, const std::vector<Piece>& b)
+{
+    return std::lexicographical_compare_three_way(
+        a.begin(), a.end(), b.begin(), b.end(),
+        [](const Piece& p, const Piece& q) { return order_of(p, q); });
+}
+
+/// Where the ending of a file's name begins: its last point, if a letter follows and no more than four letters and
+/// digits after that; else the end.
+std::size_t beginning_of_ending(std::string_view name)
+{
+    constexpr std::size_t longest = 5;
+    const std::size_t point = name.rfind('.');
+    if (point == std::string_view::npos || point == 0 || point + 1 == name.size() ||
+        name.size() - point - 1 > longest || !is_letter(name[point + 1]))
+        return name.size();
+    const std::string_view ending = name.substr(point + 1);
+    return std::all_of(ending.begin(), ending.end(),
+                       [](char c) { return is_letter(c) || is_digit(c); })
+               ? point
+               : name.size();
+}
+
 } // namespace
 
-bool natural_less(std::string_view a, std::string_view b)
+void sort_naturally(std::vector<std::string>& names)
 {
-    std::size_t i = 0;
-    std::size_t j = 0;
-    while (i < a.size() && j < b.size()) {
-        const Piece p = piece_at(a, i);
-        const Piece q = piece_at(b, j);
-        if (const auto order = order_of(p, q); std::is_neq(order))
-            return std::is_lt(order);
-        i += p.text.size();
-        j += q.text.size();
+    struct Key
+    {
+        std::array<std::vector<Piece>, 2> parts; ///< The stem and the ending.
+        std::string_view name;
+    };
+    std::vector<std::array<std::vector<SignedPiece>, 2>> split_names;
+    NumberPlaces places;
+    for (const std::string_view name : names) {
+        const std::size_t end = beginning_of_ending(name);
+        split_names.push_back({split(name.substr(0, end)), split(name.substr(end))});
+        add_places(split_names.back()[0], places);
     }
-    return std::pair(a.size() - i, a) < std::pair(b.size() - j, b);
+    std::vector<Key> keys(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i)
+        keys[i] = {{decided(split_names[i][0], places), decided(split_names[i][1], places)},
+                   names[i]};
+    std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
+        for (std::size_t part = 0; part < 2; ++part)
+            if (const auto order = order_of(a.parts[part], b.parts[part]); std::is_neq(order))
+                return std::is_lt(order);
+        return a.name < b.name;
+    });
+    std::vector<std::string> sorted;
+    for (const Key& key : keys)
+        sorted.emplace_back(key.name);
+    names = std::move(sorted);
 }
 
 } // namespace shape::tools

@@ -2,15 +2,17 @@
 
 #pragma once
 
-#include <string_view>
+#include <string>
+#include <vector>
 
 namespace shape::tools {
 
-/// Whether `a` stands before `b` as people order names: numbers by value (s2, s10; x_-1.5, x_-0.5,
-/// x_0, x_2), everything else by character; equal ones by character alone.
+/// Sorts names as people order them: numbers by value (s2, s10; x_-1.5, x_-0.5, x_0, x_2), everything else by
+/// character; their endings (.ply) come last (s.ply, s-1.ply); equal ones by character alone.
 ///
-/// A number is a run of digits with a decimal part if a point and a digit follow, and a sign before it
-/// unless that follows a letter or digit (2020-01-05, s-3).
-[[nodiscard]] bool natural_less(std::string_view a, std::string_view b);
+/// A number is a run of digits with a decimal part if a point and a digit follow, and a sign before it unless that
+/// follows a digit (2020-01-05). Behind a letter or another hyphen a hyphen may separate as well: it is a sign if, of
+/// all the names, one has a number without it at the same place (t-0.5 beside t0; s-9 beside s-10 is none).
+void sort_naturally(std::vector<std::string>& names);
 
 } // namespace shape::tools

@@ -60,18 +60,83 @@ bool has_column(const RepetitionQuestion& question, const std::string& label)
            question.columns.end();
 }
 
-/// Whether the covariates are the same for all meshes of a value; those without one do not count.
-bool is_nested(const Eigen::MatrixXd& covariates, const std::vector<std::string>& values)
+/// Whether a covariate is the same for all meshes of a value; those without one do not count.
+bool is_nested(const Eigen::VectorXd& covariate, const std::vector<std::string>& values)
 {
-    std::map<std::string_view, Eigen::Index> first;
+    std::map<std::string_view, double> first;
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        if (!values[i].empty() &&
-            covariates.row(first.try_emplace(values[i], row).first->second) != covariates.row(row))
+        const double number = covariate[static_cast<Eigen::Index>(i)];
+        if (!values[i].empty() && first.try_emplace(values[i], number).first->second != number)
             return false;
     }
     return true;
 }
+
+/// Standard deviation within the meshes of a value, over that of all meshes [1]; those without a value do not count.
+/// 1, give or take chance, where values have nothing to do with the covariate.
+double spread_within(const Eigen::VectorXd& covariate, const std::vector<std::string>& values)
+{
+    std::map<std::string_view, std::vector<double>> numbers;
+    std::vector<double> all;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!values[i].empty()) {
+            numbers[values[i]].push_back(covariate[static_cast<Eigen::Index>(i)]);
+            all.push_back(covariate[static_cast<Eigen::Index>(i)]);
+        }
+    const auto squares = [](const std::vector<double>& of) {
+        const Eigen::Map<const Eigen::ArrayXd> array(of.data(), std::ssize(of));
+        return (array - array.mean()).square().sum();
+    };
+    double within = 0.0;
+    for (const auto& [value, of_value] : numbers)
+        within += squares(of_value);
+    const auto count = static_cast<double>(all.size());
+    return std::sqrt(within / (count - static_cast<double>(numbers.size())) /
+                     (squares(all) / (count - 1.0)));
+}
+
+/// Whether what an analysis knows of the meshes of a value is the same; sizes, which are measured anew with every
+/// mesh, may spread by this part of what they do in all.
+bool is_nested(const RepetitionQuestion& question, const std::vector<std::string>& values,
+               double most_spread)
+{
+    for (Eigen::Index k = 0; k < question.covariates.cols(); ++k) {
+        const Eigen::VectorXd covariate = question.covariates.col(k);
+        if (k == question.sizes ? !(spread_within(covariate, values) <= most_spread)
+                                : !is_nested(covariate, values))
+            return false;
+    }
+    return true;
+}
+
+/// Whether each value weighs as much as any other with the same covariates in the mean of their meshes; a mesh without
+/// a value stands for itself.
+bool are_balanced(const Eigen::MatrixXd& covariates, const std::vector<std::string>& values)
+{
+    std::map<std::string_view, std::size_t> counts;
+    for (const std::string& value : values)
+        ++counts[value];
+    std::map<std::vector<double>, std::size_t> expected;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto& row = covariates.row(static_cast<Eigen::Index>(i));
+        const std::size_t count = values[i].empty() ? 1 : counts[values[i]];
+        if (expected.try_emplace(std::vector<double>(row.begin(), row.end()), count)
+                .first->second != count)
+            return false;
+    }
+    return true;
+}
+
+/// Whether repeated measurements of these values would change nothing.
+bool are_harmless(const RepetitionQuestion& question, const std::vector<std::string>& values)
+{
+    return question.is_of_means && are_balanced(question.covariates, values);
+}
+
+// Set by hand. Where sizes vary as much within the things that are measured as between them, as those of a child that
+// grows do, rows may be exchanged and nothing is wrong. At a half three quarters of their variance are between things.
+constexpr double little_spread = 0.5;
+constexpr double very_little_spread = 0.25; // where little else speaks for repeated measurements
 
 /// How many values there are, and how many meshes have one.
 struct Counts
@@ -146,7 +211,8 @@ struct Evidence
         constexpr double very_near = 0.25;
         const Counts counts = counts_of(values);
         if (counts.meshes < values.size() || counts.values < least_blocks ||
-            2 * counts.values > counts.meshes || !is_nested(question.covariates, values))
+            2 * counts.values > counts.meshes || are_harmless(question, values) ||
+            !is_nested(question, values, little_spread))
             return false;
         const Grouping blocks = group_by(values);
         const double ratio = closeness(products, blocks, strata);
@@ -192,10 +258,17 @@ bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
 {
     if (is_constant(question.covariates)) // refused later, by its name
         return false;
-    for (const auto& is_suspect : {tells_individuals_apart, has_small_blocks})
+    struct Suspicion
+    {
+        bool (*is_of)(const LabelColumn& label);
+        double most_spread;
+    };
+    for (const auto& [is_suspect, most_spread] : {Suspicion{tells_individuals_apart, little_spread},
+                                                  Suspicion{has_small_blocks, very_little_spread}})
         for (const LabelColumn& label : meshes.labels) {
             if (has_column(question, label.name) || !is_suspect(label) ||
-                !is_nested(question.covariates, label.values))
+                are_harmless(question, label.values) ||
+                !is_nested(question, label.values, most_spread))
                 continue;
             session.warn(join("the ", meshes.size(), " meshes are not independent if those of one ",
                               label.name, " (", counts_of(label.values).values,

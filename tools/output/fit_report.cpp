@@ -15,6 +15,7 @@
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "libshape/mesh/collection.h"
+#include "libshape/registration/fit_verdict.h"
 #include "libshape/report/picture.h"
 #include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
@@ -119,30 +120,37 @@ Json fit_failure(const std::string& scan, const std::string& reason)
     return {{"scan", scan}, {"status", "failed"}, {"reasons", {reason}}};
 }
 
-FitPlaces fit_places(const Session& session, const std::string& given, bool resume,
-                     const std::vector<fs::path>& inputs, const std::vector<std::string>& names)
+FitPlaces fit_places(const Session& session, const std::string& given, const FitFiles& files,
+                     const std::vector<fs::path>& inputs)
 {
     FitPlaces places;
     const fs::path output = given;
+    const auto check = [&](const fs::path& path) {
+        if (files.resume)
+            check_not_protected(path);
+        else
+            check_output(session, path, inputs);
+    };
     if (has_ending(output, ".h5")) {
         places.collection = output;
         places.directory = output.parent_path() / (output.stem().string() + "_fit");
-        if (!resume)
-            check_output(session, output, inputs);
+        check(output);
     } else {
         places.directory = output;
-        if (output.has_extension() && !fs::is_directory(output))
-            throw UsageError(
-                join("-o is '", given, "', must be a directory or a collection (.h5)"));
+        if (names_a_file(output))
+            refuse_file(join("-o is '", given, "', must be a directory or a collection (.h5)"));
     }
     std::error_code error;
     fs::create_directories(places.directory, error);
     if (error)
         throw FileError(join(places.directory.string(), ": ", error.message()));
-    if (!resume)
-        for (const std::string& scan : names)
-            for (const fs::path& path : {places.mesh(scan), places.report()})
-                check_output(session, path, inputs);
+    for (const fs::path& path : {places.report(), places.table(), places.sheet()})
+        check(path);
+    if (files.scores)
+        check(places.scores());
+    if (!files.resume) // else those that are there are taken over; write_fit() asks about the rest
+        for (const std::string& scan : files.scans)
+            check(places.mesh(scan));
     return places;
 }
 
@@ -182,6 +190,7 @@ void write_fit(const FitPlaces& places, const std::string& scan, const Topology&
     const Eigen::VectorXd seen =
         Eigen::Matrix<char, Eigen::Dynamic, 1>::Map(fit.seen.data(), std::ssize(fit.seen))
             .cast<double>();
+    check_not_protected(places.mesh(scan)); // which is not asked about before a run is resumed
     write_vertex_scalars(places.mesh(scan), fit.points, topology.faces(),
                          {{"distance", fit.distance}, {"growth", fit.growth}, {"seen", seen}});
 }
@@ -194,6 +203,9 @@ ScanFit read_fit(const FitPlaces& places, const Json& row)
     for (const double seen : read_vertex_scalar(path, "seen"))
         fit.seen.push_back(seen != 0.0 ? 1 : 0);
     fit.scale = row["scale"].get<double>();
+    for (const Json& reason : row["reasons"])
+        if (is_start_doubt(reason.get<std::string>()))
+            fit.start_doubt = reason.get<std::string>();
     fit.status = row["status"] == "good"    ? FitStatus::Good
                  : row["status"] == "check" ? FitStatus::Check
                                             : FitStatus::Failed;

@@ -28,15 +28,22 @@ struct FitPlaces
     [[nodiscard]] std::filesystem::path scores() const { return directory / "scores.csv"; }
 };
 
-/// Makes the directory and, unless an earlier run goes on, asks check_output() about the collection, the meshes and
-/// fit.json.
+/// What a run writes.
+struct FitFiles
+{
+    std::vector<std::string> scans; ///< Their names.
+    bool scores = false;            ///< There are some: a model is fitted.
+    bool resume = false;            ///< An earlier run goes on.
+};
+
+/// Makes the directory and asks check_output() about all files; if an earlier run goes on, check_not_protected() about
+/// those that are written anew.
 /// @param given  A directory, or a collection (.h5): then NAME_fit beside it is the directory.
-/// @param names  Of the scans.
 /// @throws UsageError if it is neither, or as check_output().
 /// @throws FileError as check_output(), or if the directory cannot be made.
-[[nodiscard]] FitPlaces fit_places(const Session& session, const std::string& given, bool resume,
-                                   const std::vector<std::filesystem::path>& inputs,
-                                   const std::vector<std::string>& names);
+[[nodiscard]] FitPlaces fit_places(const Session& session, const std::string& given,
+                                   const FitFiles& files,
+                                   const std::vector<std::filesystem::path>& inputs);
 
 /// A scan's row of the report (docs/json.md).
 /// @param ignored  Scan::ignored.
@@ -54,6 +61,7 @@ void write_fit_report(const FitPlaces& places, const Json& settings, const Json&
                       const Json& rounds);
 
 /// The mesh of a fit, with distance, growth and seen at its vertices.
+/// @throws FileError as check_not_protected() and write_vertex_scalars().
 void write_fit(const FitPlaces& places, const std::string& scan, const Topology& topology,
                const ScanFit& fit);
 

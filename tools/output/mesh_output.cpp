@@ -13,6 +13,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/letter_case.h"
 #include "libshape/base/to_size.h"
+#include "libshape/io/file/output_file.h"
 #include "libshape/report/colour_map.h"
 #include "tools/output/frame_store.h"
 #include "tools/output/output_rules.h"
@@ -25,17 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool names_a_file(const fs::path& path)
-{
-    return path.has_filename() && path.has_extension() && !fs::is_directory(path);
-}
-
 MeshFormat format_of(const fs::path& path)
 {
     try {
         return mesh_format(path);
     } catch (const InvalidInput& error) {
-        throw UsageError(join("-o: ", error.what(), "; a directory may end in a slash"));
+        refuse_file(join("-o: ", error.what()));
     }
 }
 
@@ -178,8 +174,8 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
         format_ = format_of(path);
         is_animation_ = format_ == MeshFormat::Glb && names.size() > 1;
         if ((names.size() > 1 && !is_animation_) || !further_files.empty())
-            throw UsageError(join("-o: ", names.size() + further_files.size(), " files come out; '",
-                                  path.string(), "' names one file, give a directory"));
+            refuse_file(join("-o: ", names.size() + further_files.size(), " files come out; '",
+                             path.string(), "' names one file, give a directory"));
         if (!arguments.format.empty() && mesh_format("x." + arguments.format) != format_)
             throw UsageError(join("--format ", arguments.format, " contradicts the ending of '",
                                   path.string(), "'"));
@@ -203,6 +199,7 @@ MeshOutput::MeshOutput(const Session& session, const MeshOutputArguments& argume
         staging_ = directory_ / staging_name("shape");
     } else {
         check_output(session, directory_, inputs_);
+        makes_directory_ = true;
         staging_ = directory_.parent_path() / staging_name(directory_.filename().string());
     }
 }
@@ -311,6 +308,9 @@ void MeshOutput::add_companions(const std::string& folder, const std::string& su
         check_paths(first_companion_);
     else if (fs::exists(fs::symlink_status(directory_ / folder)))
         throw FileError(join((directory_ / folder).string(), ": exists and is not a directory"));
+    else if (!session_.force)
+        for (std::size_t i = first_companion_; i < paths_.size(); ++i)
+            session_.free_places->add(paths_[i]);
 }
 
 void MeshOutput::write(std::size_t index, const Points& points, const Faces& faces)
@@ -348,20 +348,22 @@ void MeshOutput::commit()
         session_.warn("--colors: these meshes have no values at their vertices; add --residuals");
     if (staging_.empty())
         return;
-    if (fs::is_directory(directory_)) {
+    // Where another run has made the directory meanwhile, this one may write into it with --force alone.
+    if (fs::is_directory(directory_) && (!makes_directory_ || session_.force)) {
         for (std::size_t i = 0; i < paths_.size(); ++i) {
             const fs::path& path = paths_[i];
             const bool is_companion = first_companion_ > 0 && i >= first_companion_;
             if (is_companion)
                 fs::create_directories(path.parent_path());
-            fs::rename(is_companion ? staging_ / path.parent_path().filename() / path.filename()
-                                    : staging_ / path.filename(),
-                       path);
+            move_into_place(is_companion
+                                ? staging_ / path.parent_path().filename() / path.filename()
+                                : staging_ / path.filename(),
+                            path);
         }
         if (takes_directory_)
             note_other_meshes();
     } else {
-        fs::rename(staging_, directory_);
+        move_into_place(staging_, directory_);
     }
 }
 

@@ -115,6 +115,7 @@ private:
     std::vector<std::filesystem::path> paths_;
     std::filesystem::path directory_; ///< Where the files go.
     bool takes_directory_ = false;    ///< It was asked for, not a file in it.
+    bool makes_directory_ = false;    ///< It was not there.
     std::filesystem::path staging_;   ///< Where they are kept until then.
     MeshFormat format_ = MeshFormat::Ply;
     MeshWriteOptions write_options_;

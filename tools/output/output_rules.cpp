@@ -37,15 +37,29 @@ void check_output(const Session& session, const fs::path& output,
     if (access(directory.c_str(), W_OK | X_OK) != 0)
         throw FileError(join(output.string(), ": cannot write into ", directory.string(), ": ",
                              std::strerror(errno)));
-    if (!fs::exists(fs::symlink_status(output)))
+    if (!fs::exists(fs::symlink_status(output))) {
+        if (!session.force)
+            session.free_places->add(output);
         return;
+    }
     for (const fs::path& input : inputs)
         if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
             throw UsageError(join(output.string(), ": the output is an input of the run"));
     if (!fs::is_regular_file(output))
         throw FileError(join(output.string(), ": exists and is not a regular file"));
+    check_not_protected(output);
     if (!session.force)
         throw FileError(join(output.string(), ": exists; --force overwrites it"));
+}
+
+void check_not_protected(const fs::path& output)
+{
+    const fs::file_status status = fs::status(output);
+    if (fs::is_regular_file(status) &&
+        (status.permissions() & fs::perms::owner_write) == fs::perms::none)
+        throw FileError(join(output.string(),
+                             ": exists and is write-protected, which --force leaves alone; `chmod "
+                             "u+w` it first or name another output"));
 }
 
 void check_different(const std::string& option, const fs::path& path,
@@ -56,6 +70,16 @@ void check_different(const std::string& option, const fs::path& path,
     };
     if (resolved(path) == resolved(other_path))
         throw UsageError(join(option, ": '", path.string(), "' is the file of ", other_option));
+}
+
+bool names_a_file(const fs::path& path)
+{
+    return path.has_filename() && path.has_extension() && !fs::is_directory(path);
+}
+
+void refuse_file(const std::string& rule)
+{
+    throw UsageError(join(rule, "; a directory may end in a slash"));
 }
 
 bool has_ending(const fs::path& path, std::string_view ending)

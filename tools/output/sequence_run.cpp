@@ -12,7 +12,6 @@
 #include "libshape/base/to_size.h"
 #include "libshape/embedding/in_betweens.h"
 #include "libshape/io/table_file.h"
-#include "libshape/mesh/alignment.h"
 #include "tools/output/embedding_settings.h"
 #include "tools/output/frame_store.h"
 #include "tools/program/arguments.h"
@@ -64,7 +63,7 @@ Json identity(const Session& session, const EmbeddingOptions& options,
     Json all = embedding_settings(session, options);
     all.update({{"meshes", inputs},
                 {"blends", blends},
-                {"path", sequence.path ? join(sequence.places.size(), " places") : "none"},
+                {"path", sequence.along ? join(sequence.along->places.size(), " places") : "none"},
                 {"--keyframes", join(arguments.keyframes)},
                 {"--between", between_name(arguments.between)}});
     return all;
@@ -122,21 +121,15 @@ InBetweens in_betweens(const Session& session, const EmbeddingOptions& given, Be
 class Maker
 {
 public:
-    /// @param progress  Hears of the path while it is solved.
-    Maker(const EmbeddingOptions& options, const Sequence& sequence, FrameStore& store,
-          const Progress& progress)
+    /// @param along, progress  As FrameEmbedder takes them.
+    Maker(const EmbeddingOptions& options, const Sequence& sequence,
+          const std::optional<FramePath>& along, FrameStore& store, const Progress& progress)
         : sequence_(sequence),
           store_(store),
           method_(name(options.method)),
-          embedder_(sequence.topology, sequence.references, options),
+          embedder_(sequence.topology, sequence.references, options, along, progress),
           previous_(sequence.references.front())
     {
-        const bool is_fine =
-            options.method == EmbeddingMethod::Dihedral &&
-            options.quality.value_or(EmbeddingQuality::Fine) == EmbeddingQuality::Fine;
-        if (is_fine && sequence.path)
-            along_.emplace(sequence.topology, sequence.references, *sequence.path, options,
-                           progress);
     }
 
     /// Every N-th target becomes a keyframe, and the last.
@@ -157,10 +150,8 @@ public:
     [[nodiscard]] FinishedMesh embedded(std::size_t i, const ShapePoint& point)
     {
         FinishedMesh mesh = taken_or_made(i, [&] {
-            FinishedMesh made =
-                finish(sequence_.targets[i].name, method_, [&] { return embed(i, point); });
-            made.points = best_rigid_motion(made.points, previous_)(made.points);
-            return made;
+            return finish(sequence_.targets[i].name, method_,
+                          [&] { return embedder_.embed(i, point, previous_); });
         });
         if (sequence_.is_path)
             previous_ = mesh.points;
@@ -178,16 +169,6 @@ public:
     }
 
 private:
-    [[nodiscard]] Embedding embed(std::size_t i, const ShapePoint& point) const
-    {
-        if (!along_)
-            return embedder_.embed(point);
-        const double t = sequence_.places[i];
-        const std::vector<double>& stations = sequence_.path->stations;
-        return t < stations.front() || t > stations.back() ? embedder_.embed(point)
-                                                           : along_->embed(t);
-    }
-
     template <class Make>
     [[nodiscard]] FinishedMesh taken_or_made(std::size_t i, const Make& make) const
     {
@@ -203,9 +184,8 @@ private:
     const Sequence& sequence_;
     FrameStore& store_;
     std::string method_;
-    Embedder embedder_;
-    std::optional<PathEmbedder> along_; ///< If neighbours are to agree.
-    Points previous_;                   ///< What the next mesh is placed as.
+    FrameEmbedder embedder_;
+    Points previous_; ///< What the next mesh is placed as.
 };
 
 Json run(const Session& session, const EmbeddingArguments& embedding,
@@ -214,7 +194,8 @@ Json run(const Session& session, const EmbeddingArguments& embedding,
 {
     const EmbeddingOptions options = keyframe_options(session, embedding, arguments);
     const TargetOrder order = sequence.is_path ? TargetOrder::Sequence : TargetOrder::Any;
-    Maker maker(options, sequence, store, session.progress());
+    Maker maker(options, sequence, arguments.keyframes == 0 ? sequence.along : std::nullopt, store,
+                session.progress());
     if (arguments.keyframes == 0)
         return make_and_write(
             session, embedding, sequence.topology, sequence.targets,

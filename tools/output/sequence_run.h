@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "libshape/embedding/path_embedder.h"
+#include "libshape/embedding/frame_embedder.h"
 #include "tools/output/embedding_run.h"
 
 namespace shape::tools {
@@ -42,10 +42,8 @@ struct Sequence
         false; ///< Each mesh is turned and placed as the one before it; else as the first
                ///< reference. The first is placed so always.
 
-    /// Where neighbours are to agree on folds: the path that all targets lie on, and t of each of them, or
-    /// none (path_embedder.h). Those beyond the stations are embedded by themselves.
-    std::optional<TargetPath> path = {};
-    std::vector<double> places = {};
+    /// The path that all targets are frames of; none: they are embedded by themselves. Keyframes always are.
+    std::optional<internal::FramePath> along = {};
 };
 
 /// Does what embed_and_write() does, by keyframes if wanted, and keeps finished meshes beside the

@@ -22,6 +22,7 @@
 #include "libshape/io/file/input_file.h"
 #include "libshape/io/file/output_file.h"
 #include "tools/output/frame_store.h"
+#include "tools/output/output_rules.h"
 #include "tools/program/arguments.h"
 #include "tools/program/ranks.h"
 
@@ -283,7 +284,7 @@ std::vector<fs::path> removable(const std::map<int, Part>& parts, const fs::path
                             named, "; move it elsewhere, then merge again"));
 }
 
-/// What is in a directory that shards are merged into, and is replaced, must be files.
+/// What is in a directory that shards are merged into, and is replaced, must be files without write protection.
 void check_replaced(const std::map<int, Part>& parts, const fs::path& target)
 {
     for (const auto& [number, part] : parts)
@@ -293,6 +294,7 @@ void check_replaced(const std::map<int, Part>& parts, const fs::path& target)
                 if (fs::exists(status) && !fs::is_regular_file(status))
                     throw FileError(
                         join((target / file).string(), ": exists and is not a regular file"));
+                check_not_protected(target / file);
             }
 }
 
@@ -424,6 +426,8 @@ MergedShards merge_shards(const Session& session, const fs::path& output)
     check_target(target, session.force);
     const std::map<int, Part> parts = find_parts(target);
     const bool is_new = !fs::exists(target);
+    if (is_new && !session.force)
+        session.free_places->add(target);
     MergedShards merged{static_cast<int>(parts.size()), 0, {}};
     const fs::path staging =
         is_new ? target.parent_path() / join(".", target.filename().string(), ".", getpid(), ".tmp")
@@ -445,11 +449,11 @@ MergedShards merge_shards(const Session& session, const fs::path& output)
             merged.files.emplace_back(report_name);
         }
         if (is_new) {
-            fs::rename(staging, target);
+            move_into_place(staging, target);
         } else {
             for (const std::string& file : merged.files) {
                 fs::create_directories((target / file).parent_path());
-                fs::rename(staging / file, target / file);
+                move_into_place(staging / file, target / file);
             }
             fs::remove_all(staging);
             const std::vector<std::string> others = other_meshes(target, merged.files);

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "libshape/base/progress.h"
+#include "libshape/io/file/free_places.h"
 
 namespace shape::tools {
 
@@ -25,6 +27,8 @@ public:
     bool force = false;       ///< Existing outputs are overwritten.
     std::int64_t threads = 0; ///< 0: as many as there are processors.
     std::int64_t seed = 1;
+    /// Outputs that did not exist when the run looked, without --force.
+    std::shared_ptr<internal::FreePlaces> free_places = std::make_shared<internal::FreePlaces>();
     /// What people read instead of a text: `-` for standard streams (StandardStreams::readable()).
     std::function<std::string(const std::string&)> readable = [](const std::string& text) {
         return text;

@@ -3,23 +3,25 @@
 #include <pybind11/pybind11.h>
 
 #include <limits>
+#include <optional>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
-#include "libshape/edge_space/paths.h"
 #include "libshape/edge_space/shape_vectors.h"
+#include "libshape/embedding/frame_embedder.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/gltf_file.h"
+#include "libshape/io/label_doubts.h"
 #include "libshape/io/label_file.h"
 #include "libshape/io/mesh_write_options.h"
-#include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/oddities.h"
 #include "libshape/model/shape_distances.h"
 #include "libshape/synthetic/synthetic.h"
 #include "tools/input/mesh_input.h"
+#include "tools/input/path_arguments.h"
 #include "tools/python/handles.h"
 #include "tools/python/jobs.h"
 
@@ -121,7 +123,7 @@ py::tuple from_arrays(const std::vector<Doubles>& vertices, const Integers& face
     Made made = run([meshes, columns, may_repeat](const Progress&) {
         Collection collection = collect(meshes);
         collection.labels = columns;
-        std::vector<std::string> warnings = alike_values(columns);
+        std::vector<std::string> warnings = doubts_about(columns);
         for (const Oddity& oddity : find_oddities(collection))
             if (!(may_repeat && oddity.kind == OddityKind::Copies))
                 warnings.push_back(tools::advice_on(oddity));
@@ -142,32 +144,62 @@ CollectionPointer choose(const CollectionPointer& handle, const std::vector<std:
     return handle_of(subset(handle->collection, meshes));
 }
 
+/// Frames along the line through so many meshes, as the program takes them.
+tools::Blends frames_of_line(int meshes, std::int64_t frames)
+{
+    tools::PathArguments arguments;
+    arguments.options.frames = frames;
+    return tools::blends_of(arguments, meshes);
+}
+
+/// A row of weights for each frame.
+Doubles line_weights(int meshes, std::int64_t frames)
+{
+    const tools::Blends blends = frames_of_line(meshes, frames);
+    RowMatrix rows(static_cast<Eigen::Index>(blends.weights.size()), meshes);
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+        rows.row(i) = blends.weights[to_size(i)].transpose();
+    return array_of(std::move(rows));
+}
+
 /// Positions of every frame, and their reports; the first is placed as the first mesh is, each further
-/// one as the one before it, as `shape interpolate` does.
+/// one of a path as the one before it, as `shape interpolate` does.
+/// @param is_path  The weights are those of line_weights().
 py::list interpolate(const CollectionPointer& handle, const std::vector<Doubles>& weights,
                      bool is_path, bool squared, const EmbeddingOptions& options,
                      const py::object& callback)
 {
-    std::vector<Eigen::VectorXd> blends;
-    for (const Doubles& row : weights)
-        blends.push_back(vector_of(row));
+    tools::Blends blends;
+    if (is_path)
+        blends = frames_of_line(static_cast<int>(handle->collection.size()),
+                                static_cast<std::int64_t>(weights.size()));
+    else
+        for (const Doubles& row : weights)
+            blends.weights.push_back(vector_of(row));
     std::vector<Embedding> frames = run(
         [=](const Progress& progress) {
             const Collection& collection = handle->collection;
             const ShapeVectors vectors = shape_vectors(collection, Scale::None);
-            const Embedder embedder(collection.topology, collection.points, options);
+            const auto target = [&](const Eigen::VectorXd& at) {
+                return blend(vectors, at, squared ? LengthBlend::Squared : LengthBlend::Plain);
+            };
+            std::optional<FramePath> along;
+            if (is_path)
+                along = FramePath{
+                    {[&](double t) { return target(blends.weights_at(t)); }, blends.stations},
+                    blends.places};
+            const FrameEmbedder embedder(collection.topology, collection.points, options, along,
+                                         progress);
+            const std::size_t count = blends.weights.size();
             std::vector<Embedding> made;
             Points previous = collection.points.front();
-            for (std::size_t i = 0; i < blends.size(); ++i) {
-                progress("embedding", i, blends.size());
-                Embedding frame = embedder.embed(
-                    blend(vectors, blends[i], squared ? LengthBlend::Squared : LengthBlend::Plain));
-                frame.points = best_rigid_motion(frame.points, previous)(frame.points);
+            for (std::size_t i = 0; i < count; ++i) {
+                progress("embedding", i, count);
+                made.push_back(embedder.embed(i, target(blends.weights[i]), previous));
                 if (is_path)
-                    previous = frame.points;
-                made.push_back(std::move(frame));
+                    previous = made.back().points;
             }
-            progress("embedding", blends.size(), blends.size());
+            progress("embedding", count, count);
             return made;
         },
         callback);
@@ -293,8 +325,7 @@ void add_collections(py::module_& module)
     module.def("measure", measure);
     module.def("synthetic", synthetic);
     module.def("write_animation", write_animation);
-    module.def("line_weights",
-               [](int inputs, double t) { return array_of(line_weights(inputs, t)); });
+    module.def("line_weights", line_weights);
 }
 
 } // namespace shape::python

@@ -316,12 +316,12 @@ py::tuple compare(const CollectionPointer& handle, const std::string& by, const 
         const Grouping groups = grouped(by);
         const Grouping blocks = within.empty() ? groups_of_one(groups.size()) : grouped(within);
         const GroupedShapes shapes = group_shapes(collection, groups, space);
-        return Found{
-            groups,
-            compare_groups(shapes.products, groups, blocks, Eigen::MatrixXd(groups.size(), 0),
-                           {.permutations = permutations, .seed = seed}),
-            group_spread(shapes.products, groups, blocks,
-                         {.replicates = replicates, .seed = seed})};
+        const Eigen::MatrixXd no_covariates(groups.size(), 0);
+        return Found{groups,
+                     compare_groups(shapes.products, groups, blocks, no_covariates,
+                                    {.permutations = permutations, .seed = seed}),
+                     group_spread(shapes.products, groups, blocks, no_covariates,
+                                  {.replicates = replicates, .seed = seed})};
     });
     std::vector<std::size_t> counts;
     for (const std::vector<int>& of_group : members(found.groups))

@@ -8,12 +8,14 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/io/file/free_places.h"
 #include "libshape/io/file/long_output.h"
 
 namespace shape::internal {
@@ -22,6 +24,58 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& path, std::string_view cause)
 {
     throw FileError(join("cannot write ", path.string(), ": ", cause));
+}
+
+[[noreturn]] void fail_for_newcomer(const std::filesystem::path& path)
+{
+    fail(path,
+         "since this run began another one, or somebody, has put something there, which is left as "
+         "it is; move it away or choose another name, then run again");
+}
+
+/// A name in a directory that is open, or of a path.
+struct Place
+{
+    int directory = AT_FDCWD;
+    const char* name = nullptr;
+};
+
+/// Renames, over what is there.
+/// @return 0, or why not.
+int rename_over(const Place& from, const Place& to)
+{
+    return ::renameat(from.directory, from.name, to.directory, to.name) == 0 ? 0 : errno;
+}
+
+/// Renames where nothing is: in one step, or where the file system has none, by a second name, which is refused as well
+/// where something is. File systems without these either get a look before, which leaves a moment.
+/// @return 0, or why not.
+int rename_to_free(const Place& from, const Place& to)
+{
+    if (::renameat2(from.directory, from.name, to.directory, to.name, RENAME_NOREPLACE) == 0)
+        return 0;
+    if (errno != EINVAL && errno != ENOSYS)
+        return errno;
+    if (::linkat(from.directory, from.name, to.directory, to.name, 0) == 0) {
+        (void)::unlinkat(from.directory, from.name, 0); // the file has its place all the same
+        return 0;
+    }
+    struct stat status = {};
+    if (errno == EEXIST || ::fstatat(to.directory, to.name, &status, AT_SYMLINK_NOFOLLOW) == 0)
+        return EEXIST;
+    return rename_over(from, to);
+}
+
+/// @param path  Of the new place, as it was given.
+void rename_into_place(const Place& from, const Place& to, const std::filesystem::path& path)
+{
+    const bool must_be_free = FreePlaces::contain(path);
+    const int error = must_be_free ? rename_to_free(from, to) : rename_over(from, to);
+    if (must_be_free && error == EEXIST)
+        fail_for_newcomer(path);
+    if (error != 0)
+        fail(path, std::strerror(error));
+    FreePlaces::remove(path);
 }
 
 /// A new hidden file beside the target; removed again unless it was moved into its place.
@@ -76,8 +130,8 @@ public:
             fail(target_, std::strerror(errno));
         if (before_renaming)
             before_renaming();
-        if (::renameat(directory_, name_.c_str(), directory_, target_.filename().c_str()) != 0)
-            fail(target_, std::strerror(errno));
+        rename_into_place({directory_, name_.c_str()}, {directory_, target_.filename().c_str()},
+                          target_);
         committed_ = true;
         // The new file is in place; some file systems cannot sync a directory, which is not an error.
         (void)::fsync(directory_);
@@ -96,6 +150,8 @@ private:
             fail(target_, "is a symbolic link; name the file it points to");
         if (!S_ISREG(status.st_mode))
             fail(target_, S_ISDIR(status.st_mode) ? "is a directory" : "is not a regular file");
+        if (FreePlaces::contain(target_)) // said before the work of writing, too
+            fail_for_newcomer(target_);
     }
 
     void create()
@@ -139,6 +195,11 @@ void write_file_atomically(const std::filesystem::path& path, const std::functio
     if (check)
         check(file.path());
     file.commit(before_renaming);
+}
+
+void move_into_place(const std::filesystem::path& finished, const std::filesystem::path& place)
+{
+    rename_into_place({AT_FDCWD, finished.c_str()}, {AT_FDCWD, place.c_str()}, place);
 }
 
 void write_pieces_atomically(const std::filesystem::path& path,

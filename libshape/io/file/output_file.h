@@ -13,7 +13,7 @@ namespace shape::internal {
 /// target is as it was. Permissions follow the umask.
 /// @param check  Called with the new file before the renaming; what it throws passes through.
 /// @throws FileError naming path and cause if the directory is missing or not writable, the target
-///     is not a regular file, or the system refuses.
+///     is not a regular file or has got to one of the FreePlaces meanwhile, or the system refuses.
 void write_file_atomically(
     const std::filesystem::path& path, std::string_view content,
     const std::function<void(const std::filesystem::path& temporary)>& check = {});
@@ -27,5 +27,10 @@ void write_file_atomically(
     const std::filesystem::path& path, const std::function<void(int descriptor)>& write,
     const std::function<void(const std::filesystem::path& temporary)>& check = {},
     const std::function<void()>& before_renaming = {});
+
+/// Renames a finished file or directory into its place on the same file system. A file that is there is replaced, but
+/// not one that has got to one of the FreePlaces.
+/// @throws FileError naming the place and the cause.
+void move_into_place(const std::filesystem::path& finished, const std::filesystem::path& place);
 
 } // namespace shape::internal

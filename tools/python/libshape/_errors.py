@@ -73,22 +73,39 @@ _CAUSES = {f": {os.strerror(number).lower()}": number for number in errno.errorc
 _CAUSES[" does not exist"] = errno.ENOENT
 
 
-def _as_argument(option: "re.Match[str]") -> str:
+#: Fields of the library's options whose arguments are called otherwise.
+_ARGUMENTS = {
+    "DifferenceOptions.from_label": "from_",
+    "DifferenceOptions.to_label": "to",
+    "DifferenceOptions.to_value": "to",
+    "SpaceOptions.dihedral_weight": "with_dihedrals",
+    "SpaceOptions.position_weight": "with_positions",
+    "SpaceOptions.weighting": "area_weighted",
+}
+
+
+def _argument_of_field(field: "re.Match[str]") -> str:
+    return _ARGUMENTS.get(field.group(0), field.group(1))
+
+
+def _argument_of_option(option: "re.Match[str]") -> str:
     return option.group(1).replace("-", "_")
 
 
 def in_python_words(message: str) -> str:
     """A message without the names that options have in C++ and on the command line.
 
-    "ModelOptions.modes is 9" and "--modes is 9" become "modes is 9". Commands to type, which stand between
-    backticks, stay.
+    "ModelOptions.modes is 9" and "--modes is 9" become "modes is 9", "SpaceOptions.position_weight"
+    "with_positions", "the method Closure" "the method 'closure'". Commands to type, which stand between backticks,
+    stay.
     """
     parts = message.split("`")
     for i in range(0, len(parts), 2):
-        text = re.sub(r"\b[A-Z]\w*Options\.(\w)", r"\1", parts[i])
+        text = re.sub(r"\b[A-Z]\w*Options\.(\w+)", _argument_of_field, parts[i])
+        text = re.sub(r"\bthe method ([A-Z]\w*)", lambda name: f"the method '{name.group(1).lower()}'", text)
         text = re.sub(r"(?<!\w)--(force|triangulate)\b", r"\1=True", text)
         text = re.sub(r"^-o: ", "path: ", text)
-        parts[i] = re.sub(r"(?<!\w)--([a-z][a-z-]*)", _as_argument, text)
+        parts[i] = re.sub(r"(?<!\w)--([a-z][a-z-]*)", _argument_of_option, text)
     return "`".join(parts)
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import warnings
 from typing import Any, List, Optional
 
-import numpy as np
-
 from . import _arrays, _core
 from ._arrays import Progress
 from ._collection import Collection, gather
@@ -28,7 +26,7 @@ def interpolate(
     seed: int = 1,
     progress: Progress = None,
 ) -> Frames:
-    """Blends of two or more meshes in edge-length space, each embedded by itself.
+    """Blends of two or more meshes in edge-length space, at single places or along a path.
 
     meshes: with the same faces, one by one or as a Collection. A blend is turned and placed as the first mesh is,
     a further frame of a path as the one before it.
@@ -44,9 +42,9 @@ def interpolate(
     avoid_contact: bend the mesh a little where faces cross that cross in no input, until they no longer do.
     seed: in [0, 2**64 - 1], by which the method multiscale draws its patches; the others draw nothing.
 
-    The same bits as `shape interpolate` with --weights, and with up to 30 --frames. Of 31 and more the program, by
-    the method dihedral, fine, makes a motion whose neighbours agree on folds (docs/embedding.md); this function
-    does not.
+    The same bits as `shape interpolate` with --frames or --weights. By the method dihedral, fine, 31 frames and more
+    are a motion, whose neighbours agree on folds (docs/embedding.md); fewer, and blends by weights, are embedded each
+    by itself.
     Where no mesh has the lengths the nearest comes out, and its report says so. What is odd about meshes that are
     given one by one is warned of, but for copies: a path may come back. Raises InvalidInput if a rule is broken, an
     option is of another method or faces differ; NumericalError if a factorisation breaks down.
@@ -72,7 +70,7 @@ def interpolate(
             raise InvalidInput(f"frames: is {frames}, must be at least 2")
         if count < 2:
             raise InvalidInput(f"meshes: there is {count}, there must be at least 2")
-        rows = np.array([_core.line_weights(count, i / (frames - 1)) for i in range(frames)])
+        rows = _core.line_weights(count, frames)
     else:
         rows = _arrays.finite(_arrays.numbers(weights, "weights"), "weights")
         if rows.ndim != 2 or rows.shape[1] != count:

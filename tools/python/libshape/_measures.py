@@ -53,8 +53,9 @@ def groups(
     """Do the mean shapes of groups differ? By permutation, as `shape groups`.
 
     by: label whose values are the groups, at least two. within: label of blocks, such as subjects, within which
-    labels are permuted; where each block lies in one group, their means are compared. A mesh without a value of
-    either is refused.
+    labels are permuted; where each block lies in one group, their means are compared. Distances and radii are of
+    what is compared: each block counts once, and those of one group not at all where others have several. A mesh
+    without a value of either is refused.
     permutations: of each test, at random, >= 0; the smallest p-value is 1 / (permutations + 1).
     replicates: draws of the bootstrap behind the radii of differences, >= 1.
     seed: of both, in [0, 2**64 - 1].

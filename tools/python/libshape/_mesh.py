@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _arrays, _core
 from ._arrays import Array, Indices, Path
+from ._errors import InvalidInput
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +63,8 @@ class Mesh:
                 raise TypeError(
                     f"colors: must be uint8 of shape (n, 3), is {colours.dtype} {colours.shape}"
                 )
+            if len(colours) != len(self.V):
+                raise InvalidInput(f"colors: has {len(colours)} rows, the mesh has {len(self.V)} vertices")
         _core.write(
             _arrays.path(path),
             self.V,

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+
+#include "tools/output/unlike_warnings.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
+#include "libshape/base/rounded.h"
+#include "libshape/base/to_size.h"
+#include "libshape/mesh/oddities.h"
+#include "libshape/mesh/unit_ratio.h"
+#include "tools/program/session.h"
+
+namespace shape::tools {
+using namespace internal;
+namespace {
+
+void warn_of_mirror_images(const Session& session, const std::vector<std::string>& names,
+                           const std::vector<std::size_t>& mirrored, const UnlikeWords& words)
+{
+    const bool is_one = mirrored.size() == 1;
+    const char* const them = is_one ? "it" : "them";
+    const char* const are_images = words.are_differences
+                                       ? (is_one ? " is of mirror images" : " are of mirror images")
+                                       : (is_one ? " is a mirror image" : " are mirror images");
+    const std::string back = "(one coordinate times -1, faces as they are)";
+    session.warn(join(words.option, list_names(names, mirrored), are_images, " of ", words.others,
+                      "; ", words.mirrored, ": ",
+                      words.are_differences
+                          ? join("make ", them, " anew of meshes mirrored back ", back)
+                          : join("mirror ", them, " back ", back)));
+}
+
+/// @param ratios  Of the odd ones, all above 1 or all below.
+void warn_of_sizes(const Session& session, const std::vector<std::string>& names,
+                   const std::vector<std::size_t>& odd, const std::vector<double>& ratios,
+                   const UnlikeWords& words)
+{
+    const double usual = median(ratios);
+    std::vector<double> times;
+    for (const double ratio : ratios)
+        times.push_back(std::max(ratio, 1.0 / ratio));
+    const auto [least, most] = std::minmax_element(times.begin(), times.end());
+    const std::string range = rounded(*least) == rounded(*most)
+                                  ? rounded(*least)
+                                  : join(rounded(*least), " to ", rounded(*most));
+    const std::optional<UnitRatio> known = unit_ratio_near(usual);
+    session.warn(join(
+        words.option, list_names(names, odd), odd.size() == 1 ? " is " : " are ",
+        words.are_differences ? "of meshes " : "", range, " times ",
+        usual > 1.0 ? "larger" : "smaller", " than ", words.others,
+        known ? join("; are they in ", known->units, "? ") : std::string("; are all in one unit? "),
+        words.size.empty() ? "Export all in one unit" : words.size));
+}
+
+} // namespace
+
+std::string effect_of_mirroring(const ShapeSpace& space)
+{
+    const auto* const edge = std::get_if<EdgeSpace>(&space);
+    const bool is_seen =
+        edge == nullptr || edge->dihedral_factors.size() > 0 || edge->position_factors.size() > 0;
+    return is_seen ? "the space takes that for a difference of shape"
+                   : "edge lengths do not see that";
+}
+
+void warn_of_unlike(const Session& session, const std::vector<std::string>& names,
+                    const RowMatrix& marks, const UnlikeWords& words)
+{
+    std::vector<std::size_t> mirrored;
+    for (Eigen::Index i = 0; i < marks.rows(); ++i)
+        if (marks(i, 0) > 0.0)
+            mirrored.push_back(to_size(i));
+    if (!mirrored.empty())
+        warn_of_mirror_images(session, names, mirrored, words);
+    for (const bool larger : {true, false}) {
+        std::vector<std::size_t> odd;
+        std::vector<double> ratios;
+        for (Eigen::Index i = 0; i < marks.rows(); ++i)
+            if (const double ratio = marks(i, 1); ratio > 0.0 && (ratio > 1.0) == larger) {
+                odd.push_back(to_size(i));
+                ratios.push_back(ratio);
+            }
+        if (!odd.empty())
+            warn_of_sizes(session, names, odd, ratios, words);
+    }
+}
+
+} // namespace shape::tools
