@@ -71,21 +71,45 @@ void multiply_right(RowMatrix& a, const RowMatrix& b)
     a = std::move(result);
 }
 
-/// Makes the columns orthonormal, leaving out what is rounding: a = q r.
+/// Makes the columns orthonormal, leaving out what is rounding: a = q r. The norms that they are combined to ascend.
+/// Inner products know squares to rounding of the largest alone, so combinations a millionth as long as that are set apart
+/// and looked at among themselves.
 /// @param floor  Columns combined to a norm below it are rounding.
 /// @return r.
 RowMatrix orthonormalise_columns(RowMatrix& a, double floor)
 {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(inner(a, a)));
     const Eigen::VectorXd& squares = solver.eigenvalues();
-    const double least = std::max(floor * floor, 1e-15 * std::max(squares.maxCoeff(), 0.0));
+    const Eigen::MatrixXd& vectors = solver.eigenvectors();
+    const double largest = squares.size() > 0 ? squares.maxCoeff() : 0.0;
+    if (!(largest > floor * floor)) {
+        a.resize(a.rows(), 0);
+        return RowMatrix(0, vectors.rows());
+    }
     Index kept = 0;
-    while (kept < squares.size() && squares[squares.size() - 1 - kept] > least)
+    while (kept < squares.size() && squares[squares.size() - 1 - kept] > 1e-12 * largest &&
+           squares[squares.size() - 1 - kept] > floor * floor)
         ++kept;
+    const Index small = squares.size() - kept;
     const Eigen::VectorXd norms = squares.tail(kept).cwiseSqrt();
-    const Eigen::MatrixXd vectors = solver.eigenvectors().rightCols(kept);
-    multiply_right(a, vectors * norms.cwiseInverse().asDiagonal());
-    return norms.asDiagonal() * vectors.transpose();
+    RowMatrix weights = vectors;
+    weights.rightCols(kept) *= norms.cwiseInverse().asDiagonal();
+    RowMatrix r = norms.asDiagonal() * vectors.rightCols(kept).transpose();
+    const double rounding = std::numeric_limits<double>::epsilon() * std::sqrt(largest);
+    multiply_right(a, weights);
+    if (small == 0)
+        return r;
+    RowMatrix rest = a.leftCols(small);
+    RowMatrix large = a.rightCols(kept);
+    const RowMatrix shares = inner(large, rest);
+    subtract_product(rest, large, shares);
+    r += shares * vectors.leftCols(small).transpose();
+    const RowMatrix r_of_rest = orthonormalise_columns(rest, std::max(floor, 100.0 * rounding));
+    a.resize(a.rows(), rest.cols() + kept);
+    a << rest, large;
+    RowMatrix both(rest.cols() + kept, vectors.rows());
+    both << r_of_rest * vectors.leftCols(small).transpose(), r;
+    return both;
 }
 
 /// What rounding leaves of the least of these descending eigenvalues of C that is more than rounding itself, relative:

@@ -130,6 +130,24 @@ BlockKrylov run_from(const RowMatrix& sample, const RowMatrix& data,
     return krylov;
 }
 
+TEST(BlockKrylovSlow, FindsVariancesFarBelowTheLargest)
+{
+    // Rows in tight groups, as of subjects scanned again and again; more modes are asked for than there are groups.
+    const RowMatrix groups = test::random_matrix(50, 2400, 21);
+    const RowMatrix noise = test::random_matrix(1800, 2400, 22);
+    constexpr double deviation = 3e-4;
+    RowMatrix data = deviation * noise;
+    for (Index row = 0; row < data.rows(); ++row)
+        data.row(row) += groups.row(row * (row + 1) / 2 % 47 + row % 4);
+    const Eigen::VectorXd expected = principal_components(data, {.modes = 55}).variances;
+    const BlockKrylov krylov =
+        run_from(data.topRows(132), data, {.components = 55, .memory = plenty});
+    const Eigen::VectorXd found = variances_along(data, krylov.components());
+    for (Index k = 0; k < 55; ++k)
+        EXPECT_NEAR(found[k], expected[k], std::max(1e-6, krylov.error()) * expected[k]) << k;
+    EXPECT_LE(krylov.passes(), 40);
+}
+
 TEST(BlockKrylov, FromSomeOfTheRowsItIsThereSooner)
 {
     int passes = 0, passes_at_random = 0;
