@@ -4,20 +4,18 @@ import type { Answer, Ready, Shape, Start, Wanted } from "./shape";
 
 declare const WORKER_SOURCE: string; // worker.ts, bundled; put in by build.mjs
 
-type Request = Omit<Wanted, "ticket">;
+type Request = Omit<Wanted, "ticket" | "mustBeDone">;
 
 interface Errand {
-    request: Request;
     done: (answer: Answer) => void;
     mustBeDone: boolean;
 }
 
-/// One worker with the model in it. Of requests that come while it works only the last one is met, but for those that
-/// must be.
+/// One worker with the model in it, which is told of every request at once: asked for the next one when it is done, it would
+/// wait while this thread draws. Of requests that come while it works only the last one is met, but for those that must be.
 class Channel {
     private worker: Worker;
-    private busy: Errand | null = null;
-    private waiting: Errand[] = [];
+    private errands = new Map<number, Errand>(); // by ticket
     private ticket = 0;
     readonly ready: Promise<Ready>;
 
@@ -29,25 +27,24 @@ class Channel {
             this.worker.onmessage = ({ data }: MessageEvent<Answer>) => {
                 if (data.kind === "ready") return done(data);
                 if (data.kind === "failure" && data.ticket < 0) return fail(new Error(data.message));
-                const answered = this.busy!;
-                this.busy = null;
-                this.send();
-                answered.done(data);
+                this.take(data);
             };
         });
         const start: Start = { kind: "start", wasm: wasm.slice().buffer, block: block.slice().buffer };
         this.worker.postMessage(start, [start.wasm, start.block]);
     }
 
-    ask(request: Request, done: (answer: Answer) => void, mustBeDone = false) {
-        if (!mustBeDone) this.waiting = this.waiting.filter((errand) => errand.mustBeDone);
-        this.waiting.push({ request, done, mustBeDone });
-        this.send();
+    private take(answer: Exclude<Answer, Ready>) {
+        const { done } = this.errands.get(answer.ticket)!;
+        for (const [ticket, { mustBeDone }] of this.errands)
+            if (ticket === answer.ticket || (ticket < answer.ticket && !mustBeDone)) this.errands.delete(ticket);
+        done(answer);
     }
-    private send() {
-        if (this.busy) return;
-        this.busy = this.waiting.shift() ?? null;
-        if (this.busy) this.worker.postMessage({ ...this.busy.request, ticket: ++this.ticket });
+
+    ask(request: Request, done: (answer: Answer) => void, mustBeDone = false) {
+        this.errands.set(++this.ticket, { done, mustBeDone });
+        const wanted: Wanted = { ...request, ticket: this.ticket, mustBeDone };
+        this.worker.postMessage(wanted);
     }
 }
 

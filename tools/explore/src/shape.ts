@@ -19,6 +19,7 @@ export interface Wanted {
     amounts: number[];
     size: number;
     quality: Quality;
+    mustBeDone: boolean; // not passed over for a later one
 }
 
 export interface Certificate {

@@ -137,19 +137,34 @@ function decode({ ticket, scores, amounts, size, quality }: Wanted) {
 }
 
 let opened: Promise<void>;
+let waiting: Wanted[] = [];
 
-self.onmessage = async ({ data }: MessageEvent<Start | Wanted>) => {
+/// Rings once all messages that came meanwhile have been heard.
+const bell = new MessageChannel();
+bell.port1.onmessage = async () => {
+    await opened.catch(() => {});
+    const next = waiting.shift();
+    if (!next) return; // passed over
     try {
-        if (data.kind === "start") opened = start(data);
         await opened;
-        if (data.kind === "start") return;
-        if (data.kind === "feasible") findFeasible(data);
-        else decode(data);
+        if (next.kind === "feasible") findFeasible(next);
+        else decode(next);
     } catch (error) {
-        answer({
-            kind: "failure",
-            ticket: data.kind === "start" ? -1 : data.ticket,
-            message: error instanceof Error ? error.message : String(error),
-        });
+        tellFailure(next.ticket, error);
     }
+};
+
+function tellFailure(ticket: number, error: unknown) {
+    answer({ kind: "failure", ticket, message: error instanceof Error ? error.message : String(error) });
+}
+
+self.onmessage = ({ data }: MessageEvent<Start | Wanted>) => {
+    if (data.kind === "start") {
+        opened = start(data);
+        opened.catch((error) => tellFailure(-1, error));
+        return;
+    }
+    if (!data.mustBeDone) waiting = waiting.filter(({ mustBeDone }) => mustBeDone);
+    waiting.push(data);
+    bell.port2.postMessage(null);
 };
