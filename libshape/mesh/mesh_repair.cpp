@@ -422,7 +422,7 @@ std::vector<std::size_t> repair_orientation(Batch& batch, const Topology& topolo
     std::vector<Points> turned = batch.points; // a mirror image alone is no outlier
     for (const std::size_t i : found.mirrored)
         turned[i] = mirrored(std::move(turned[i]));
-    const std::vector<std::size_t> outliers = outliers_among(batch, topology, turned, options);
+    std::vector<std::size_t> outliers = outliers_among(batch, topology, turned, options);
     if (!outliers.empty())
         result.kept.push_back(join(list_names(batch.names, outliers), ": far from all others",
                                    " (exchanged vertices or landmarks, a failed registration?), "
