@@ -31,7 +31,7 @@ constexpr int type_uint32 = 5125;
 constexpr int vertex_buffer = 34962;
 constexpr int index_buffer = 34963;
 
-constexpr double largest_file = 4294967295.0; // [byte]; a GLB file states its length in 32 bits
+constexpr double largest_glb = 4294967295.0; // [byte]; a GLB file states its length in 32 bits
 
 /// The description of a glTF file and its only buffer, which grows by one array at a time.
 struct Asset
@@ -216,7 +216,7 @@ std::string print(Asset asset)
     std::string description = asset.description.dump();
     description.append((4 - description.size() % 4) % 4, ' ');
     const std::size_t size = 12 + 8 + description.size() + 8 + asset.buffer.size();
-    if (static_cast<double>(size) > largest_file)
+    if (static_cast<double>(size) > largest_glb)
         throw LimitExceeded(
             join("a GLB file of ", size, " bytes; the limit is 4 GiB: write fewer frames"));
     std::string text = "glTF";
@@ -260,7 +260,7 @@ GlbAnimation write_glb_animation(const std::filesystem::path& path,
     const Keyframes keyframes = choose_keyframes(frames, options.tolerance * diagonal);
     const double size = 24.0 * static_cast<double>(keyframes.frames.size()) *
                         static_cast<double>(frames.front().rows());
-    if (size > largest_file)
+    if (size > largest_glb)
         throw LimitExceeded(join(keyframes.frames.size(), " keyframes of ", frames.front().rows(),
                                  " vertices; a GLB file cannot have 4 GiB: write fewer frames, or ",
                                  "allow a larger error"));

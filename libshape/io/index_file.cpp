@@ -12,13 +12,13 @@
 namespace shape::internal {
 namespace {
 
-constexpr std::uint64_t largest_file = std::uint64_t{1} << 30;
+constexpr std::uint64_t largest_index_file = std::uint64_t{1} << 30;
 
 } // namespace
 
 std::vector<int> read_indices(const std::filesystem::path& path, int count, std::string_view what)
 {
-    const std::string content = read_file(path, largest_file);
+    const std::string content = read_file(path, largest_index_file);
     LineReader reader(content, path.string(), '#');
     std::vector<int> indices;
     while (reader.next_line())

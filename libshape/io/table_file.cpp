@@ -20,7 +20,7 @@ namespace shape {
 using namespace internal;
 namespace {
 
-constexpr std::uint64_t largest_file = std::uint64_t{2} << 30;
+constexpr std::uint64_t largest_table = std::uint64_t{2} << 30;
 
 using Row = std::vector<std::string>;
 
@@ -184,7 +184,7 @@ void append_row(std::string& text, const Row& cells)
 
 Table read_table(const std::filesystem::path& path)
 {
-    const std::string content = read_file(path, largest_file);
+    const std::string content = read_file(path, largest_table);
     CsvParser parser(content, path.string());
     if (parser.done())
         throw InvalidInput(path.string() + ": the file is empty; a table needs a header row");

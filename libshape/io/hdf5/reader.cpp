@@ -20,7 +20,7 @@
 namespace shape::internal {
 namespace {
 
-constexpr std::uint64_t largest_file = std::uint64_t{1} << 50;
+constexpr std::uint64_t largest_hdf5_file = std::uint64_t{1} << 50;
 constexpr Eigen::Index largest_array = Eigen::Index{8} << 30; // [byte], of one dataset in memory
 constexpr Eigen::Index most_chunks = Eigen::Index{1} << 24;   // of one dataset
 constexpr Eigen::Index best_packing = 1032;                   // of deflate: bytes out of one
@@ -346,7 +346,7 @@ struct Hdf5File::State : OpenFile
 
 Hdf5File::Hdf5File(const std::filesystem::path& path)
 {
-    const std::uint64_t size = checked_file_size(path, largest_file);
+    const std::uint64_t size = checked_file_size(path, largest_hdf5_file);
     if (!begins_as_hdf5(path, 0)) {
         for (std::uint64_t user_block = 512; user_block < size; user_block *= 2)
             if (begins_as_hdf5(path, user_block))
