@@ -83,7 +83,7 @@ std::string_view sign_at(std::string_view text, std::size_t at)
     return {};
 }
 
-std::vector<SignedPiece> split(std::string_view text)
+std::vector<SignedPiece> signed_pieces(std::string_view text)
 {
     std::vector<SignedPiece> pieces;
     std::string place;
@@ -183,7 +183,8 @@ void sort_naturally(std::vector<std::string>& names)
     NumberPlaces places;
     for (const std::string_view name : names) {
         const std::size_t end = beginning_of_ending(name);
-        split_names.push_back({split(name.substr(0, end)), split(name.substr(end))});
+        split_names.push_back(
+            {signed_pieces(name.substr(0, end)), signed_pieces(name.substr(end))});
         add_places(split_names.back()[0], places);
     }
     std::vector<Key> keys(names.size());
