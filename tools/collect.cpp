@@ -18,6 +18,7 @@
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/model/unlike_meshes.h"
 #include "tools/commands.h"
+#include "tools/input/label_gaps.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
 #include "tools/output/output_rules.h"
@@ -111,6 +112,13 @@ void warn_of_names_alike(const Session& session, const std::string& output,
         session.warn(alike->message);
 }
 
+/// How meshes that are there get other labels.
+std::string way_to_label(const std::string& output)
+{
+    return join("give them with --labels, or label all anew: `shape collect ", output,
+                " --labels FILE -o OTHER.h5`");
+}
+
 /// The meshes of the output and those that are added to it: positions that are there are passed on
 /// as they are.
 void append(const Session& session, const Arguments& arguments)
@@ -126,11 +134,17 @@ void append(const Session& session, const Arguments& arguments)
         NamedMesh{samples.names.front(), join(arguments.output, ": mesh ", samples.names.front()),
                   samples.points.front(), samples.topology.faces()};
     const Collection added = read_labelled(session, input);
+    LabelGaps gaps;
+    gaps.add(present.names, present.labels);
+    gaps.add(input.meshes, added);
     warn_of_unlike_added(session, arguments.output, samples, added);
     warn_of_copies(session, present, added);
     warn_of_names_alike(session, arguments.output, present, added);
     const Eigen::Index meshes = append_to_collection(arguments.output, stream_of(added),
                                                      arguments.file, session.progress());
+    std::vector<std::string> names = present.names;
+    names.insert(names.end(), added.names.begin(), added.names.end());
+    gaps.warn(session, names, way_to_label(arguments.output));
     report(session, arguments, added.topology, meshes);
 }
 
@@ -145,6 +159,9 @@ void run(const Session& session, const Arguments& arguments)
         return report(session, arguments, meshes->topology, meshes->size());
     }
     const Collection collection = read_labelled(session, arguments.input);
+    LabelGaps gaps;
+    gaps.add(arguments.input.meshes, collection);
+    gaps.warn(session, collection.names, way_to_label(arguments.output));
     write_collection(arguments.output, collection, arguments.file);
     report(session, arguments, collection.topology, static_cast<Eigen::Index>(collection.size()));
 }

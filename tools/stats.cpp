@@ -22,6 +22,7 @@
 #include "libshape/statistics/bootstrap.h"
 #include "libshape/statistics/principal_components.h"
 #include "tools/commands.h"
+#include "tools/input/label_gaps.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
 #include "tools/input/repeated_rows.h"
@@ -152,10 +153,15 @@ struct Findings
     Json modes = {};
 };
 
+constexpr const char* way_to_label = "give them with --labels";
+
 /// The collection goes when this returns.
 Findings fit_in_memory(const Session& session, const Arguments& arguments)
 {
     const Collection collection = read_labelled(session, arguments.input);
+    LabelGaps gaps;
+    gaps.add(arguments.input.meshes, collection);
+    gaps.warn(session, collection.names, way_to_label);
     Findings found{.fit = {.model = fit_model(collection, model_options(arguments))}};
     warn_of_alignment(session, found.fit.model.space);
     throw_if_stop_requested();
@@ -298,11 +304,14 @@ Findings update(const Session& session, const Arguments& arguments)
     LabelledInput input = arguments.input;
     input.meshes.known = NamedMesh{model.names.front(), arguments.update, model.reference_points,
                                    model.topology.faces()};
+    LabelGaps gaps;
+    gaps.add(model.names, model.labels);
     const Collection added = [&] {
         const auto stream = open_labelled(session, input, true);
         if (!stream) {
             const Collection all = read_labelled(session, input);
             check_first(all, [&](std::size_t i) { return all.points[i]; });
+            gaps.add(input.meshes, all);
             take_labels_of(session, arguments, all, model);
             const std::vector<std::size_t> fresh = is_new(all.names);
             check_update_memory(arguments, model, fresh.size());
@@ -315,6 +324,7 @@ Findings update(const Session& session, const Arguments& arguments)
                 [&](Eigen::Index, const Collection& block) { points = block.points.front(); });
             return points;
         });
+        gaps.add(input.meshes, *stream);
         take_labels_of(session, arguments, *stream, model);
         const MeshStream fresh = subset(*stream, is_new(stream->names));
         check_update_memory(arguments, model, fresh.names.size());
@@ -326,6 +336,7 @@ Findings update(const Session& session, const Arguments& arguments)
     }();
     Findings found{.fit = {.model = update_model(model, added, model_options(arguments))}};
     warn_of_unlike_added(session, arguments, model, added);
+    gaps.warn(session, found.fit.model.names, way_to_label);
     session.message(join(counted(added.size(), "mesh", "meshes"), " added to the ",
                          model.names.size(), " of ", arguments.update));
     found.modes = mode_figures(found.fit.model);

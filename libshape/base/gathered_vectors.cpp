@@ -2,6 +2,8 @@
 
 #include "libshape/base/gathered_vectors.h"
 
+#include <cstring>
+
 #include "libshape/base/processor.h"
 
 #ifdef __x86_64__
@@ -16,16 +18,60 @@ const double* point(const double* points, StridedRows rows, int i)
     return points + 3 * rows.first[i * rows.stride];
 }
 
-void gather_plainly(int begin, int count, const double* points, StridedRows at, VectorRows& vectors)
+using Two = double __attribute__((vector_size(16)));
+
+/// A point as x y and z.
+struct Loaded
 {
-    for (int i = begin; i < count; ++i)
+    Two xy;
+    double z;
+};
+[[gnu::always_inline]] inline Loaded loaded(const double* point)
+{
+    Loaded result;
+    std::memcpy(&result.xy, point, sizeof result.xy);
+    result.z = point[2];
+    return result;
+}
+
+/// Two vectors into their rows, from i on:   [ax ay] az, [bx by] bz   ->   [ax bx], [ay by], [az bz].
+[[gnu::always_inline]] inline void set_two(const Loaded& a, const Loaded& b, int i,
+                                           VectorRows& vectors)
+{
+    const Two x = __builtin_shufflevector(a.xy, b.xy, 0, 2);
+    const Two y = __builtin_shufflevector(a.xy, b.xy, 1, 3);
+    const Two z{a.z, b.z};
+    std::memcpy(vectors.x + i, &x, sizeof x);
+    std::memcpy(vectors.y + i, &y, sizeof y);
+    std::memcpy(vectors.z + i, &z, sizeof z);
+}
+
+[[gnu::always_inline]] inline Loaded difference(const double* to, const double* from)
+{
+    const Loaded a = loaded(to);
+    const Loaded b = loaded(from);
+    return {a.xy - b.xy, a.z - b.z};
+}
+
+// For any processor with registers of two doubles, WebAssembly's among them.
+
+void gather_by_twos(int begin, int count, const double* points, StridedRows at, VectorRows& vectors)
+{
+    int i = begin;
+    for (; i + 2 <= count; i += 2)
+        set_two(loaded(point(points, at, i)), loaded(point(points, at, i + 1)), i, vectors);
+    for (; i < count; ++i)
         vectors.set(i, vector3(point(points, at, i)));
 }
 
-void subtract_plainly(int begin, int count, const double* points, StridedRows to, StridedRows from,
+void subtract_by_twos(int begin, int count, const double* points, StridedRows to, StridedRows from,
                       VectorRows& vectors)
 {
-    for (int i = begin; i < count; ++i)
+    int i = begin;
+    for (; i + 2 <= count; i += 2)
+        set_two(difference(point(points, to, i), point(points, from, i)),
+                difference(point(points, to, i + 1), point(points, from, i + 1)), i, vectors);
+    for (; i < count; ++i)
         vectors.set(i, vector3(point(points, to, i)) - vector3(point(points, from, i)));
 }
 
@@ -65,7 +111,7 @@ __attribute__((target("avx2"))) void gather_by_fours(int count, const double* po
     for (; i + 4 <= count; i += 4)
         set_four(load(point(points, at, i)), load(point(points, at, i + 1)),
                  load(point(points, at, i + 2)), load(point(points, at, i + 3)), i, vectors);
-    gather_plainly(i, count, points, at, vectors);
+    gather_by_twos(i, count, points, at, vectors);
 }
 
 __attribute__((target("avx2"))) void subtract_by_fours(int count, const double* points,
@@ -80,7 +126,7 @@ __attribute__((target("avx2"))) void subtract_by_fours(int count, const double* 
                 _mm256_sub_pd(load(point(points, to, i + k)), load(point(points, from, i + k)));
         set_four(four[0], four[1], four[2], four[3], i, vectors);
     }
-    subtract_plainly(i, count, points, to, from, vectors);
+    subtract_by_twos(i, count, points, to, from, vectors);
 }
 
 #endif
@@ -93,7 +139,7 @@ void gather(int count, const double* points, StridedRows at, VectorRows& vectors
     if (has_avx2())
         return gather_by_fours(count, points, at, vectors);
 #endif
-    gather_plainly(0, count, points, at, vectors);
+    gather_by_twos(0, count, points, at, vectors);
 }
 
 void gather_differences(int count, const double* points, StridedRows to, StridedRows from,
@@ -103,7 +149,7 @@ void gather_differences(int count, const double* points, StridedRows to, Strided
     if (has_avx2())
         return subtract_by_fours(count, points, to, from, vectors);
 #endif
-    subtract_plainly(0, count, points, to, from, vectors);
+    subtract_by_twos(0, count, points, to, from, vectors);
 }
 
 } // namespace shape::internal

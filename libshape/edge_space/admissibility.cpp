@@ -38,7 +38,8 @@ void check_size(const Topology& topology, const Eigen::VectorXd& lengths, const 
 /// Lengths of the sides of a face.
 Eigen::Vector3d sides(const Topology& topology, const Eigen::VectorXd& lengths, int face)
 {
-    return lengths(topology.face_edges().row(face));
+    const int* const edges = topology.face_edges().data() + 3 * face;
+    return {lengths[edges[0]], lengths[edges[1]], lengths[edges[2]]};
 }
 
 /// Vertices of which a bound does not show that their largest angle is no larger than the others together. With
@@ -54,7 +55,7 @@ std::vector<int> vertices_in_doubt(const Topology& topology, const Eigen::Vector
         double largest = 0.0;
         double sum = 0.0;
         for (const int h : topology.outgoing(v)) {
-            const double q = half_sines(h / 3, h % 3);
+            const double q = half_sines.data()[h];
             largest = std::max(largest, q);
             sum += q;
         }

@@ -19,6 +19,12 @@ using Clock = std::chrono::steady_clock;
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// measure_embedding() with the edge_lengths() of the points found before as well.
+/// @throws InvalidInput if the target does not fit the topology.
+[[nodiscard]] EmbeddingReport report_of(const Topology& topology, const Points& points,
+                                        const Eigen::VectorXd& lengths, const ShapePoint& target,
+                                        const EdgeResiduals& residuals);
+
 /// What every method ends with: points moved rigidly onto the reference, their centroid then to 0,
 /// and measured against the target; what the solver alone knows is left open, closure_energy is that of
 /// the target.

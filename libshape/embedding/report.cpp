@@ -9,6 +9,7 @@
 #include "libshape/base/order_statistics.h"
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
+#include "libshape/embedding/finished_embedding.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/edge_lengths.h"
 
@@ -24,12 +25,18 @@ EmbeddingReport measure_embedding(const Topology& topology, const Points& points
 EmbeddingReport measure_embedding(const Topology& topology, const Points& points,
                                   const ShapePoint& target, const EdgeResiduals& residuals)
 {
+    return report_of(topology, points, edge_lengths(topology, points), target, residuals);
+}
+
+EmbeddingReport internal::report_of(const Topology& topology, const Points& points,
+                                    const Eigen::VectorXd& lengths, const ShapePoint& target,
+                                    const EdgeResiduals& residuals)
+{
     constexpr double fold = 150.0;       // [deg]
     constexpr double exact_limit = 1e-6; // [1]
     EmbeddingReport report;
-    report.edge_rms =
-        std::sqrt((edge_lengths(topology, points) - target.edge_lengths).array().square().mean()) /
-        target.edge_lengths.mean();
+    report.edge_rms = std::sqrt((lengths - target.edge_lengths).array().square().mean()) /
+                      target.edge_lengths.mean();
     std::vector<double> relative(residuals.edge_error.begin(), residuals.edge_error.end());
     std::vector<double> drift;
     drift.reserve(to_size(topology.edge_count()));

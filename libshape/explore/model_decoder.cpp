@@ -3,11 +3,13 @@
 #include "libshape/explore/model_decoder.h"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
+#include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/residual_field.h"
 #include "libshape/linalg/added_rows.h"
 #include "libshape/mesh/alignment.h"
@@ -35,6 +37,16 @@ std::vector<char> broken_faces(const Topology& topology, const VectorXd& lengths
         broken[to_size(f)] = !(longest < sides.sum() - longest);
     }
     return broken;
+}
+
+/// edge_residuals() of edges that are measured already.
+EdgeResiduals residuals_of(const DihedralEmbedder::MeasuredEdges& edges, const ShapePoint& target)
+{
+    constexpr double degrees = 180.0 / std::numbers::pi;
+    return {(edges.lengths - target.edge_lengths)
+                .cwiseAbs()
+                .cwiseQuotient(positive_lengths(target.edge_lengths)),
+            degrees * edges.bends.cwiseAbs()};
 }
 
 } // namespace
@@ -109,14 +121,16 @@ DecodedModelPoint ModelDecoder::draft(const VectorXd& scores, const VectorXd& am
     // The first linear steps do most; from some thousand vertices on there is no time for others (docs/explore.md).
     const int vertices = block_.topology.vertex_count();
     const int linear_steps = vertices > 8000 ? 3 : vertices > 3000 ? 4 : 9;
+    DihedralEmbedder::MeasuredEdges edges;
     const DihedralEmbedding swept = embedder_->sweep(target, first_order(scores, amounts, size),
-                                                     linear_steps, block_.smoothness);
+                                                     linear_steps, block_.smoothness, &edges);
     DecodedModelPoint result;
     Points& points = result.embedding.points;
     points = best_rigid_motion(swept.points, block_.reference_points)(swept.points);
     points.rowwise() -= centroid(points);
-    const EdgeResiduals residuals = edge_residuals(block_.topology, points, target);
-    result.embedding.report = measure_embedding(block_.topology, points, target, residuals);
+    // The sweep measured the edges last, and a rigid motion changes none.
+    const EdgeResiduals residuals = residuals_of(edges, target);
+    result.embedding.report = report_of(block_.topology, points, edges.lengths, target, residuals);
     result.embedding.report.iterations = swept.iterations;
     result.embedding.report.converged = swept.converged;
     add_fields(target, residuals, result);
@@ -140,9 +154,14 @@ Points ModelDecoder::first_order(const VectorXd& scores, const VectorXd& amounts
     Points points = known.mean;
     Eigen::Map<VectorXd> values(points.data(), points.size());
     const auto add = [&](const FloatRows& rows, const VectorXd& weights) {
-        for (Eigen::Index k = 0; k < std::min(rows.rows(), weights.size()); ++k)
-            if (weights[k] != 0.0)
-                values += weights[k] * rows.row(k).transpose().cast<double>();
+        constexpr Eigen::Index piece = 1024; // as in with_rows_added()
+        for (Eigen::Index first = 0; first < values.size(); first += piece) {
+            const Eigen::Index count = std::min(piece, values.size() - first);
+            for (Eigen::Index k = 0; k < std::min(rows.rows(), weights.size()); ++k)
+                if (weights[k] != 0.0)
+                    values.segment(first, count) +=
+                        weights[k] * rows.row(k).segment(first, count).transpose().cast<double>();
+        }
     };
     add(known.modes, scores);
     if (scale_of(block_.space) == Scale::Unit)
@@ -157,7 +176,10 @@ void ModelDecoder::add_fields(const ShapePoint& target, const EdgeResiduals& res
     const ResidualField field = residual_field(block_.topology, residuals);
     to.edge_error = field.edge_error.cast<float>();
     to.dihedral_drift = field.dihedral_drift.cast<float>();
-    to.broken_faces = broken_faces(block_.topology, target.edge_lengths);
+    if (to.embedding.report.status == EmbeddingStatus::Infeasible)
+        to.broken_faces = broken_faces(block_.topology, target.edge_lengths);
+    else
+        to.broken_faces.assign(to_size(block_.topology.face_count()), 0);
 }
 
 } // namespace shape::internal

@@ -110,12 +110,25 @@ TEST(ModelDecoder, DraftsAreMeasuredAndNearlyPreviews)
         const DecodedModelPoint preview = decoder.decode(scores, {}, size, dihedral_preview());
         const EmbeddingReport& report = draft.embedding.report;
         // What one reads below a draft is what one sees.
+        const auto target = std::get<ShapePoint>(model_point(model, scores, size));
         const EmbeddingReport measured =
-            measure_embedding(model.topology, draft.embedding.points,
-                              std::get<ShapePoint>(model_point(model, scores, size)));
-        EXPECT_EQ(report.edge_rms, measured.edge_rms);
-        EXPECT_EQ(report.dihedral_p99_deg, measured.dihedral_p99_deg);
+            measure_embedding(model.topology, draft.embedding.points, target);
+        const auto near = [](double found, double wanted) {
+            EXPECT_NEAR(found, wanted, 1e-9 * wanted + 1e-12);
+        };
+        near(report.edge_rms, measured.edge_rms);
+        near(report.edge_max, measured.edge_max);
+        near(report.edge_p99, measured.edge_p99);
+        near(report.dihedral_rms_deg, measured.dihedral_rms_deg);
+        near(report.dihedral_p99_deg, measured.dihedral_p99_deg);
+        near(report.dihedral_max_deg, measured.dihedral_max_deg);
+        EXPECT_EQ(report.inverted_faces, measured.inverted_faces);
         EXPECT_EQ(report.status, measured.status);
+        const ResidualField field = residual_field(model.topology, draft.embedding.points, target);
+        EXPECT_LT((draft.edge_error.cast<double>() - field.edge_error).cwiseAbs().maxCoeff(), 1e-6);
+        EXPECT_LT(
+            (draft.dihedral_drift.cast<double>() - field.dihedral_drift).cwiseAbs().maxCoeff(),
+            1e-4);
         EXPECT_NEAR(draft.edge_error.maxCoeff(), measured.edge_max, 1e-7);
         EXPECT_LT(report.edge_rms, 2.0 * preview.embedding.report.edge_rms + 1e-4);
         EXPECT_LT(distance(draft.embedding.points, preview.embedding.points), 0.02);

@@ -182,7 +182,12 @@ TEST_F(Scale, MemoryIsABoundThatIsRefusedWhereNothingFits)
     const Outcome little = outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "1M"});
     EXPECT_EQ(little.exit_code, 2);
     EXPECT_NE(little.err.find("at least 16M"), std::string::npos) << little.err;
-    EXPECT_EQ(outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "much"}).exit_code, 2);
+    for (const char* wrong :
+         {"much", "", "M", "iB", "500iB", "5 0M", "500MM", "500Mi", "1,5G", "25%"}) {
+        const Outcome refused = outcome({"stats", "c.h5", "-o", "m.h5", "--memory", wrong});
+        EXPECT_EQ(refused.exit_code, 2) << wrong;
+        EXPECT_NE(refused.err.find("is no size such as 500M"), std::string::npos) << refused.err;
+    }
     const Outcome mixed =
         outcome({"stats", "c.h5", "-o", "m.h5", "--memory", "1G", "--space", "procrustes"});
     EXPECT_EQ(mixed.exit_code, 2);
@@ -207,6 +212,54 @@ TEST_F(Scale, AppendedMeshesGiveTheFileOfAllOfThem)
     EXPECT_NE(other.err.find("different counts"), std::string::npos) << other.err;
     EXPECT_EQ(folder_.read("a.h5"), before);
     EXPECT_NE(outcome({"collect", "late.h5", "--append", "-o", "none.h5"}).exit_code, 0);
+}
+
+TEST_F(Scale, LabelsThatSomeMeshesLackAreTold)
+{
+    write_labels();
+    write_early_and_late("early.h5");
+    (void)run({"collect", "early.h5", "--labels", "l.csv", "-o", "labelled.h5"});
+    const auto copy = [&] { folder_.write("a.h5", folder_.read("labelled.h5")); };
+    const std::string twenty =
+        "20 of 60 meshes (sphere40, sphere41, sphere42, sphere43, sphere44, sphere45, sphere46 "
+        "and 13 more)";
+    const std::string lacking = "labels 'side', 'age' and 'subject' are left empty for " + twenty +
+                                ", as they came without; give them with --labels";
+    const auto says = [&](const Arguments& arguments, const std::string& text) {
+        const Outcome told = outcome(arguments);
+        EXPECT_EQ(told.exit_code, 0) << told.err;
+        EXPECT_NE(told.err.find(text), std::string::npos) << told.err;
+    };
+    const auto says_not = [&](const Arguments& arguments, const std::string& text) {
+        const Outcome told = outcome(arguments);
+        EXPECT_EQ(told.exit_code, 0) << told.err;
+        EXPECT_EQ(told.err.find(text), std::string::npos) << told.err;
+    };
+    copy();
+    says({"collect", "late.h5", "--append", "-o", "a.h5"},
+         lacking + ", or label all anew: `shape collect a.h5 --labels FILE -o OTHER.h5`");
+    says({"collect", "labelled.h5", "late.h5", "-o", "b.h5"}, lacking);
+    says({"stats", "labelled.h5", "late.h5", "-o", "b_model.h5"}, lacking);
+    (void)run({"stats", "labelled.h5", "-o", "early_model.h5"});
+    says({"stats", "late.h5", "--update", "early_model.h5", "-o", "u.h5"}, lacking);
+    says({"stats", "c.h5", "--update", "early_model.h5", "-o", "v.h5"}, lacking);
+    // What the new ones alone have, and a name in other letters.
+    std::string other = "mesh,Side,age,subject\n";
+    for (int i = 40; i < 60; ++i)
+        other += "sphere" + std::to_string(i) + ",left,3,s\n";
+    folder_.write("other.csv", other);
+    copy();
+    says({"collect", "late.h5", "--append", "-o", "a.h5", "--labels", "other.csv"},
+         "label 'side' is left empty for " + twenty +
+             ", label 'Side' is left empty for 40 of 60 meshes (sphere00, sphere01,");
+    // With the same labels, with none, and where those that lack them are left out, nothing is said.
+    copy();
+    for (const Arguments& silent :
+         {Arguments{"collect", "late.h5", "--append", "-o", "a.h5", "--labels", "l.csv"},
+          Arguments{"collect", "early.h5", "late.h5", "-o", "plain.h5"},
+          Arguments{"collect", "labelled.h5", "late.h5", "--only", "side", "-o", "some.h5"},
+          Arguments{"stats", "labelled.h5", "late.h5", "--labels", "l.csv", "-o", "w.h5"}})
+        says_not(silent, "left empty");
 }
 
 TEST_F(Scale, EqualMeshesAreAtDistanceZeroAndOneMeshAtNone)
@@ -328,6 +381,14 @@ TEST_F(Scale, AnUpdateThatDoesNotFitIntoTheMemoryIsRefused)
               std::string::npos)
         << refused.err;
     EXPECT_FALSE(folder_.has("u.h5"));
+    // Sizes as people write them.
+    for (const char* size :
+         {"20M", "20m", "20 M", "20MiB", "20 mib", "20480K", "20480KiB", "0.02G", "0.02GiB",
+          "0.00002T", "21MB", "21 mb", "0.021GB", "20971520", "20971520B", "2.1e7"}) {
+        const Outcome allowed = outcome(update + Arguments{size});
+        EXPECT_NE(allowed.err.find("the memory allowed is 20 MiB"), std::string::npos)
+            << size << ": " << allowed.err;
+    }
     EXPECT_EQ(outcome(update + Arguments{"1G"}).exit_code, 0);
 }
 

@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <cmath>
 #include <memory>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/letter_case.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/collection_stream.h"
@@ -19,22 +21,42 @@ namespace shape::tools {
 using namespace internal;
 namespace {
 
-/// "500M" in bytes.
+/// "500M", "500 MB", "1.5GiB" or "500000000" in bytes.
 std::uint64_t read_bytes(const std::string& text)
 {
-    constexpr std::string_view units = "KMGT";
-    const std::size_t unit = text.empty() ? std::string::npos : units.find(text.back());
-    if (unit == std::string_view::npos)
-        throw UsageError(join("--memory: '", text,
-                              "' must be a number with K, M, G or T behind it, "
-                              "such as 500M"));
-    const double number = read_number(text.substr(0, text.size() - 1), "--memory");
-    const double bytes = number * static_cast<double>(std::uint64_t{1024} << (10 * unit));
+    std::string number = lower_case(text);
+    const auto drops = [&number](std::string_view ending) {
+        const bool is_there = number.ends_with(ending);
+        if (is_there)
+            number.resize(number.size() - ending.size());
+        return is_there;
+    };
+    const bool is_binary = drops("ib");
+    const bool is_decimal =
+        !is_binary && drops("b"); // as the International System has it: MB as 10^6
+    constexpr std::string_view letters = "kmgt";
+    const std::size_t letter = number.empty() ? std::string::npos : letters.find(number.back());
+    const bool has_letter = letter != std::string::npos;
+    if (has_letter)
+        number.pop_back();
+    number.erase(number.find_last_not_of(" \t") + 1);
+    double bytes = 0.0;
+    try {
+        bytes = read_number(is_binary && !has_letter ? text : number, "--memory");
+    } catch (const UsageError&) {
+        throw UsageError(
+            join("--memory: '", text,
+                 "' is no size such as 500M, 1.5GiB or 500000000: a number of bytes, or one and "
+                 "K, M, G or T, as powers of 1024 (KiB, MiB, ... are the same; KB, MB, ... are "
+                 "powers of 1000)"));
+    }
+    if (has_letter)
+        bytes *= std::pow(is_decimal ? 1000.0 : 1024.0, static_cast<double>(letter + 1));
     constexpr double least = 16.0 * (1 << 20);
     constexpr double most = 1e18;
     if (!(bytes >= least && bytes <= most))
-        throw UsageError(
-            join("--memory: ", text, " must be at ", bytes > most ? "most 900000T" : "least 16M"));
+        throw UsageError(join("--memory: ", text, " must be at ",
+                              bytes > most ? "most 900000TiB" : "least 16MiB"));
     return static_cast<std::uint64_t>(bytes);
 }
 
@@ -74,8 +96,9 @@ CLI::Option* add_memory(CLI::App& command, MemoryArgument& memory)
                 memory.text = text;
                 memory.bytes = read_bytes(text);
             },
-            "What a large collection may take in memory, such as 500M or 8G (default: a quarter\n"
-            "of the machine's): it is read in passes, more of them the less of it fits")
+            "What a large collection may take in memory, such as 500M or 1.5G (powers of 1024, as\n"
+            "MiB and GiB; MB and GB are powers of 1000) or in bytes (default: a quarter of the\n"
+            "machine's): it is read in passes, more of them the less of it fits")
         ->option_text("SIZE");
 }
 

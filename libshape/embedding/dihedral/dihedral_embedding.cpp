@@ -9,6 +9,7 @@
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/base/to_size.h"
 #include "libshape/embedding/dihedral/dihedral_system.h"
 #include "libshape/embedding/energy/descent.h"
 #include "libshape/embedding/energy/length_dihedral_energy.h"
@@ -175,14 +176,15 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
 }
 
 DihedralEmbedding DihedralEmbedder::sweep(const ShapePoint& point, const Points& start,
-                                          int linear_steps, double smoothness) const
+                                          int linear_steps, double smoothness,
+                                          MeasuredEdges* measured) const
 {
     const DihedralSystem& s = *system_;
-    const ShapePoint target = s.target_of(point);
+    ShapePoint target = s.target_of(point);
     if (start.rows() != s.topology().vertex_count())
         throw InvalidInput(join("sweep: the start has ", start.rows(), " vertices, the topology ",
                                 s.topology().vertex_count()));
-    LengthDihedralEnergy energy(s.topology(), target, smoothness);
+    LengthDihedralEnergy energy(s.topology(), std::move(target), smoothness);
     Descender descender(energy, s.laplacian.single_precision());
     const Descent descent =
         descender.descend(renumbered(s.renumbering, start).reshaped<Eigen::RowMajor>(),
@@ -192,6 +194,17 @@ DihedralEmbedding DihedralEmbedder::sweep(const ShapePoint& point, const Points&
     result.energy = descent.energy;
     result.iterations = result.back_substitutions = descent.linear_steps;
     result.converged = descent.converged;
+    if (measured == nullptr)
+        return result;
+    if (!descent.is_measured)
+        (void)energy.evaluate(descent.points);
+    measured->lengths.resize(s.topology().edge_count());
+    measured->bends.resize(s.topology().edge_count());
+    for (int e = 0; e < s.topology().edge_count(); ++e) {
+        const int before = s.renumbering.edges[to_size(e)];
+        measured->lengths[before] = energy.lengths()[e];
+        measured->bends[before] = energy.bend(e);
+    }
     return result;
 }
 

@@ -109,14 +109,23 @@ public:
     [[nodiscard]] DihedralEmbedding embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options = {}) const;
 
+    /// Edges as the energy measured them last.
+    struct MeasuredEdges
+    {
+        Eigen::VectorXd lengths; ///< #E [length].
+        Eigen::VectorXd bends;   ///< #E; theta - theta*, wrapped; 0 on the boundary [rad].
+    };
+
     /// Step 3 alone, without repairs, from a mesh that is near: one Gauss-Newton step of as many linear
     /// steps. Costs a fifth of a preview.
     /// @param start  #V by 3, of whatever size and place.
     /// @param linear_steps  >= 2.
+    /// @param measured  Gets the edges of the result; beside a face without area the bend is 0.
     /// @throws InvalidInput, NumericalError as embed(), or if start has another size.
-    [[nodiscard]] DihedralEmbedding sweep(
-        const ShapePoint& point, const Points& start, int linear_steps,
-        double smoothness = DihedralEmbeddingOptions().smoothness) const;
+    [[nodiscard]] DihedralEmbedding sweep(const ShapePoint& point, const Points& start,
+                                          int linear_steps,
+                                          double smoothness = DihedralEmbeddingOptions().smoothness,
+                                          MeasuredEdges* measured = nullptr) const;
 
     /// What takes the most time to find.
     [[nodiscard]] const SinglePrecisionSolve& factor() const;

@@ -244,6 +244,7 @@ Descent Descender::descend(VectorXd start, const DescentOptions& options)
         }
         if (!(value < result.energy)) {
             if (held.size() == held_before) { // a minimum up to rounding, if not much was promised
+                result.is_measured = false;
                 result.converged =
                     held.empty() &&
                     2.0 * decrease <= taken * options.decrease_tolerance * result.energy;

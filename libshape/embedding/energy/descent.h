@@ -34,6 +34,7 @@ struct Descent
     int linear_steps =
         0; ///< Steps of conjugate gradients: one product, one back-substitution each.
     bool converged = false;
+    bool is_measured = true; ///< E was evaluated last at points.
 };
 
 /// Lowers a LengthDihedralEnergy by Gauss-Newton steps. Their linear systems are solved by conjugate

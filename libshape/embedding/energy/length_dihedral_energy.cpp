@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -168,30 +169,30 @@ VectorXd trusted_bends(const Topology& topology, const VectorXd& lengths, double
 
 } // namespace
 
-LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, const ShapePoint& target,
+LengthDihedralEnergy::LengthDihedralEnergy(const Topology& topology, ShapePoint target,
                                            double smoothness)
-    : topology_(topology), target_(target)
+    : topology_(topology), target_(std::move(target))
 {
     const int edges = topology.edge_count();
-    if (target.edge_lengths.size() != edges || target.dihedral_angles.size() != edges)
-        throw InvalidInput(join("target has ", target.edge_lengths.size(), " lengths and ",
-                                target.dihedral_angles.size(), " dihedral angles, the topology ",
+    if (target_.edge_lengths.size() != edges || target_.dihedral_angles.size() != edges)
+        throw InvalidInput(join("target has ", target_.edge_lengths.size(), " lengths and ",
+                                target_.dihedral_angles.size(), " dihedral angles, the topology ",
                                 edges, " edges"));
     for (int e = 0; e < edges; ++e)
-        if (!(target.edge_lengths[e] > 0.0 && std::isfinite(target.edge_lengths[e]) &&
-              is_within_angle_limit(target.dihedral_angles[e])))
-            throw InvalidInput(join("target: edge ", e, " (", topology.edges()(e, 0), "-",
-                                    topology.edges()(e, 1), ") has length ", target.edge_lengths[e],
-                                    " and dihedral angle ", target.dihedral_angles[e],
-                                    "; lengths must be > 0 and finite, angles within ", angle_limit,
-                                    " rad"));
+        if (!(target_.edge_lengths[e] > 0.0 && std::isfinite(target_.edge_lengths[e]) &&
+              is_within_angle_limit(target_.dihedral_angles[e])))
+            throw InvalidInput(
+                join("target: edge ", e, " (", topology.edges()(e, 0), "-", topology.edges()(e, 1),
+                     ") has length ", target_.edge_lengths[e], " and dihedral angle ",
+                     target_.dihedral_angles[e], "; lengths must be > 0 and finite, angles within ",
+                     angle_limit, " rad"));
     if (!(smoothness > 0.0 && std::isfinite(smoothness)))
         throw InvalidInput(join("smoothness is ", smoothness, ", must be > 0 and finite"));
-    bend_weights_ = trusted_bends(topology, target.edge_lengths, smoothness);
-    inverse_lengths_ = target.edge_lengths.cwiseInverse();
+    bend_weights_ = trusted_bends(topology, target_.edge_lengths, smoothness);
+    inverse_lengths_ = target_.edge_lengths.cwiseInverse();
     sines_.resize(edges);
     cosines_.resize(edges);
-    sines_cosines(target.dihedral_angles.data(), to_size(edges), sines_.data(), cosines_.data());
+    sines_cosines(target_.dihedral_angles.data(), to_size(edges), sines_.data(), cosines_.data());
     for (int e = 0; e < edges; ++e)
         if (topology.is_boundary_edge(e)) {
             sines_[e] = 0.0;

@@ -32,7 +32,7 @@ class LengthDihedralEnergy
 public:
     /// @param smoothness  mu [1], > 0.
     /// @throws InvalidInput if target has other sizes or a length <= 0, or mu <= 0.
-    LengthDihedralEnergy(const Topology& topology, const ShapePoint& target, double smoothness);
+    LengthDihedralEnergy(const Topology& topology, ShapePoint target, double smoothness);
 
     /// Other wanted lengths; bend_weights() stay.
     /// @param lengths  #E [length], > 0.
@@ -136,6 +136,12 @@ public:
     [[nodiscard]] const Eigen::VectorXd& edge_energies() const { return energies_; }
     [[nodiscard]] const Points& normals() const { return normals_; } ///< As long as twice the area.
     [[nodiscard]] const Eigen::VectorXd& inverse_squares() const { return inverse_squares_; }
+    /// theta - theta* of an edge, wrapped; 0 on the boundary and beside a face without area [rad]. Not while sums
+    /// are held.
+    [[nodiscard]] double bend(int edge) const
+    {
+        return bend_weights_[edge] > 0.0 ? 0.5 * moments_[edge] / bend_weights_[edge] : 0.0;
+    }
 
     [[nodiscard]] const Topology& topology() const { return topology_; }
     [[nodiscard]] const ShapePoint& target() const { return target_; }

@@ -38,17 +38,22 @@ export interface Certificate {
     converged: boolean;
 }
 
-export interface Shape {
+/// What a worker makes.
+export interface Decoded {
     kind: "shape";
     ticket: number;
     quality: Quality;
     points: Float64Array<ArrayBuffer>; // x y z of one vertex after the other
-    normals: Float32Array<ArrayBuffer>;
     edgeError: Float32Array<ArrayBuffer>; // #V
     drift: Float32Array<ArrayBuffer>; // #V [deg]
     broken: Uint32Array<ArrayBuffer>; // corners of faces that break the triangle inequality
     certificate: Certificate;
     milliseconds: number;
+}
+
+/// With what the page adds, while the worker goes on with the next.
+export interface Shape extends Decoded {
+    normals: Float32Array<ArrayBuffer>;
 }
 
 export interface Ready {
@@ -69,7 +74,7 @@ export interface Feasible {
     share: number; // what the scores are to be multiplied with
 }
 
-export type Answer = Shape | Ready | Failure | Feasible;
+export type Answer = Decoded | Ready | Failure | Feasible;
 
 /// Unit normals of vertices, faces weighted by their area.
 export function vertexNormals(points: Float64Array, faces: Uint32Array): Float32Array<ArrayBuffer> {

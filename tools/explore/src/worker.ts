@@ -2,7 +2,7 @@
 
 /// Decodes in the background: the library, compiled to WebAssembly, and the model.
 
-import { qualities, vertexNormals, type Answer, type Certificate, type Shape, type Start, type Wanted } from "./shape";
+import { qualities, type Answer, type Certificate, type Decoded, type Start, type Wanted } from "./shape";
 
 interface Module {
     memory: WebAssembly.Memory;
@@ -115,12 +115,11 @@ function decode({ ticket, scores, amounts, size, quality }: Wanted) {
         iterations: figures[10],
         converged: figures[11] !== 0,
     };
-    const shape: Shape = {
+    const shape: Decoded = {
         kind: "shape",
         ticket,
         quality,
         points,
-        normals: vertexNormals(points, faces),
         edgeError: copied(Float32Array, module.shown_edge_error(), vertices) as Float32Array<ArrayBuffer>,
         drift: copied(Float32Array, module.shown_dihedral_drift(), vertices) as Float32Array<ArrayBuffer>,
         broken: new Uint32Array(corners),
@@ -129,7 +128,6 @@ function decode({ ticket, scores, amounts, size, quality }: Wanted) {
     };
     answer(shape, [
         shape.points.buffer,
-        shape.normals.buffer,
         shape.edgeError.buffer,
         shape.drift.buffer,
         shape.broken.buffer,
