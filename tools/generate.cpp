@@ -266,7 +266,7 @@ std::vector<ModelPoint> wanted_points(const Session& session, const ShapeModel& 
 Json settings_of(const Session& session, const Arguments& arguments, const ShapeModel& model,
                  const std::vector<ModelPoint>& points)
 {
-    Json settings = embedding_settings(session, arguments.embedding.options);
+    Json settings = file_settings(session, arguments.embedding, arguments.output);
     const auto hash = [](const auto& array, const std::string& before) {
         return hash_text(array.data(), to_size(array.size()) * sizeof(double), before);
     };
@@ -276,7 +276,6 @@ Json settings_of(const Session& session, const Arguments& arguments, const Shape
         all = hash_text(&point.size, sizeof point.size, all);
     }
     settings["points"] = all;
-    settings["--format"] = arguments.output.format;
     return settings;
 }
 

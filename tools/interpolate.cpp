@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -129,17 +130,24 @@ std::vector<std::filesystem::path> all_inputs(const Arguments& arguments)
 }
 
 /// What the meshes of all shards depend on.
+/// @param target  Of weights.
 Json settings_of(const Session& session, const Arguments& arguments, const Collection& collection,
-                 const Blends& blends)
+                 const Blends& blends,
+                 const std::function<ShapePoint(const Eigen::VectorXd&)>& target)
 {
-    Json settings = embedding_settings(session, arguments.embedding.options);
+    Json settings = file_settings(session, arguments.embedding, arguments.output);
+    const auto hash = [](const auto& array, const std::string& before) {
+        return hash_text(array.data(), to_size(array.size()) * sizeof(double), before);
+    };
     std::string all;
     for (const Points& points : collection.points)
-        all = hash_text(points.data(), to_size(points.size()) * sizeof(double), all);
+        all = hash(points, all);
     settings["meshes"] = all;
-    settings["weights"] = weight_figures(blends);
-    settings["--lengths"] = static_cast<int>(arguments.lengths);
-    settings["--format"] = arguments.output.format;
+    for (const Eigen::VectorXd& weights : blends.weights) {
+        const ShapePoint point = target(weights);
+        all = hash(point.dihedral_angles, hash(point.edge_lengths, all));
+    }
+    settings["targets"] = all;
     return settings;
 }
 
@@ -181,7 +189,7 @@ void run(const Session& session, const Arguments& arguments)
                                   place.path, output));
     if (shard.is_given())
         write_shard_manifest(place.path, shard, blends.weights.size(),
-                             settings_of(session, arguments, collection, blends),
+                             settings_of(session, arguments, collection, blends, target),
                              relative_to(place.path, output.paths()));
     merge_shards_of_ranks(session, arguments.output.path);
     figures["weights"] = weight_figures(blends);

@@ -133,6 +133,11 @@ private:
         if (stream_.algorithm == FitAlgorithm::Automatic && wants_all(options_) &&
             matrix_bytes(count) > memory_ / 2)
             fail_for_memory("all modes", 2 * matrix_bytes(count));
+        if (stream_.algorithm == FitAlgorithm::Gram && matrix_bytes(count) > memory_)
+            throw LimitExceeded(
+                join("the inner products of ", count, " meshes and their decomposition need ",
+                     (matrix_bytes(count) >> 20) + 1, " MiB, the memory allowed is ", memory_ >> 20,
+                     " MiB; allow more memory or take the other algorithm"));
         return algorithm_for(count, options_, stream_);
     }
 

@@ -180,6 +180,20 @@ TEST(StreamedFit, MeetsTheRulesOfItsOptionsAndOfTheMeshes)
     EXPECT_NE(message.find("4 modes need 1 MiB"), std::string::npos) << message;
 }
 
+TEST(StreamedFit, ByGramIsRefusedWhereItsMatricesExceedTheMemory)
+{
+    const Collection collection = test::folded_spheres(200);
+    constexpr std::uint64_t matrices = 4 * sizeof(double) * 200 * 200;
+    const auto fit_within = [&](std::uint64_t memory) {
+        return fit_model(stream_of(collection), {.modes = 1},
+                         {.memory = memory, .algorithm = FitAlgorithm::Gram});
+    };
+    const std::string message =
+        test::message_of<LimitExceeded>([&] { (void)fit_within(matrices - 1); });
+    EXPECT_NE(message.find("inner products of 200 meshes"), std::string::npos) << message;
+    EXPECT_EQ(fit_within(matrices).algorithm, FitAlgorithm::Gram);
+}
+
 /// All bits of what a fit finds.
 TEST(StreamedFit, HasTheSameBitsForAnyThreadCountAndWhenItIsResumedAfterAnyPass)
 {

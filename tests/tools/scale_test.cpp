@@ -592,7 +592,14 @@ TEST_F(Scale, ShardsAreMergedToTheFilesOfOneRun)
     EXPECT_EQ(other.exit_code, 3);
     EXPECT_NE(other.err.find("parts.shard-2-of-3: was made with other options"), std::string::npos)
         << other.err;
-    (void)run(shard("2/3") + Arguments{"--force"});
+    for (const Arguments& option :
+         {Arguments{"--float"}, Arguments{"--ascii"}, Arguments{"--residuals"},
+          Arguments{"--residuals", "--colors"}}) {
+        (void)run(shard("2/3") + option + Arguments{"--force"});
+        EXPECT_EQ(outcome({"merge", "parts"}).exit_code, 3) << option.front();
+    }
+    std::filesystem::remove_all(folder_ / "parts.shard-2-of-3");
+    (void)run(shard("2/3"));
     const std::string kept = folder_.read("parts.shard-2-of-3/sample_0001.ply");
     std::filesystem::remove(folder_ / "parts.shard-2-of-3/sample_0001.ply");
     const Outcome lacking = outcome({"merge", "parts/"});

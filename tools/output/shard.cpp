@@ -343,8 +343,8 @@ std::vector<std::size_t> Shard::own(std::size_t total) const
 {
     const std::size_t step = is_given() ? to_size(count) : 1;
     if (is_given() && total < step)
-        throw InvalidInput(join("--shard: there are ", total, " meshes to make, fewer than the ",
-                                count, " shards"));
+        throw InvalidInput(join("--shard: ", counted(total, "mesh", "meshes"),
+                                " to make are fewer than the ", count, " shards"));
     std::vector<std::size_t> numbers;
     for (std::size_t i = to_size(number - 1); i < total; i += step)
         numbers.push_back(i);
