@@ -42,7 +42,7 @@ struct Arguments
     std::int64_t limit = 20;
     bool verbose = false;
     MeshOutputArguments fixed; ///< No path: nothing is repaired.
-    Components components = Components::KeepLargest;
+    Components components = Components::KeepMain;
 };
 
 /// Something that is wrong with a mesh, and where.
@@ -174,6 +174,8 @@ const char* kind_name(OddityKind kind)
             return "near_seam";
         case OddityKind::Mirrored:
             return "mirrored";
+        case OddityKind::Bent:
+            return "bent";
         case OddityKind::InsideOut:
             return "inside_out";
         case OddityKind::Size:
@@ -547,7 +549,7 @@ std::vector<std::string> write_fixed(const Session& session, const Arguments& ar
     place.path = (std::filesystem::path(place.path) / "").string();
     std::vector<std::string> further;
     if (!labels.empty())
-        further.push_back("labels.csv");
+        further.emplace_back("labels.csv");
     MeshOutput output(session, place, names, input_files(arguments.meshes), further);
     for (std::size_t i = 0; i < meshes.size(); ++i)
         output.write(i, meshes[i].points, meshes[i].faces);
@@ -595,6 +597,8 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
         list += join("  ", change, "\n");
     for (const std::string& odd : repaired.kept)
         fixed.text += join("  left as it is: ", odd, "\n");
+    if (repaired.asks_for_components)
+        fixed.text += "  --components largest or split chooses among the pieces\n";
     if (outputs.size() > fixed.sound.size())
         fixed.text += join("  labels: ", outputs.back(), ", for --labels: files of single meshes ",
                            "hold none\n");
@@ -646,11 +650,11 @@ Run set_up_check(CLI::App& command)
         "Say which mesh breaks what, where, and how it could be repaired: syntax, indices,\n"
         "manifold edges and vertices, orientation, one component, degenerate triangles, the\n"
         "inequalities of edge-length space, and correspondence with the first mesh. Warns of what\n"
-        "is seldom meant: seams (vertices that lie on or near one another), mirror images,\n"
-        "surfaces that are inside out, sizes in other units, copies, meshes far from all others,\n"
-        "names that tables of labels take for one. Says also whether `shape conformal` can map "
-        "the\n"
-        "surface to the sphere. Indices count from 0. The exit code is 3 if anything is broken,\n"
+        "is seldom meant: seams (vertices that lie on or near one another), mirror images, sheets\n"
+        "that bend the other way, surfaces that are inside out, sizes in other units, copies,\n"
+        "meshes far from all others, names that tables of labels take for one. Says also whether\n"
+        "`shape conformal` can map the surface to the sphere. Indices count from 0. The exit code "
+        "is 3 if anything is broken,\n"
         "with --fix if something is left to repair; warnings alone leave it 0.");
     command.footer(
         "Examples:\n"
@@ -669,14 +673,19 @@ Run set_up_check(CLI::App& command)
             "polygons split, seams welded, repeated faces and vertices without a face taken\n"
             "away, faces turned, pieces chosen, mirror images and surfaces that are inside out\n"
             "turned back, millimetres, centimetres and metres made one. What would be a guess is\n"
-            "left and said: inches and feet, meshes far from all others, patches that nearly\n"
-            "meet. Meshes in correspondence stay so; labels go into labels.csv")
+            "left and said: inches and feet, meshes far from all others, sheets that bend the\n"
+            "other way, patches that nearly meet, pieces of like size. Meshes in correspondence\n"
+            "stay so; labels go into labels.csv")
         ->option_text("DIR");
     add_choice(
         command, "--components", arguments->components,
-        "With --fix, of a surface in several pieces: largest: keep the one with the most faces\n"
-        "(default); split: write each as a mesh of its own",
-        {{"largest", Components::KeepLargest}, {"split", Components::Split}})
+        "With --fix, of a surface in several pieces: main: keep the one with the most faces, if "
+        "no\n"
+        "other has half of them or a fifth of all (default); largest: keep it whatever the others\n"
+        "have; split: write each as a mesh of its own",
+        {{"main", Components::KeepMain},
+         {"largest", Components::KeepLargest},
+         {"split", Components::Split}})
         ->needs(command.get_option("--fix"));
     add_mesh_format(command, arguments->fixed);
     return [arguments](const Session& session) { run(session, *arguments); };

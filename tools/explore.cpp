@@ -15,6 +15,7 @@
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
+#include "libshape/mesh/oddities.h"
 #include "libshape/model/unlike_meshes.h"
 #include "libshape/report/base64.h"
 #include "libshape/report/page.h"
@@ -141,16 +142,41 @@ void add_differences(const Session& session, const Arguments& arguments, const S
                     .are_differences = true});
 }
 
+/// The meshes that have a value of a label; of the others a note.
+std::vector<std::size_t> with_value(const Session& session, const ShapeModel& model,
+                                    const LabelColumn& label)
+{
+    std::vector<std::size_t> with;
+    std::vector<std::size_t> without;
+    for (std::size_t i = 0; i < label.values.size(); ++i)
+        (label.values[i].empty() ? without : with).push_back(i);
+    constexpr std::size_t least = 3; // of a line and something that is left
+    if (with.size() < least)
+        throw InvalidInput(join("--regress ", label.name, ": ",
+                                counted(with.size(), "mesh has", "meshes have"),
+                                " a value of it, at least ", least, " are needed"));
+    if (!without.empty())
+        session.message(join("--regress ", label.name, ": ", list_names(model.names, without),
+                             without.size() == 1 ? " has" : " have",
+                             " no value of it; scores are regressed on those of the other ",
+                             with.size(), " meshes"));
+    return with;
+}
+
 /// Regressions of the scores on labels of the model's meshes.
-void add_regressions(const Arguments& arguments, const ShapeModel& model, Additions& to)
+void add_regressions(const Session& session, const Arguments& arguments, const ShapeModel& model,
+                     Additions& to)
 {
     for (const std::string& name : arguments.regressions) {
         const LabelColumn& label = find_label(model.labels, name);
-        Eigen::MatrixXd values(static_cast<Eigen::Index>(label.values.size()), 1);
-        for (std::size_t i = 0; i < label.values.size(); ++i)
+        const std::vector<std::size_t> meshes = with_value(session, model, label);
+        Eigen::MatrixXd values(static_cast<Eigen::Index>(meshes.size()), 1);
+        for (std::size_t i = 0; i < meshes.size(); ++i)
             values(static_cast<Eigen::Index>(i), 0) =
-                parse_number(label.values[i], join("--regress ", name, ": mesh ", model.names[i]));
-        const Regression regression = regress(model.scores, values);
+                parse_number(label.values[meshes[i]],
+                             join("--regress ", name, ": mesh ", model.names[meshes[i]]));
+        const RowMatrix scores = model.scores(meshes, Eigen::all);
+        const Regression regression = regress(scores, values);
         to.regressions.push_back({{"name", name},
                                   {"low", values.minCoeff()},
                                   {"high", values.maxCoeff()},
@@ -315,7 +341,7 @@ void run(const Session& session, const Arguments& arguments)
             "`tools/install_node_packages explore` get what it needs, then build anew");
     Additions additions;
     add_differences(session, arguments, model, additions);
-    add_regressions(arguments, model, additions);
+    add_regressions(session, arguments, model, additions);
     const int modes = static_cast<int>(std::min<std::int64_t>(arguments.modes, model.mode_count()));
     const std::string title = arguments.title.empty()
                                   ? join("Shape model of ", model.names.size(), " meshes")

@@ -153,10 +153,13 @@ std::vector<std::size_t> score_columns(const Table& table, const std::string& fi
             break;
         columns.push_back(to_size(found - table.columns.begin()));
     }
-    if (table.columns.front() != "mesh" || columns.empty())
+    if (table.columns.front() != "mesh")
+        throw InvalidInput(join(file, ": the first column is `", table.columns.front(),
+                                "`, must be `mesh`; scores stand in the columns pc1, pc2, ..."));
+    if (columns.empty())
         throw InvalidInput(join(file,
-                                ": the first column must be `mesh`, scores stand in the "
-                                "columns pc1, pc2, ..."));
+                                ": there is no column pc1; scores stand in the columns pc1, "
+                                "pc2, ... without a gap, 0 where a score is none"));
     if (columns.size() > to_size(modes))
         throw InvalidInput(
             join(file, ": scores for ", columns.size(), " modes, the model has ", modes));

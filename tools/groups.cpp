@@ -7,13 +7,16 @@
 #include <nlohmann/json.hpp>
 
 #include "libshape/base/counted.h"
+#include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/table_file.h"
+#include "libshape/mesh/oddities.h"
 #include "libshape/model/group_means.h"
 #include "libshape/model/streamed_groups.h"
 #include "libshape/statistics/group_comparison.h"
+#include "libshape/statistics/group_fit.h"
 #include "libshape/statistics/group_spread.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
@@ -84,7 +87,17 @@ Json adjustment_figures(const Arguments& arguments, const Findings& findings)
     return covariates;
 }
 
-Json pair_figures(const Findings& findings)
+/// Whether a block has members of both groups of a pair, which are compared within such blocks then.
+bool is_within_blocks(const Findings& findings, const PairComparison& pair)
+{
+    std::vector<int> both = findings.members[to_size(pair.first)];
+    const std::vector<int>& second = findings.members[to_size(pair.second)];
+    both.insert(both.end(), second.begin(), second.end());
+    return block_design(subset(findings.groups, both), subset(findings.blocks, both)) ==
+           BlockDesign::Crossed;
+}
+
+Json pair_figures(const Arguments& arguments, const Findings& findings)
 {
     Json pairs = Json::array();
     for (const PairComparison& pair : findings.comparison.pairs) {
@@ -92,6 +105,8 @@ Json pair_figures(const Findings& findings)
                      {"second", findings.groups.names[to_size(pair.second)]},
                      {"distance", pair.distance},
                      {"radius", findings.spread.distance_radii(pair.first, pair.second)}};
+        if (!arguments.within.empty())
+            figures["design"] = is_within_blocks(findings, pair) ? "crossed" : "nested";
         figures.update(test_figures(pair.test));
         figures["p_adjusted"] = pair.adjusted_p;
         pairs.push_back(figures);
@@ -146,12 +161,34 @@ std::string described_counting(const Arguments& arguments, const Findings& findi
     return text;
 }
 
+/// The variance of a group and its interval, as far as its members determine them.
+std::string described_variance(const GroupSpread& spread, std::size_t group)
+{
+    if (std::isnan(spread.variances[group]))
+        return "variance not determined";
+    const auto [low, high] = spread.variance_intervals[group];
+    return join("variance ", spread.variances[group],
+                std::isnan(low) ? std::string(" (95 %: not determined)")
+                                : join(" (95 %: ", low, " to ", high, ")"));
+}
+
 std::string described_distance(const Findings& findings, const PairComparison& pair)
 {
     if (std::isnan(pair.distance))
         return "distance not determined, a covariate does not vary within the groups or blocks";
-    return join("distance ", pair.distance, " +- ",
-                findings.spread.distance_radii(pair.first, pair.second));
+    const double radius = findings.spread.distance_radii(pair.first, pair.second);
+    return join(
+        "distance ", pair.distance,
+        std::isnan(radius) ? std::string(" (radius not determined)") : join(" +- ", radius));
+}
+
+/// That a pair is not compared as the others are.
+std::string described_design(const Arguments& arguments, const Findings& findings,
+                             const PairComparison& pair)
+{
+    if (findings.comparison.design == BlockDesign::Nested || is_within_blocks(findings, pair))
+        return {};
+    return join(" (not within: no ", arguments.within, " has both, its means are tested)");
 }
 
 std::string summary(const Arguments& arguments, const Findings& findings)
@@ -169,15 +206,13 @@ std::string summary(const Arguments& arguments, const Findings& findings)
                      arguments.within.empty()
                          ? std::string()
                          : join(", ", arguments.within, " counted: ", findings.spread.counts[g]),
-                     ", variance ", findings.spread.variances[g],
-                     " (95 %: ", findings.spread.variance_intervals[g].low, " to ",
-                     findings.spread.variance_intervals[g].high, ")\n");
+                     ", ", described_variance(findings.spread, g), "\n");
     for (const PairComparison& pair : findings.comparison.pairs)
-        text +=
-            join(findings.groups.names[to_size(pair.first)], " - ",
-                 findings.groups.names[to_size(pair.second)], ": ",
-                 described_distance(findings, pair), ", ", describe(pair.test),
-                 pair.test.permutations > 0 ? join(", adjusted p = ", pair.adjusted_p) : "", "\n");
+        text += join(
+            findings.groups.names[to_size(pair.first)], " - ",
+            findings.groups.names[to_size(pair.second)], ": ", described_distance(findings, pair),
+            ", ", describe(pair.test), described_design(arguments, findings, pair),
+            pair.test.permutations > 0 ? join(", adjusted p = ", pair.adjusted_p) : "", "\n");
     return text;
 }
 
@@ -204,6 +239,29 @@ BootstrapOptions bootstrap_options(const Session& session, const Arguments& argu
             .seed = static_cast<std::uint64_t>(session.seed)};
 }
 
+/// Of one slip in a table that makes a design of repeated scans a crossed one: blocks of one group say nothing then.
+void warn_of_lost_meshes(const Session& session, const Arguments& arguments, const Grouping& groups,
+                         const Grouping& blocks)
+{
+    const GroupRows rows = rows_of_groups(groups, blocks, Eigen::MatrixXd(groups.size(), 0));
+    const Eigen::Index lost =
+        groups.size() - static_cast<Eigen::Index>(rows.observations.points.size());
+    if (2 * lost <= groups.size())
+        return;
+    std::vector<std::size_t> crossed;
+    const std::vector<std::vector<int>> lists = members(blocks);
+    for (std::size_t b = 0; b < lists.size(); ++b)
+        if (subset(groups, lists[b]).group_count() > 1)
+            crossed.push_back(b);
+    session.warn(join(counted(lost, "mesh", "meshes"), " of ", groups.size(), " are left out: as ",
+                      list_names(blocks.names, crossed), ", ", crossed.size(), " of ",
+                      counted(blocks.group_count(), "block"), " of --within ", arguments.within,
+                      ", ", crossed.size() == 1 ? "has" : "have",
+                      " meshes of several groups, groups are compared within such blocks alone. If "
+                      "that is a slip, correct the values of ",
+                      arguments.by, " or ", arguments.within));
+}
+
 /// The groups, the blocks, and where the means go if they are asked for.
 struct Setting
 {
@@ -220,6 +278,8 @@ Setting prepare(const Session& session, const Arguments& arguments, const MeshLa
     warn_of_missing_codes(session, arguments.input, meshes.labels, arguments.covariates);
     Setting setting{.groups = group_by_label(meshes, arguments.by),
                     .blocks = group_by_label_or_each(meshes, arguments.within)};
+    if (!arguments.within.empty())
+        warn_of_lost_meshes(session, arguments, setting.groups, setting.blocks);
     if (!arguments.means.path.empty())
         setting.means =
             std::make_unique<MeshOutput>(session, arguments.means, setting.groups.names, inputs);
@@ -233,22 +293,63 @@ Setting prepare(const Session& session, const Arguments& arguments, const MeshLa
     return setting;
 }
 
-/// Of covariates that explain nothing, because the blocks do.
+/// Whether a covariate is the same in all these meshes.
+bool is_constant(const Eigen::VectorXd& covariate, const std::vector<int>& meshes)
+{
+    return std::ranges::all_of(meshes,
+                               [&](int i) { return covariate[i] == covariate[meshes.front()]; });
+}
+
+/// The covariates.
+/// @throws InvalidInput if one has a value for each of two groups, and so nothing tells what either does: where these
+///     are compared, what is tested would not vary beyond the covariates, whose names the test does not know.
+Eigen::MatrixXd checked_covariates(const Arguments& arguments, const MeshLabels& meshes,
+                                   const Grouping& groups, const Eigen::VectorXd& sizes)
+{
+    Eigen::MatrixXd covariates = covariates_of(meshes, sizes, arguments.covariates);
+    const std::vector<std::vector<int>> lists = members(groups);
+    for (std::size_t c = 0; c < arguments.covariates.size(); ++c) {
+        const Eigen::VectorXd column = covariates.col(static_cast<Eigen::Index>(c));
+        for (std::size_t g = 0; g < lists.size(); ++g)
+            for (std::size_t h = g + 1; h < lists.size(); ++h)
+                if (lists[g].size() + lists[h].size() > arguments.covariates.size() + 2 &&
+                    is_constant(column, lists[g]) && is_constant(column, lists[h]) &&
+                    column[lists[g].front()] != column[lists[h].front()])
+                    throw InvalidInput(join(
+                        "--adjust-for ", arguments.covariates[c], ": it is ",
+                        column[lists[g].front()], " in all meshes of ", arguments.by, " = ",
+                        groups.names[g], " and ", column[lists[h].front()], " in all of ",
+                        groups.names[h], ", so that nothing tells what ", arguments.covariates[c],
+                        " does from what ", arguments.by, " does; leave --adjust-for ",
+                        arguments.covariates[c], " out, or one of these groups (--only)"));
+    }
+    return covariates;
+}
+
+/// Of covariates that explain nothing: the same for all, or because the blocks or others do.
 void warn_of_idle_covariates(const Session& session, const Arguments& arguments,
                              const Findings& findings, const Eigen::MatrixXd& covariates)
 {
-    if (findings.comparison.design != BlockDesign::Crossed)
-        return;
     const std::vector<std::vector<int>> blocks = members(findings.blocks);
+    const bool is_crossed = findings.comparison.design == BlockDesign::Crossed;
+    const bool are_all_within = std::ranges::all_of(
+        findings.comparison.pairs,
+        [&](const PairComparison& pair) { return is_within_blocks(findings, pair); });
     for (std::size_t c = 0; c < arguments.covariates.size(); ++c) {
         const Eigen::VectorXd column = covariates.col(static_cast<Eigen::Index>(c));
-        if (std::all_of(blocks.begin(), blocks.end(), [&](const std::vector<int>& block) {
-                return std::all_of(block.begin(), block.end(),
-                                   [&](int i) { return column[i] == column[block.front()]; });
-            }))
-            session.warn(join("--adjust-for ", arguments.covariates[c],
-                              " changes nothing: it is the same in all meshes of each ",
-                              arguments.within, ", whose own effect accounts for it"));
+        const auto first = arguments.covariates.begin();
+        const auto own = first + static_cast<std::ptrdiff_t>(c);
+        const std::string changes = join("--adjust-for ", *own, " changes nothing");
+        if (std::find(first, own, *own) != own)
+            session.warn(join(changes, " the second time: it is given already"));
+        else if ((column.array() == column[0]).all())
+            session.warn(join(changes, ": it is ", column[0], " in all meshes"));
+        else if (is_crossed && std::ranges::all_of(blocks, [&](const std::vector<int>& block) {
+                     return is_constant(column, block);
+                 }))
+            session.warn(join(changes, are_all_within ? "" : " of what is compared within them",
+                              ": it is the same in all meshes of each ", arguments.within,
+                              ", whose own effect accounts for it"));
     }
 }
 
@@ -267,7 +368,7 @@ void report(const Session& session, const Arguments& arguments, const Findings& 
     figures["groups"] = group_figures(arguments, findings);
     figures["overall"] = test_figures(findings.comparison.overall);
     figures["spread"] = test_figures(findings.spread_test);
-    figures["pairs"] = pair_figures(findings);
+    figures["pairs"] = pair_figures(arguments, findings);
     session.message(summary(arguments, findings));
     session.print_figures(figures);
 }
@@ -279,7 +380,7 @@ void compare_in_memory(const Session& session, const Arguments& arguments,
     const Setting setting = prepare(session, arguments, collection, inputs);
     const Grouping& groups = setting.groups;
     const auto covariates_at = [&](const Eigen::VectorXd& sizes) {
-        return covariates_of(collection, sizes, arguments.covariates);
+        return checked_covariates(arguments, collection, groups, sizes);
     };
     Findings findings{
         groups,
@@ -316,7 +417,7 @@ void compare_in_passes(const Session& session, const Arguments& arguments,
 {
     const Setting setting = prepare(session, arguments, meshes, inputs);
     const auto covariates_at = [&](const Eigen::VectorXd& sizes) {
-        return covariates_of(meshes, sizes, arguments.covariates);
+        return checked_covariates(arguments, meshes, setting.groups, sizes);
     };
     StreamedGroups found = compare_groups(meshes, setting.groups, setting.blocks,
                                           {.space = arguments.space,

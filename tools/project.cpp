@@ -162,6 +162,8 @@ void run(const Session& session, const Arguments& arguments)
     warn_of_unlike(session, projection.names, projected.marks,
                    {.others = join("the meshes of ", arguments.model),
                     .mirrored = effect_of_mirroring(model.space)});
+    warn_of_far(session, projection.names, far_meshes(model, projection),
+                join("the meshes of ", arguments.model));
     const Table table = score_table(projection);
     std::vector<std::string> outputs{arguments.output};
     const std::string plot =

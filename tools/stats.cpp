@@ -275,10 +275,11 @@ void check_update_memory(const Arguments& arguments, const ShapeModel& model, st
 void warn_of_unlike_added(const Session& session, const Arguments& arguments,
                           const ShapeModel& model, const Collection& added)
 {
+    const std::string others = join("the meshes of ", arguments.update);
     warn_of_unlike(session, added.names,
                    unlike_meshes(known_meshes(model), added, sizes(model.space, added)),
-                   {.others = join("the meshes of ", arguments.update),
-                    .mirrored = effect_of_mirroring(model.space)});
+                   {.others = others, .mirrored = effect_of_mirroring(model.space)});
+    warn_of_far(session, added.names, far_meshes(model, project(model, added)), others);
 }
 
 /// Adds to a model the meshes that it does not have, which alone are read, and the model's first one.

@@ -261,8 +261,18 @@ bool is_whole_face(std::string_view line)
     return corners && *corners >= 3 && count_tokens(line) - 1 == *corners;
 }
 
+/// Where vertices ran on over the lines and what is no integer stands in a face, as colours of vertices under a plain OFF
+/// come to do, the fault is up there.
+std::int64_t face_integer(LineReader& reader, const NumberStream& numbers, std::string_view what)
+{
+    if (numbers.run_on() && !spelled_integer(first_token(reader.rest())))
+        numbers.fail(join(what, " is ", in_quotes(first_token(reader.rest()))));
+    return reader.integer(what);
+}
+
 /// Corners may run on over the lines if they end with one; colours end where the line does.
-void parse_corners(LineReader& reader, std::int64_t count, std::vector<std::int64_t>& corners)
+void parse_corners(LineReader& reader, const NumberStream& numbers, std::int64_t count,
+                   std::vector<std::int64_t>& corners)
 {
     std::optional<LineReader> begun;
     corners.clear();
@@ -273,7 +283,7 @@ void parse_corners(LineReader& reader, std::int64_t count, std::vector<std::int6
             if (!reader.next_line())
                 begun->fail("vertex index is missing");
         }
-        corners.push_back(reader.integer("vertex index"));
+        corners.push_back(face_integer(reader, numbers, "vertex index"));
     }
     if (begun && !reader.line_done())
         begun->fail("vertex index is missing");
@@ -296,11 +306,11 @@ void parse_faces(LineReader& reader, const NumberStream& numbers, std::int64_t c
                     end);
             numbers.fail(end);
         }
-        const std::int64_t size = reader.integer("corner count");
+        const std::int64_t size = face_integer(reader, numbers, "corner count");
         if (size < 0 || size > MeshBuilder::corner_limit)
-            reader.fail(join("corner count is ", size, ", must be in [3, ",
-                             MeshBuilder::corner_limit, "]"));
-        parse_corners(reader, size, corners);
+            numbers.fail(join("corner count is ", size, ", must be in [3, ",
+                              MeshBuilder::corner_limit, "]"));
+        parse_corners(reader, numbers, size, corners);
         mesh.add_polygon(corners);
         if (!doubled && is_whole_face(reader.rest()))
             doubled = reader;
@@ -316,13 +326,13 @@ NamedMesh parse_off(std::string_view content, const std::filesystem::path& path,
                     const MeshReadOptions& options)
 {
     LineReader reader(content, path.string(), '#');
-    MeshBuilder mesh(path, options, [&](std::string_view rule) { reader.fail(rule); });
+    NumberStream numbers(reader);
+    MeshBuilder mesh(path, options, [&](std::string_view rule) { numbers.fail(rule); });
     if (!reader.next_line())
         reader.fail("there is nothing but comments");
     const Variant variant = parse_variant(reader, reader.token());
     if (reader.rest().starts_with("BINARY"))
         reader.fail("starts with 'OFF BINARY'; export OFF as text, or PLY");
-    NumberStream numbers(reader);
     const auto [vertices, faces] = parse_counts(reader, numbers, variant.counts, content.size());
     mesh.reserve(vertices, faces);
     parse_vertices(reader, numbers, variant, vertices, mesh);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -121,7 +122,7 @@ std::vector<int> compared_edges(const Topology& topology)
     return chosen;
 }
 
-/// Sines of the dihedral angles there, of norm 1 (or 0: flat). A fold of 179 degrees and one of -179 are much the
+/// Sines of the dihedral angles there. A fold of 179 degrees and one of -179 are much the
 /// same, and their sines are; a few of them would outweigh all other angles.
 Eigen::VectorXd bending(const Topology& topology, const std::vector<int>& edges,
                         const Points& points)
@@ -135,7 +136,7 @@ Eigen::VectorXd bending(const Topology& topology, const std::vector<int>& edges,
             at(topology.source(h)), at(topology.target(h)), at(topology.target(Topology::next(h))),
             at(topology.target(Topology::next(back)))));
     }
-    return sines.normalized(); // of norm 0 it stays as it is
+    return sines;
 }
 
 /// What lies within 60 to 120 degrees, as flat or rough meshes and far poses do, is left alone.
@@ -180,15 +181,89 @@ std::vector<int> sides_of_closed(const std::vector<Measures>& measures)
     return result;
 }
 
-/// Likewise for open ones, by the side of the others' common direction that they lie on.
-std::vector<int> sides_of_open(const Topology& topology, std::span<const Points> meshes)
+/// bending() of each mesh, a row each.
+Eigen::MatrixXd all_bending(const Topology& topology, std::span<const Points> meshes)
 {
     const std::vector<int> edges = compared_edges(topology);
-    Eigen::MatrixXd directions(std::ssize(meshes), std::ssize(edges));
+    Eigen::MatrixXd sines(std::ssize(meshes), std::ssize(edges));
     for (std::size_t i = 0; i < meshes.size(); ++i)
-        directions.row(static_cast<Eigen::Index>(i)) =
-            bending(topology, edges, meshes[i]).transpose();
-    return sides(directions);
+        sines.row(static_cast<Eigen::Index>(i)) = bending(topology, edges, meshes[i]).transpose();
+    return sines;
+}
+
+/// Rows of norm 1, or 0.
+Eigen::MatrixXd unit_rows(Eigen::MatrixXd rows)
+{
+    for (auto row : rows.rowwise())
+        row.normalize();
+    return rows;
+}
+
+/// What keeps a surface from lying flat [rad]: the curvature within, and what a boundary turns by too much or too little
+/// for a plane, as the ends of a tube do.
+double curvature(const Topology& topology, const std::vector<std::vector<int>>& loops,
+                 const Points& points)
+{
+    constexpr double pi = std::numbers::pi;
+    std::vector<double> left(to_size(topology.vertex_count()), 2.0 * pi); // of the full angle
+    for (const auto& face : topology.faces().rowwise())
+        for (int c = 0; c < 3; ++c) {
+            const Eigen::RowVector3d at = points.row(face[c]);
+            const Eigen::RowVector3d a = points.row(face[(c + 1) % 3]) - at;
+            const Eigen::RowVector3d b = points.row(face[(c + 2) % 3]) - at;
+            left[to_size(face[c])] -= std::atan2(a.cross(b).norm(), a.dot(b));
+        }
+    double sum = 0.0;
+    for (const std::vector<int>& loop : loops) {
+        double turn = 0.0;
+        for (const int h : loop) {
+            double& at = left[to_size(topology.source(h))];
+            turn += at - pi;
+            at = 0.0;
+        }
+        sum += std::abs(std::abs(turn) - 2.0 * pi);
+    }
+    for (const double angle : left)
+        sum += std::abs(angle);
+    return sum;
+}
+
+constexpr double most_of_a_sheet = 1.0; // [rad]; set by hand: see may_bend_over()
+
+/// Whether meshes bend to both sides of flat with nothing between, as left and right ones do, and not more and less
+/// about it, as leaves that curl.
+bool has_gap(const Eigen::MatrixXd& sines, const std::vector<int>& side)
+{
+    constexpr double least_gap = 10.0; // spreads, as odd_sizes() has it; of few, chance leaves six
+    const Eigen::Index count = sines.rows();
+    if (count < 5) // how they vary is not known
+        return false;
+    Eigen::VectorXd common = Eigen::VectorXd::Zero(sines.cols());
+    for (Eigen::Index i = 0; i < count; ++i)
+        common += side[to_size(i)] * sines.row(i).transpose().normalized();
+    const Eigen::ArrayXd bends = sines * common.normalized();
+    double squares = 0.0;
+    for (const bool above : {true, false}) {
+        const Eigen::ArrayXd within = ((bends > 0.0) == above).cast<double>();
+        const double mean = (bends * within).sum() / std::max(1.0, within.sum());
+        squares += ((bends - mean).square() * within).sum();
+    }
+    const double least = (bends > 0.0).select(bends, bends.maxCoeff()).minCoeff();
+    const double most = (bends > 0.0).select(bends.minCoeff(), bends).maxCoeff();
+    return least - most >= least_gap * std::sqrt(squares / static_cast<double>(count - 2));
+}
+
+/// Whether meshes are such sheets and bend more or less to either side.
+bool is_guess(const Topology& topology, const std::vector<std::vector<int>>& loops,
+              std::span<const Points> meshes, const Eigen::MatrixXd& sines,
+              const std::vector<int>& side)
+{
+    if (topology.is_closed() || topology.genus() > 0 || has_gap(sines, side))
+        return false;
+    std::vector<double> curvatures;
+    for (const Points& points : meshes)
+        curvatures.push_back(curvature(topology, loops, points));
+    return median(curvatures) < most_of_a_sheet;
 }
 
 } // namespace
@@ -218,8 +293,10 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     std::vector<int> outward;
     for (const Measures& m : measures)
         outward.push_back(outward_sign(m));
+    const Eigen::MatrixXd sines =
+        topology.is_closed() ? Eigen::MatrixXd() : all_bending(topology, meshes);
     const std::vector<int> side =
-        topology.is_closed() ? sides_of_closed(measures) : sides_of_open(topology, meshes);
+        topology.is_closed() ? sides_of_closed(measures) : sides(unit_rows(sines));
 
     const auto count = [&](int which) { return std::count(side.begin(), side.end(), which); };
     int odd = count(1) < count(-1) ? 1 : -1;
@@ -240,6 +317,8 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
         }
     }
     result.inside_out = result.inside_out && has_others;
+    if (!result.mirrored.empty() && is_guess(topology, loops, meshes, sines, side))
+        std::swap(result.mirrored, result.bent);
     return result;
 }
 
@@ -247,8 +326,10 @@ bool is_mirror_image(const Topology& topology, const Points& mesh, const Points&
                      const Eigen::VectorXd& mean_dihedral_angles)
 {
     const std::array<Points, 2> both{reference, mesh};
-    if (topology.is_closed() || mean_dihedral_angles.size() == 0)
-        return !compare_handedness(topology, both).mirrored.empty();
+    if (topology.is_closed() || mean_dihedral_angles.size() == 0) {
+        const Handedness found = compare_handedness(topology, both);
+        return !found.mirrored.empty() || !found.bent.empty();
+    }
     if (mean_dihedral_angles.size() != topology.edge_count() ||
         mesh.rows() != topology.vertex_count())
         throw InvalidInput(join("there are ", mean_dihedral_angles.size(), " mean angles and ",
@@ -257,7 +338,16 @@ bool is_mirror_image(const Topology& topology, const Points& mesh, const Points&
     const std::vector<int> edges = compared_edges(topology);
     const Eigen::VectorXd mean = mean_dihedral_angles(edges).array().sin();
     const double norm = mean.norm();
-    return norm > 0.0 && side_of(bending(topology, edges, mesh).dot(mean) / norm) < 0;
+    return norm > 0.0 && side_of(bending(topology, edges, mesh).normalized().dot(mean) / norm) < 0;
+}
+
+bool may_bend_over(const Topology& topology, const Points& points)
+{
+    if (points.rows() != topology.vertex_count())
+        throw InvalidInput(join("points has ", points.rows(), " rows, must have ",
+                                topology.vertex_count(), ", one a vertex"));
+    return !topology.is_closed() && topology.genus() == 0 &&
+           curvature(topology, boundary_loops(topology), points) < most_of_a_sheet;
 }
 
 } // namespace shape

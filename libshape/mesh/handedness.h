@@ -23,6 +23,9 @@ struct Handedness
     /// Meshes that are mirror images of the others: the fewer of the two kinds; of equally many,
     /// those inside out. Ascending.
     std::vector<std::size_t> mirrored;
+    /// Meshes of which that is a guess: sheets that bend the other way than the others, as a mirror image would
+    /// (may_bend_over()). None of `mirrored`; ascending.
+    std::vector<std::size_t> bent;
     /// The others are inside out.
     bool inside_out = false;
 };
@@ -30,8 +33,10 @@ struct Handedness
 /// Compares the meshes. Of closed ones, the signs of their volumes tell; nothing is said of a mesh whose
 /// abs(V) / A^1.5 is below a quarter of the median, as of one whose vertices are permuted. Open ones are compared by
 /// the sines of their dihedral angles, which a mirror image negates: mesh i is of the other kind if the cosine
-/// between its sines and the mean of the others' (each turned by its sign) is < -0.5. All
-/// are inside out if V < 0 (V volume, A area) for all that are not mirrored; of open meshes, if
+/// between its sines and the mean of the others' (each turned by its sign) is < -0.5. Of sheets
+/// (may_bend_over(), by the median of what it compares) they are mirror images only where how far they bend has a gap: of
+/// five meshes and more, the products of the sines with their mean direction, those above 0 and those below, are apart by ten
+/// times their pooled standard deviation. All are inside out if V < 0 (V volume, A area) for all that are not mirrored; of open meshes, if
 /// V < -0.02 A^1.5 and the fans that fill their openings have an area <= A / 4: a sheet or a bowl has
 /// no inside.
 /// @param meshes  Each #V by 3.
@@ -40,8 +45,19 @@ struct Handedness
 [[nodiscard]] Handedness compare_handedness(const Topology& topology,
                                             std::span<const Points> meshes);
 
+/// Whether a surface is a sheet that ordinary bending takes to its mirror image, as a leaf that curls the other way, so
+/// that nothing tells one from the other: open, of genus 0, and it can be laid flat with little strain,
+///
+///     sum abs(2 pi - a_v) over the inner vertices + sum abs(abs(t_l) - 2 pi) over the loops of the boundary < 1 rad
+///
+/// (a_v: sum of the angles at v; t_l: the angle by which loop l turns within the surface, 0 at the ends of a tube). Sheets
+/// with noise have 0.04 to 1, faces, hands and arms 20 and more.
+/// @throws InvalidInput if points do not fit the topology. Cost: O(#F).
+[[nodiscard]] bool may_bend_over(const Topology& topology, const Points& points);
+
 /// Whether a mesh is a mirror image of another of the same triangulation, by that rule; or of meshes of which the other is
 /// one, if their mean dihedral angles are given: of open ones, these tell better than those of one mesh.
+/// Of sheets that is a guess (may_bend_over()).
 /// @param mean_dihedral_angles  #E [rad], or empty.
 /// @throws InvalidInput if a number of vertices or edges is another.
 /// Cost: as compare_handedness() of two.

@@ -94,7 +94,10 @@ void take_faces_of(const NamedMesh& first, NamedMesh& mesh, Changes& changes)
     } else if (sorted_faces(reversed(mesh.faces)) == wanted) {
         mesh.faces = first.faces;
         const auto topology = topology_of(first.faces, static_cast<int>(first.points.rows()));
-        const bool is_mirrored = topology && is_mirror_image(*topology, mesh.points, first.points);
+        // Of sheets that is a guess; once the faces agree, all meshes together say more.
+        const bool is_mirrored = topology &&
+                                 is_mirror_image(*topology, mesh.points, first.points) &&
+                                 !may_bend_over(*topology, mesh.points);
         if (is_mirrored)
             mesh.points = mirrored(mesh.points);
         changes.push_back(join(mesh.name, ": faces reversed",
@@ -347,6 +350,14 @@ std::size_t count_patches(const Batch& batch, const Pieces& pieces)
         std::count_if(places.begin() + 1, places.end(), [](int count) { return count >= 2; }));
 }
 
+/// Whether the second of some pieces is too large for a crumb. Set by hand: teeth beside a jaw, or one of two halves, may
+/// be what is meant.
+bool has_rival(const std::vector<std::ptrdiff_t>& faces)
+{
+    const std::ptrdiff_t all = std::accumulate(faces.begin(), faces.end(), std::ptrdiff_t{0});
+    return faces.size() > 1 && (2 * faces[1] >= faces[0] || 5 * faces[1] >= all);
+}
+
 /// Pieces are chosen, and vertices without a face go.
 std::vector<Batch> choose_pieces(const Batch& batch, Components components, RepairedMeshes& result)
 {
@@ -367,6 +378,15 @@ std::vector<Batch> choose_pieces(const Batch& batch, Components components, Repa
                      "the program that made them, or split the mesh into its pieces"));
             return {batch};
         }
+    if (components == Components::KeepMain && has_rival(pieces.faces)) {
+        result.asks_for_components = true;
+        result.kept.push_back(join(batch.who(), ": all ", count, " pieces, as the largest has ",
+                                   pieces.faces[0], " of ", counted(batch.faces.rows(), "face"),
+                                   " and the next one ", pieces.faces[1],
+                                   ": which of them is meant is a guess; keep the largest, or "
+                                   "split the mesh into its pieces"));
+        return {batch};
+    }
     std::vector<Batch> parts;
     for (std::size_t p = 0; p < (splits ? count : 1); ++p) {
         Batch part = batch;
@@ -437,6 +457,11 @@ std::vector<std::size_t> repair_orientation(Batch& batch, const Topology& topolo
     if (!mirror_images.empty())
         result.changes.push_back(join(list_names(batch.names, mirror_images),
                                       ": x taken times -1 (mirrored against the others)"));
+    if (!found.bent.empty())
+        result.kept.push_back(join(list_names(batch.names, found.bent), ": not mirrored, ",
+                                   found.bent.size() == 1 ? "it " : "they ",
+                                   describe_bent(found.bent.size(), batch.names.size()),
+                                   "; mirror by what you know"));
     if (found.inside_out) {
         batch.faces = reversed(batch.faces);
         result.changes.push_back(join(batch.who(), ": faces reversed (inside out)"));
@@ -476,6 +501,8 @@ struct UnitGuess
     std::optional<double>
         scale; ///< Of the first part to the unit of the other, where it is beyond doubt.
     std::vector<UnitRatio> possible; ///< All that may be.
+    bool has_few =
+        false; ///< It would be beyond doubt if as many sizes as there are showed how they vary.
 };
 
 /// Units of ten, which scanners and programs export in, are told from real differences where the ratio is that of one of
@@ -511,6 +538,8 @@ UnitGuess guess_units(const SizePart& part, const SizePart& usual)
     const double distance = std::abs(ratio - std::log(exact));
     const bool is_power = std::abs(power - std::round(power)) < 1e-9;
     const bool is_ten = is_power && power < 1.5;
+    guess.has_few = is_ten && distance <= nearly_ten && shown <= most_error_shown &&
+                    per_spread * usual_spread > most_error * std::sqrt(n + m - 1.0);
     if (is_ten ? distance <= nearly_ten && error <= most_error && shown <= most_error_shown
                : is_power && distance <= nearly_hundred)
         guess.scale = exact;
@@ -566,6 +595,9 @@ void repair_sizes(Batch& batch, const Topology& topology, const std::vector<std:
             guess.possible.empty()
                 ? "that is the ratio of no two units"
                 : "that may be the ratio of " + describe(guess.possible) + ", or a real difference",
+            guess.has_few ? ", and so few meshes do not show how sizes vary (one is scaled by ten "
+                            "beside six others, two beside three)"
+                          : "",
             "; scale by what you know"));
     }
 }

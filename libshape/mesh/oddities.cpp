@@ -149,6 +149,13 @@ void find_orientation(const Collection& collection, std::vector<Oddity>& odditie
                   found.mirrored.size() == 1 ? "it" : "them",
                   " back (one coordinate times -1, faces as they are) or leave ",
                   found.mirrored.size() == 1 ? "it" : "them", " out")});
+    if (!found.bent.empty())
+        oddities.push_back(
+            {OddityKind::Bent, found.bent,
+             join(list_names(collection.names, found.bent), " ",
+                  describe_bent(found.bent.size(), collection.size()), "; mirror ",
+                  found.bent.size() == 1 ? "it" : "them",
+                  " back (one coordinate times -1, faces as they are) only if you know that")});
     if (!found.inside_out)
         return;
     std::vector<std::size_t> others;
@@ -293,6 +300,14 @@ std::vector<std::vector<std::size_t>> parts_of_odd_sizes(const std::vector<doubl
     for (std::vector<std::size_t>& part : parts)
         std::ranges::sort(part);
     return parts;
+}
+
+std::string describe_bent(std::size_t bent, std::size_t all)
+{
+    const bool is_one = bent == 1;
+    return join(is_one ? "bends" : "bend", " the other way than ", the_others(all - bent), ", or ",
+                is_one ? "is a mirror image" : "are mirror images", " of ",
+                all - bent == 1 ? "it" : "them", ", which such sheets do not tell");
 }
 
 std::string list_names(const std::vector<std::string>& names,

@@ -15,6 +15,7 @@ enum class OddityKind
     Seam,      ///< Boundary vertices lie on one another in all meshes (seam_vertices()).
     NearSeam,  ///< The same of some that lie near one another, but not on one another.
     Mirrored,  ///< Some meshes are mirror images of the others (compare_handedness()).
+    Bent,      ///< Some sheets bend the other way, or are mirror images: nothing tells which.
     InsideOut, ///< All meshes, or all but those, are inside out.
     Size,      ///< Some meshes are far larger or smaller than the others (odd_sizes()).
     Copies,    ///< Some meshes are the same one, in place or moved, give or take rounding.
@@ -51,6 +52,10 @@ struct Oddity
 /// @param odd  As odd_sizes() gives them.
 [[nodiscard]] std::vector<std::vector<std::size_t>> parts_of_odd_sizes(
     const std::vector<double>& sizes, const std::vector<std::size_t>& odd);
+
+/// "bends the other way than the other 3 meshes, or is a mirror image of them, which such sheets do not tell", of `bent` of
+/// `all` meshes (Handedness::bent).
+[[nodiscard]] std::string describe_bent(std::size_t bent, std::size_t all);
 
 /// "a, b and c", or the first ones "and 12 more".
 [[nodiscard]] std::string list_names(const std::vector<std::string>& names,

@@ -78,9 +78,30 @@ RowMatrix unlike_meshes(const KnownMeshes& known, const Collection& meshes,
     for (Eigen::Index i = 0; i < sizes.size(); ++i) {
         const bool is_mirrored = is_mirror_image(known.topology, meshes.points[to_size(i)],
                                                  known.reference_points, known.dihedral_angles);
-        marks.row(i) << (is_mirrored ? 1.0 : 0.0), odd_size(known, sizes[i]);
+        const bool is_guess =
+            is_mirrored && may_bend_over(known.topology, meshes.points[to_size(i)]);
+        marks.row(i) << (is_guess ? 2.0 : is_mirrored ? 1.0 : 0.0), odd_size(known, sizes[i]);
     }
     return marks;
+}
+
+Eigen::VectorXd far_meshes(const ShapeModel& model, const Projection& projection)
+{
+    constexpr double far_from_mean = 4.0; // set by hand, see there
+    const Eigen::Index count = model.scores.rows();
+    Eigen::VectorXd times = Eigen::VectorXd::Zero(projection.residuals.size());
+    if (count < 5) // they show little of how far meshes are
+        return times;
+    const double left = std::max(0.0, model.total_variance - model.variances.sum()) *
+                        static_cast<double>(count - 1) / static_cast<double>(count);
+    const double farthest = std::sqrt(model.scores.rowwise().squaredNorm().maxCoeff() + left);
+    for (Eigen::Index i = 0; i < times.size(); ++i) {
+        const double distance =
+            std::hypot(projection.scores.row(i).norm(), projection.residuals[i]);
+        if (distance > far_from_mean * farthest)
+            times[i] = distance / farthest;
+    }
+    return times;
 }
 
 } // namespace shape::internal

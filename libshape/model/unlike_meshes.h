@@ -34,12 +34,22 @@ struct KnownMeshes
 [[nodiscard]] KnownMeshes known_meshes(const Collection& collection);
 
 /// Marks new meshes that are unlike known ones in what edge lengths do not see, or divide out: N by 2, 0 where nothing is
-/// odd; then 1 for a mirror image, and how many times as large as usual an odd size is.
+/// odd; then 1 for a mirror image, 2 for a sheet that may as well bend the other way (may_bend_over()), and how many times as large as usual an odd size is.
 /// @param meshes  Of the triangulation of the known ones.
 /// @param sizes  Theirs, as those of the known ones are measured.
 /// Cost: that of is_mirror_image() for each.
 [[nodiscard]] RowMatrix unlike_meshes(const KnownMeshes& known, const Collection& meshes,
                                       const Eigen::VectorXd& sizes);
+
+/// How many times as far from the mean of a model as the farthest of its own meshes the given ones are: N, 0 where that is
+/// 4 times or less, as of new meshes of other kinds or poses. Exchanged vertices or landmarks are farther.
+///
+///     sqrt(sum_k t_k^2 + r^2)  against  max over its meshes of sqrt(sum_k t_k^2 + R)
+///
+/// with scores t, residual r, and the mean R of the squares of what the modes leave of the model's own meshes. Nothing is
+/// said beside fewer than five meshes.
+/// @param projection  In that model.
+[[nodiscard]] Eigen::VectorXd far_meshes(const ShapeModel& model, const Projection& projection);
 
 /// The second of these marks.
 [[nodiscard]] double odd_size(const KnownMeshes& known, double size);

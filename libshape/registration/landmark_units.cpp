@@ -46,6 +46,13 @@ std::optional<std::string> other_unit_of(const Points& landmarks, const Surface&
                         "?): ", is_larger ? "divided by " : "times ", units.value,
                         " all of them lie on it; give them in its unit");
         }
+    // Both in millimetres, as such programs have it.
+    const Points turned = landmarks * Eigen::RowVector3d(-1.0, -1.0, 1.0).asDiagonal();
+    if (spread >= least_spread * diagonal && largest_distance(turned, surface) <= nearest)
+        said =
+            join("the landmarks of ", what,
+                 " look as if they were in RAS and the mesh in LPS, or the reverse: with x and y "
+                 "times -1 all of them lie on it; give them in its axes");
     return said;
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -408,7 +409,25 @@ std::pair<Faces, int> turned_outwards(const Scan& scan, const Surface& pattern)
     return result;
 }
 
-void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::string>& boundaries)
+/// Names the landmarks that lie nowhere near a surface though others do: -9999 is a common code for a missing one.
+std::string far_landmarks(const std::vector<std::string>& names, const Points& landmarks,
+                          const Points& surface)
+{
+    constexpr double far = 20.0; // diagonals; set by hand
+    const double diagonal = bounding_box_diagonal(surface);
+    const Eigen::RowVector3d centre =
+        0.5 * (surface.colwise().minCoeff() + surface.colwise().maxCoeff());
+    std::string text;
+    Index count = 0;
+    for (Index i = 0; i < landmarks.rows(); ++i)
+        if (const double away = (landmarks.row(i) - centre).norm() / diagonal; away > far)
+            text += join(count++ == 0 ? "" : ", ", "'", names[to_size(i)], "' lies ",
+                         std::round(away), " diagonals away");
+    return count > 0 && count < landmarks.rows() ? text : std::string();
+}
+
+void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::string>& boundaries,
+                     const Points& on_template, const Points& on_scan)
 {
     const auto count = std::ssize(landmarks.names);
     if (landmarks.on_template.rows() != count || landmarks.on_scan.rows() != count)
@@ -421,11 +440,18 @@ void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::stri
             throw InvalidInput(join("boundary '", name, "' is not the name of a landmark"));
     if (count < 3)
         return;
-    for (const Points* points : {&landmarks.on_template, &landmarks.on_scan}) {
+    for (const auto& [points, surface, whose] :
+         {std::tuple(&landmarks.on_template, &on_template, "the template"),
+          std::tuple(&landmarks.on_scan, &on_scan, "the scan")}) {
         const Points centred = points->rowwise() - points->colwise().mean();
         const Eigen::VectorXd spread = Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
-        if (!(spread[1] > 1e-3 * spread[0])) // less than the error of picking them by hand
-            throw InvalidInput("landmarks: they lie on a line, which leaves a turn about it open");
+        if (spread[1] > 1e-3 * spread[0]) // else less than the error of picking them by hand
+            continue;
+        if (const std::string far = far_landmarks(landmarks.names, *points, *surface); !far.empty())
+            throw InvalidInput(join("landmarks of ", whose, ": ", far,
+                                    "; is that a code for a missing one? Leave its coordinates "
+                                    "empty"));
+        throw InvalidInput("landmarks: they lie on a line, which leaves a turn about it open");
     }
 }
 
@@ -493,7 +519,7 @@ void ScanFitter::State::finish(const Target& target, const ShapePoint& rest, dou
 ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
 {
     const State& s = *state_;
-    check_landmarks(landmarks, s.options.boundaries);
+    check_landmarks(landmarks, s.options.boundaries, s.surface.points, scan.points);
     if (const auto said = other_unit_of(landmarks.on_template, s.surface,
                                         landmark_off * s.own_diagonal, "the template"))
         throw InvalidInput(*said);
@@ -533,7 +559,7 @@ ScanFit ScanFitter::fit_again(const Scan& scan, const LandmarkPairs& landmarks, 
                               const ShapePoint& rest, Sliding sliding) const
 {
     const State& s = *state_;
-    check_landmarks(landmarks, s.options.boundaries);
+    check_landmarks(landmarks, s.options.boundaries, s.surface.points, scan.points);
     const Topology& topology = s.levels.front().topology;
     if (from.points.rows() != topology.vertex_count())
         throw InvalidInput(join("fit_again: the earlier fit has ", from.points.rows(),

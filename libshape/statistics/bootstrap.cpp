@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
@@ -137,6 +138,10 @@ std::vector<Interval> variance_intervals(const RowMatrix& coordinates, int modes
                                 resampling.blocks.size(),
                                 " observations; modes must be in [1, columns], observations agree "
                                 "and be at least 2"));
+    if (resampling.blocks.group_count() < least_resampled)
+        throw InvalidInput(join("variance intervals: what is drawn anew are ",
+                                counted(resampling.blocks.group_count(), "observation"),
+                                " or blocks of them; at least ", least_resampled, " are needed"));
     if (!coordinates.allFinite())
         throw InvalidInput("variance intervals: a coordinate is not finite");
     const RowMatrix replicates = bootstrap(

@@ -33,6 +33,10 @@ struct Resampling
     Grouping strata; ///< one_group(): all blocks are drawn alike.
 };
 
+/// Of fewer blocks replicates say nothing: of one all are the same, of two half of them are one block twice, so that
+/// the true value lies beyond what they span about every other time.
+constexpr int least_resampled = 3;
+
 /// An interval that holds the true value with the confidence asked for.
 struct Interval
 {
@@ -64,7 +68,7 @@ struct Interval
 /// ones upwards (Efron & Tibshirani 1993, section 7.2); the interval is of that estimate.
 /// @param coordinates  N by M observations in any orthonormal basis, such as scores of all modes.
 /// @param modes  K in [1, M].
-/// @throws InvalidInput if a rule is broken.
+/// @throws InvalidInput if a rule is broken, or there are fewer than least_resampled blocks.
 /// Cost: (N + M) M^2 for each replicate.
 [[nodiscard]] std::vector<Interval> variance_intervals(const RowMatrix& coordinates, int modes,
                                                        const Resampling& resampling,

@@ -52,15 +52,41 @@ Resampling resampling(const GroupRows& rows)
     return {rows.blocks, is_nested ? rows.groups : one_group(rows.groups.size())};
 }
 
+constexpr double not_determined = std::numeric_limits<double>::quiet_NaN();
+
+/// Degrees of freedom and shares of them below this are what rounding leaves of none.
+constexpr double rounding = 1e-9;
+
 /// What a mean of squared distances from what is expected of the rows is multiplied with: (n - 1) over what is left
-/// of the n rows beside mean and slopes.
+/// of the n rows beside mean and slopes; NaN if nothing is.
 double loss_of_slopes(const GroupFit& fit, const VectorXd& leverages, const std::vector<int>& rows)
 {
     if (!fit.is_adjusted())
         return 1.0;
     const double left = (1.0 - leverages(rows).array()).sum();
-    constexpr double rounding = 1e-9;
-    return left > rounding ? static_cast<double>(rows.size() - 1) / left : 1.0;
+    return left > rounding ? static_cast<double>(rows.size() - 1) / left : not_determined;
+}
+
+/// How many rows tell two groups apart, as far as resampling them shows it; on the diagonal, the rows of a group. Of
+/// a chain of groups, neighbours of which have blocks in common, the link of fewest blocks counts, and of several
+/// chains the best one.
+Eigen::MatrixXi rows_between(const GroupRows& rows)
+{
+    const Index count = rows.groups.group_count();
+    Eigen::MatrixXi result = Eigen::MatrixXi::Zero(count, count);
+    for (const std::vector<int>& block : shape::members(rows.blocks))
+        for (const int i : block)
+            for (const int j : block)
+                ++result(rows.groups.group_of[to_size(i)], rows.groups.group_of[to_size(j)]);
+    for (Index via = 0; via < count; ++via)
+        for (Index g = 0; g < count; ++g)
+            for (Index h = 0; h < count; ++h)
+                result(g, h) = std::max(result(g, h), std::min(result(g, via), result(via, h)));
+    for (Index g = 0; g < count; ++g)
+        for (Index h = 0; h < count; ++h)
+            if (result(g, h) == 0) // nothing links them: each has rows of its own
+                result(g, h) = std::min(result(g, g), result(h, h));
+    return result;
 }
 
 } // namespace
@@ -129,15 +155,12 @@ GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
         VectorXd result(group_count);
         for (Index g = 0; g < group_count; ++g) {
             const std::vector<int>& group = fit.members()[to_size(g)];
-            if (group.size() < 2) {
-                result[g] = 0.0; // it is its mean
-                continue;
-            }
             const VectorXd own = times(group);
             const double count = own.sum();
             const double sum = own.dot(squares(group));
-            result[g] = std::max(sum - count * moved[g], 0.0) / std::max(count - 1.0, 1.0) *
-                        loss_of_slopes(fit, leverages, group);
+            result[g] = count < 2.0 ? not_determined // it is its mean
+                                    : std::max(sum - count * moved[g], 0.0) / (count - 1.0) *
+                                          loss_of_slopes(fit, leverages, group);
         }
         return result;
     };
@@ -146,7 +169,7 @@ GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
         const VectorXd times = model_->draws.times(static_cast<int>(r));
         auto row = replicates.row(static_cast<Index>(r));
         if (!fit.solve(times).is_determined) {
-            row.setConstant(std::numeric_limits<double>::quiet_NaN());
+            row.setConstant(not_determined);
             return;
         }
         // Behind the moves of the means, if they are others, are those of the residuals.
@@ -154,7 +177,7 @@ GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
         row.tail(group_count * group_count) =
             distances_of(moves[r].topLeftCorner(group_count, group_count)).reshaped().transpose();
     });
-    if (replicates.col(0).array().isNaN().all())
+    if (replicates.rightCols<1>().array().isNaN().all()) // a distance, of a group from itself
         throw InvalidInput(join("groups: each of the ", moves.size(),
                                 " replicates of the bootstrap leaves a group without members or a "
                                 "covariate without variation; draw more of them"));
@@ -165,19 +188,25 @@ GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
     const VectorXd measured =
         variances(VectorXd::Ones(fit.rows().observations.count), VectorXd::Zero(group_count));
     const double confidence = model_->options.confidence;
+    const Eigen::MatrixXi tell = rows_between(fit.rows());
     for (Index g = 0; g < group_count; ++g) {
         result.counts.push_back(static_cast<int>(fit.members()[to_size(g)].size()));
         result.variances.push_back(measured[g]);
-        result.variance_intervals.push_back(percentile_interval(replicates.col(g), confidence));
+        const bool has_interval =
+            tell(g, g) >= least_resampled && !replicates.col(g).array().isNaN().all();
+        result.variance_intervals.push_back(has_interval
+                                                ? percentile_interval(replicates.col(g), confidence)
+                                                : Interval{not_determined, not_determined});
         for (Index h = 0; h < g; ++h)
             result.distance_radii(g, h) = result.distance_radii(h, g) =
-                quantile(replicates.col(group_count + g + h * group_count), confidence);
+                tell(g, h) >= least_resampled
+                    ? quantile(replicates.col(group_count + g + h * group_count), confidence)
+                    : not_determined;
     }
     for (int g = 0; g < fit.rows().groups.group_count(); ++g)
         for (int h = 0; h < fit.rows().groups.group_count(); ++h)
             if (!fit.is_determined(g, h))
-                result.distances(g, h) = result.distance_radii(g, h) =
-                    std::numeric_limits<double>::quiet_NaN();
+                result.distances(g, h) = result.distance_radii(g, h) = not_determined;
     return result;
 }
 
@@ -200,20 +229,23 @@ LinearModelTest test_spread_of(const GroupFit& fit, const VectorXd& squares,
     int groups_tested = 0;
     for (const std::vector<int>& group : fit.members()) {
         const auto count = static_cast<double>(group.size());
-        if (fit.is_adjusted())
-            for (const int row : group)
-                distances[row] /= std::sqrt(std::max(1.0 - leverages[row], 1e-9));
-        else if (group.size() > 1)
+        std::vector<int> free = group; // rows that can differ from what is expected of them
+        if (fit.is_adjusted()) {
+            std::erase_if(free, [&](int row) { return 1.0 - leverages[row] <= rounding; });
+            for (const int row : free)
+                distances[row] /= std::sqrt(1.0 - leverages[row]);
+        } else if (group.size() > 1) {
             distances(group) *= std::sqrt(count / (count - 1.0));
-        if (group.size() >= least_members) {
-            tested.insert(tested.end(), group.begin(), group.end());
+        }
+        if (free.size() >= least_members) {
+            tested.insert(tested.end(), free.begin(), free.end());
             ++groups_tested;
         }
     }
     if (groups_tested < 2)
         return {};
     std::sort(tested.begin(), tested.end());
-    const bool are_all = groups_tested == fit.rows().groups.group_count();
+    const bool are_all = std::cmp_equal(tested.size(), fit.rows().observations.count);
     const GroupRows& rows = fit.rows();
     const Grouping groups = are_all ? rows.groups : subset(rows.groups, tested);
     const Grouping blocks = are_all ? rows.blocks : subset(rows.blocks, tested);

@@ -15,12 +15,16 @@ namespace shape {
 struct GroupSpread
 {
     std::vector<int> counts; ///< G: observations, or what counts as one: see group_spread().
-    /// G: sum of squares about the mean / (n - 1); 0 for n = 1. Of residuals, their degrees of freedom for n - 1.
+    /// G: sum of squares about the mean / (n - 1). Of residuals, their degrees of freedom for n - 1. NaN where these
+    /// are 0, as for n = 1.
     std::vector<double> variances;
-    std::vector<Interval> variance_intervals; ///< G; percentile.
-    RowMatrix distances;                      ///< G by G, between the means; NaN if not determined.
+    /// G: percentile; NaN for n < least_resampled, or if the variance is NaN.
+    std::vector<Interval> variance_intervals;
+    RowMatrix distances; ///< G by G, between the means; NaN if not determined.
     /// G by G: with the confidence asked for, the true vector from one mean to the other lies within
-    /// this distance of the measured one. If it is larger than `distances`, that may be nothing.
+    /// this distance of the measured one. If it is larger than `distances`, that may be nothing. NaN likewise, and
+    /// where fewer than least_resampled observations tell the groups apart: nested, those of the smaller one; crossed,
+    /// the blocks that have both, or fewest blocks have two neighbours of any chain of groups between them.
     RowMatrix distance_radii;
 };
 
@@ -42,7 +46,7 @@ struct GroupSpread
 /// compare_groups() of the distances of the observations of group_spread() from the mean of their group, each times
 /// sqrt(n / (n - 1)), n the size of the group, since a mean of few lies nearer to them; of residuals, divided by
 /// sqrt(1 - leverage). Groups of one or two are
-/// left out, whose members are equally far from their mean in any case. Distances from one mean hang together a
+/// left out, whose members are equally far from their mean in any case, and so are residuals of leverage 1, which are 0. Distances from one mean hang together a
 /// little: of groups of n points in many dimensions F is (n - 1) / (n - 2) times too large.
 /// @param products  N by N inner products of the points.
 /// @param covariates  N by any number, also 0.

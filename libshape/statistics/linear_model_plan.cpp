@@ -189,7 +189,8 @@ LinearModelPlan::LinearModelPlan(Observations observations, const MatrixXd& test
         static_cast<int>(count - blocks.group_count() - taken.cols()) - degrees_.degrees_of_freedom;
     if (degrees_.degrees_of_freedom == 0)
         throw InvalidInput(
-            "linear model: what is tested does not vary beyond the blocks and the other columns");
+            "linear model: what is tested does not vary beyond the blocks and the other columns; "
+            "leave out the covariate that goes with it");
     if (degrees_.residual_degrees_of_freedom < 1)
         throw InvalidInput(join("linear model: ", count, " observations in ", blocks.group_count(),
                                 " blocks with ", taken.cols(), " nuisance columns and ",

@@ -256,6 +256,18 @@ TEST(OffFile, ReadsNumbersThatRunOnOverTheLines)
     EXPECT_EQ(read("m.off", line + "\n3 0 1 2\n").points.rows(), 60000);
 }
 
+TEST(OffFile, ColoursOfVerticesUnderAPlainHeaderAreNamed)
+{
+    for (const char* text :
+         {"OFF\n4 2 0\n0 0 0 255 0 0\n1 0 0 .5 0 0\n0 1 0 -.5 0 0\n0 0 1 -.5 0 0\n3 0 1 2\n3 0 1 "
+          "3\n",
+          "OFF\n4 1 0\n0 0 0 255 0 0\n1 0 0 9 0 0\n0 1 0 3 -.5 0\n3 0 -.5 3 0 0\n3 0 1 2\n"}) {
+        const std::string said = test::message_of<InvalidInput>([&] { (void)read("m.off", text); });
+        EXPECT_NE(said.find("line 3: "), std::string::npos) << said;
+        EXPECT_NE(said.find("colours need the header COFF"), std::string::npos) << said;
+    }
+}
+
 TEST(PlyFile, ReadsFacesThatStandBeforeTheirVertices)
 {
     expect_unit_triangle(

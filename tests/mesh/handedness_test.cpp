@@ -192,6 +192,72 @@ TEST(Handedness, AFoldThatPassesFlatTellsNothing)
     EXPECT_TRUE(is_mirror_image(up.topology, mirror_image(down), up.points));
 }
 
+/// A sheet of an outline without symmetry that curls about one axis, with some noise.
+Points leaf(const TestMesh& sheet, double curl, unsigned seed)
+{
+    internal::Random random(seed);
+    Points points = sheet.points;
+    points.col(1).array() *= 1.0 + 0.3 * points.col(0).array();
+    points.col(2) = curl * points.col(0).array() * (points.col(0) + 0.3 * points.col(1)).array();
+    for (double& z : points.col(2))
+        z += 0.002 * random.normal();
+    return points;
+}
+
+std::vector<Points> leaves(const TestMesh& sheet, const std::vector<double>& curls)
+{
+    std::vector<Points> meshes;
+    for (const double curl : curls)
+        meshes.push_back(leaf(sheet, curl, static_cast<unsigned>(meshes.size()) + 1));
+    return meshes;
+}
+
+TEST(Handedness, SheetsThatCurlTheOtherWayMayBeMirrorImages)
+{
+    const TestMesh sheet = test::open_patch(11, 1);
+    const Handedness found = compare_handedness(
+        sheet.topology, leaves(sheet, {.1, .16, .06, .14, .09, .16, .1, -.09, -.12, .06}));
+    EXPECT_EQ(found.mirrored, Indices{});
+    EXPECT_EQ(found.bent, (Indices{7, 8}));
+    // Of few how they vary is not known; left and right ones that all curl alike are told by the gap.
+    EXPECT_EQ(compare_handedness(sheet.topology, leaves(sheet, {.2, .2, .2, -.2})).bent,
+              Indices{3});
+    const std::vector<double> alike{.12, .122, .118, .121, .119, .12};
+    std::vector<Points> sides = leaves(sheet, alike);
+    sides[4] = mirror_image(sides[4]);
+    EXPECT_EQ(compare_handedness(sheet.topology, sides).mirrored, Indices{4});
+    EXPECT_EQ(compare_handedness(sheet.topology, sides).bent, Indices{});
+    // What does not lie flat is mirrored however much it varies.
+    std::vector<Points> deep;
+    for (const double depth : {0.4, 0.7, 1.0, 1.5, -0.5, -1.2, 1.3}) {
+        deep.push_back(test::open_patch(11, 1).points);
+        deep.back().col(2) *= 2.0 * depth;
+    }
+    EXPECT_EQ(compare_handedness(sheet.topology, deep).mirrored, (Indices{4, 5}));
+}
+
+TEST(Handedness, SheetsBendOverAndTubesBowlsAndClosedSurfacesDoNot)
+{
+    const TestMesh sheet = test::open_patch(11, 1);
+    EXPECT_TRUE(may_bend_over(sheet.topology, leaf(sheet, 0.3, 1)));
+    EXPECT_FALSE(may_bend_over(sheet.topology, sheet.points));
+    Points rolled = sheet.points; // far from flat, but it unrolls
+    rolled.col(2) = (2.0 * sheet.points.col(0)).array().sin();
+    rolled.col(0) = (2.0 * sheet.points.col(0)).array().cos();
+    EXPECT_TRUE(may_bend_over(sheet.topology, rolled));
+    EXPECT_TRUE(may_bend_over(strip({0.2, 1.0}).topology, strip({0.2, 1.0}).points));
+    const TestMesh tube = test::open_cylinder(40, 20);
+    EXPECT_FALSE(may_bend_over(tube.topology, tube.points));
+    Points ring = tube.points; // the same between two circles of a plane
+    for (auto point : ring.rowwise())
+        point.head(2) *= 1.0 + point[2];
+    ring.col(2).setZero();
+    EXPECT_TRUE(may_bend_over(tube.topology, ring));
+    EXPECT_FALSE(may_bend_over(box().topology, box().points));
+    EXPECT_FALSE(may_bend_over(test::tetrahedron().topology, test::tetrahedron().points));
+    EXPECT_THROW((void)may_bend_over(sheet.topology, Points::Ones(3, 3)), InvalidInput);
+}
+
 TEST(Handedness, IsComparedWithMeanAnglesWhereTheyAreGiven)
 {
     const TestMesh patch = test::open_patch(10, 1);

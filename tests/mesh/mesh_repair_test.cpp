@@ -139,7 +139,8 @@ TEST(MeshRepair, SplitsAThousandPiecesAtMost)
     } catch (const LimitExceeded& error) {
         EXPECT_STREQ(error.what(), "crumbs: the surface has 1001 pieces; at most 1000 are split");
     }
-    EXPECT_EQ(repair_meshes(pieces(1001)).meshes.front().faces.rows(), 1);
+    const MeshRepairOptions largest{.components = Components::KeepLargest};
+    EXPECT_EQ(repair_meshes(pieces(1001), largest).meshes.front().faces.rows(), 1);
 }
 
 TEST(MeshRepair, KeepsTheLargerOfPiecesWithEquallyManyFaces)
@@ -151,10 +152,76 @@ TEST(MeshRepair, KeepsTheLargerOfPiecesWithEquallyManyFaces)
         faces << 0, 1, 2, 3, 4, 5;
         if (large_first)
             faces.row(0).swap(faces.row(1));
-        const NamedMesh kept = repair_meshes({named("two", points, faces)}).meshes.front();
+        const NamedMesh kept =
+            repair_meshes({named("two", points, faces)}, {.components = Components::KeepLargest})
+                .meshes.front();
         ASSERT_EQ(kept.points.rows(), 3);
         EXPECT_EQ(kept.points.col(2), Eigen::Vector3d::Constant(5.0));
     }
+}
+
+/// Strips of so many faces, apart.
+NamedMesh strips(const std::vector<int>& counts)
+{
+    Points points(0, 3);
+    Faces faces(0, 3);
+    double y = 0.0;
+    for (const int count : counts) {
+        const auto first = static_cast<int>(points.rows());
+        points.conservativeResize(first + count + 2, 3);
+        for (int i = 0; i < count + 2; ++i)
+            points.row(first + i) << i, y + i % 2, 0.0;
+        for (int i = 0; i < count; ++i) {
+            faces.conservativeResize(faces.rows() + 1, 3);
+            faces.bottomRows(1) << first + i, first + i + 1 + i % 2, first + i + 2 - i % 2;
+        }
+        y += 5.0;
+    }
+    return named("strips", points, faces);
+}
+
+TEST(MeshRepair, DropsNoPieceThatMayBeWhatIsMeant)
+{
+    for (const std::vector<int>& counts :
+         {std::vector{36, 36}, {70, 20, 10}, {20, 10, 10, 10, 10}}) {
+        const RepairedMeshes repaired = repair_meshes({strips(counts)});
+        EXPECT_TRUE(repaired.changes.empty()) << counts[0];
+        EXPECT_EQ(repaired.meshes[0].faces, strips(counts).faces);
+        EXPECT_TRUE(repaired.asks_for_components);
+        ASSERT_EQ(repaired.kept.size(), 1U);
+        EXPECT_NE(repaired.kept[0].find("which of them is meant is a guess"), std::string::npos);
+        const RepairedMeshes chosen =
+            repair_meshes({strips(counts)}, {.components = Components::KeepLargest});
+        EXPECT_EQ(chosen.meshes[0].faces.rows(), counts[0]);
+        EXPECT_FALSE(chosen.asks_for_components);
+    }
+    const RepairedMeshes main = repair_meshes({strips({81, 19})});
+    EXPECT_EQ(main.meshes[0].faces.rows(), 81);
+    EXPECT_FALSE(main.asks_for_components);
+}
+
+TEST(MeshRepair, LeavesSheetsThatMayOnlyCurlTheOtherWay)
+{
+    const TestMesh sheet = test::open_patch(8, 1);
+    std::vector<NamedMesh> meshes;
+    for (const double curl : {.1, .16, .06, .14, .09, .16, -.09, -.12}) {
+        Points points = sheet.points;
+        points.col(2) = curl * points.col(0).cwiseAbs2();
+        meshes.push_back(named(std::string(1, static_cast<char>('a' + meshes.size())), points,
+                               sheet.topology.faces()));
+    }
+    const RepairedMeshes repaired = repair_meshes(meshes);
+    EXPECT_TRUE(repaired.changes.empty());
+    EXPECT_EQ(repaired.meshes[6].points, meshes[6].points);
+    ASSERT_EQ(repaired.kept.size(), 1U);
+    EXPECT_EQ(repaired.kept[0],
+              "g and h: not mirrored, they bend the other way than the other 6 meshes, or are "
+              "mirror images of them, which such sheets do not tell; mirror by what you know");
+    meshes[7].faces = test::reversed_faces(meshes[7].faces);
+    const RepairedMeshes turned = repair_meshes(meshes);
+    ASSERT_EQ(turned.changes.size(), 1U);
+    EXPECT_EQ(turned.changes[0], "h: faces reversed (it was inside out)");
+    EXPECT_EQ(turned.meshes[7].points, meshes[7].points);
 }
 
 TEST(MeshRepair, TakesAwayWhatBelongsToNoSurface)
@@ -253,13 +320,14 @@ TEST(MeshRepair, KeepsPatchesThatMeetNearlyAndDropsWhatMeetsAtACorner)
     EXPECT_EQ(repair_meshes(meshes, {.components = Components::Split}).meshes.size(), 6U);
 
     // A crumb touches the rim of two triangles at a corner, or nearly.
+    const MeshRepairOptions largest{.components = Components::KeepLargest};
     Points points(7, 3);
     points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0, -1, 0, 0, 0, -1, 0;
     Faces faces(3, 3);
     faces << 0, 1, 2, 1, 3, 2, 4, 5, 6;
     for (const double apart : {0.0, 1e-3}) {
         points(4, 2) = apart;
-        const RepairedMeshes crumb = repair_meshes({named("a", points, faces)});
+        const RepairedMeshes crumb = repair_meshes({named("a", points, faces)}, largest);
         ASSERT_EQ(crumb.changes.size(), 1U);
         EXPECT_NE(crumb.changes[0].find("kept the largest of 2 pieces (2 of 3 faces)"),
                   std::string::npos);
@@ -366,9 +434,27 @@ TEST(MeshRepair, GroupsThatDifferInSizeAreNotScaled)
         std::string::npos);
     EXPECT_EQ(repaired_sizes(10.0, 4, 0.03).changes.size(), 1U);
     EXPECT_TRUE(repaired_sizes(10.0, 4, 0.05).changes.empty()); // it may be nine
-    std::vector<NamedMesh> few = spheres(6);                    // how sizes vary is not known
-    few[0].points *= 10.0;
-    EXPECT_TRUE(repair_meshes(std::move(few)).changes.empty());
+}
+
+TEST(MeshRepair, OfFewMeshesHowSizesVaryIsNotKnown)
+{
+    const auto repaired = [](int all, int odd) {
+        std::vector<NamedMesh> meshes = spheres(all);
+        for (NamedMesh& mesh : meshes)
+            mesh.points = spheres(1)[0].points;
+        for (int i = 0; i < odd; ++i)
+            meshes[to_size(i)].points *= 10.0;
+        return repair_meshes(std::move(meshes));
+    };
+    for (const auto& [all, odd] : {std::pair(7, 1), {5, 2}})
+        EXPECT_EQ(repaired(all, odd).changes.size(), 1U) << all;
+    const RepairedMeshes few = repaired(6, 1);
+    EXPECT_TRUE(few.changes.empty());
+    ASSERT_EQ(few.kept.size(), 1U);
+    EXPECT_NE(few.kept[0].find("one is scaled by ten beside six others, two beside three"),
+              std::string::npos)
+        << few.kept[0];
+    EXPECT_EQ(repaired_sizes(12.0, 1, 0.1).kept[0].find("beside six"), std::string::npos);
 }
 
 TEST(MeshRepair, LeavesOutliersAlone)

@@ -105,6 +105,25 @@ TEST(Oddities, MirrorImagesAndTurnedSurfacesAreNamed)
     expect_no_command(found);
 }
 
+TEST(Oddities, SheetsThatBendTheOtherWayAreNoMirrorImages)
+{
+    const TestMesh sheet = test::open_patch(8, 1);
+    Collection collection{sheet.topology, {}, {}, {}};
+    for (const double curl : {.1, .16, .06, .14, .09, -.09}) {
+        collection.names.push_back(std::string(1, static_cast<char>('a' + collection.size())));
+        collection.points.push_back(sheet.points);
+        collection.points.back().col(2) = curl * sheet.points.col(0).cwiseAbs2();
+    }
+    const std::vector<Oddity> found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, OddityKind::Bent);
+    EXPECT_EQ(found[0].meshes, Indices{5});
+    EXPECT_TRUE(found[0].message.starts_with(
+        "f bends the other way than the other 5 meshes, or is a mirror image of them, which such "
+        "sheets do not tell; mirror it back"))
+        << found[0].message;
+}
+
 TEST(Oddities, SizesOfOtherUnitsAreNamed)
 {
     Collection collection = spheres();

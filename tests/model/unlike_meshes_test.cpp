@@ -64,6 +64,48 @@ TEST(UnlikeMeshes, AreMirrorImagesAndThoseOfAnotherUnit)
     EXPECT_NEAR(std::log10(ratios[2]), 3.0, 0.7);
 }
 
+TEST(UnlikeMeshes, SheetsMayAsWellBendTheOtherWay)
+{
+    Collection known = patches(6);
+    for (Points& points : known.points)
+        points.col(2) *= 0.1;
+    Collection meshes = test::moved(known, 2);
+    EXPECT_EQ(marks_of(known, meshes), RowMatrix::Zero(6, 2));
+    for (Points& points : meshes.points)
+        points.col(0) *= -1.0;
+    EXPECT_EQ(marks_of(known, meshes).col(0), Eigen::VectorXd::Constant(6, 2.0));
+}
+
+TEST(UnlikeMeshes, FarOnesHaveExchangedVerticesAndNotAnotherKindOfShape)
+{
+    // A sphere whose bumps grow; meshes four times as far along that line as any of the model's are of no kind.
+    const test::TestMesh plain = test::icosphere(2);
+    const auto family = [&](const std::vector<double>& amounts) {
+        Collection meshes{plain.topology, {}, {}, {}};
+        for (const double amount : amounts) {
+            meshes.names.push_back(std::to_string(meshes.names.size()));
+            const auto seed = static_cast<unsigned>(meshes.names.size());
+            meshes.points.push_back(
+                plain.points + amount * (test::bumpy_sphere(2, 0.1, 99).points - plain.points) +
+                0.02 * (test::bumpy_sphere(2, 0.1, seed).points - plain.points));
+        }
+        return meshes;
+    };
+    const Collection known = family({-1.0, -0.5, 0.0, 0.5, 1.0});
+    Collection meshes = family({-1.0, 0.2, 3.0, 6.0, 0.0});
+    meshes.points[4].row(3).swap(meshes.points[4].row(120));
+    for (const int modes : {0, 1}) { // what the modes leave counts as well
+        const ShapeModel model = fit_model(known, {.modes = modes});
+        const Eigen::VectorXd times = far_meshes(model, project(model, meshes));
+        EXPECT_EQ(times.head(3), Eigen::Vector3d::Zero());
+        EXPECT_NEAR(times[3], 6.5, 1.0);
+        EXPECT_GT(times[4], 4.0);
+        EXPECT_EQ(far_meshes(model, project(model, known)), Eigen::VectorXd::Zero(5));
+    }
+    const ShapeModel few = fit_model(subset(known, {0, 1, 2, 3}));
+    EXPECT_EQ(far_meshes(few, project(few, meshes)), Eigen::VectorXd::Zero(5));
+}
+
 TEST(UnlikeMeshes, AreFoundAmongOpenOnesToo)
 {
     const Collection known = patches(4);

@@ -48,6 +48,23 @@ TEST(LandmarkUnits, AreNamedByTheFactorThatBringsAllOntoTheSurface)
     EXPECT_EQ(said(1000.0 * marks.topRows(2)), "");
 }
 
+TEST(LandmarkUnits, RasForLpsIsNamed)
+{
+    test::TestMesh mesh = test::bumpy_sphere(2, 0.2, 1);
+    mesh.points = (170.0 * mesh.points).rowwise() + Eigen::RowVector3d(30, -20, 400);
+    const Surface surface(mesh.points, mesh.topology.faces());
+    const double near = 0.01 * bounding_box_diagonal(mesh.points);
+    Points marks = mesh.points(marked, Eigen::all);
+    marks.leftCols(2) *= -1.0;
+    const auto said = other_unit_of(marks, surface, near, "the scan");
+    ASSERT_TRUE(said);
+    EXPECT_NE(said->find("RAS and the mesh in LPS, or the reverse: with x and y times -1 all"),
+              std::string::npos)
+        << *said;
+    marks.col(2) *= -1.0; // no program does that
+    EXPECT_FALSE(other_unit_of(marks, surface, near, "the scan"));
+}
+
 TEST(LandmarkUnits, ThatMeetInOnePlaceOfTheSurfaceSayNothing)
 {
     test::TestMesh mesh = test::bumpy_sphere(2, 0.2, 1);

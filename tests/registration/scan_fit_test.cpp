@@ -446,6 +446,16 @@ TEST(ScanFitter, RefusesLandmarksThatLeaveTheStartOpenAndOptionsOutOfRange)
     line.on_scan = line.on_template;
     EXPECT_NE(message_of<InvalidInput>([&] { (void)fitter.fit(scan, line); }).find("on a line"),
               std::string::npos);
+    LandmarkPairs coded{{"a", "b", "c", "d"}, {}, {}};
+    coded.on_template = mesh.points(std::vector<int>{0, 5, 11, 3}, Eigen::all);
+    coded.on_scan = coded.on_template;
+    coded.on_scan.row(1).setConstant(-9999.0);
+    coded.on_scan.row(3).setConstant(-9999.0);
+    const std::string said = message_of<InvalidInput>([&] { (void)fitter.fit(scan, coded); });
+    EXPECT_TRUE(said.starts_with("landmarks of the scan: 'b' lies ")) << said;
+    EXPECT_NE(said.find(" diagonals away, 'd' lies "), std::string::npos) << said;
+    EXPECT_NE(said.find("a code for a missing one?"), std::string::npos) << said;
+    EXPECT_EQ(said.find("'a'"), std::string::npos) << said;
     line.names.pop_back();
     EXPECT_THROW((void)fitter.fit(scan, line), InvalidInput);
     FitOptions options;

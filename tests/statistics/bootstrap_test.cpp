@@ -138,6 +138,12 @@ TEST(Bootstrap, RefusesWhatBreaksARule)
     EXPECT_THROW((void)variance_intervals(data, 4, plain(5)), InvalidInput);
     EXPECT_THROW((void)variance_intervals(data, 1, plain(4)), InvalidInput);
     EXPECT_THROW((void)variance_intervals(data.topRows(1), 1, plain(1)), InvalidInput);
+    // Of two blocks, however many observations they have.
+    EXPECT_THROW((void)variance_intervals(data.topRows(2), 1, plain(2)), InvalidInput);
+    const Grouping two = group_by({"1", "1", "1", "2", "2"});
+    EXPECT_THROW((void)variance_intervals(data, 1, {two, one_group(5)}), InvalidInput);
+    const Grouping three = group_by({"1", "1", "3", "2", "2"});
+    EXPECT_NO_THROW((void)variance_intervals(data, 1, {three, one_group(5)}));
     RowMatrix infinite = data;
     infinite(0, 0) = std::numeric_limits<double>::infinity();
     EXPECT_THROW((void)variance_intervals(infinite, 1, plain(5)), InvalidInput);

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
 
 #include "libshape/base/error.h"
 #include "libshape/base/to_size.h"
@@ -101,9 +103,9 @@ TEST(GroupSpread, LeavesOutReplicatesWithoutAGroup)
     const GroupSpread result =
         spread_of(data, group_by({"a", "b", "a", "b", "a", "b", "c"}),
                   group_by({"1", "1", "2", "2", "3", "3", "3"}), {.replicates = 100});
-    EXPECT_TRUE(result.distance_radii.allFinite());
-    EXPECT_EQ(result.variances[2], 0.0);
-    EXPECT_EQ(result.variance_intervals[2].high, 0.0);
+    EXPECT_TRUE(std::isfinite(result.distance_radii(0, 1)));
+    EXPECT_TRUE(std::isnan(result.distance_radii(0, 2)));
+    EXPECT_TRUE(std::isnan(result.variances[2]));
     int refused = 0;
     for (unsigned seed = 0; seed < 20; ++seed)
         try {
@@ -116,6 +118,71 @@ TEST(GroupSpread, LeavesOutReplicatesWithoutAGroup)
         }
     EXPECT_GT(refused, 0);
     EXPECT_LT(refused, 20);
+}
+
+TEST(GroupSpread, OfTooFewIsNotDetermined)
+{
+    const RowMatrix data = test::random_matrix(12, 3, 61);
+    const GroupSpread found =
+        spread_of(data, group_by({"1", "2", "2", "3", "3", "3", "6", "6", "6", "6", "6", "6"}),
+                  groups_of_one(12), {.replicates = 50});
+    EXPECT_TRUE(std::isnan(found.variances[0])); // not 0: of one nothing is known
+    EXPECT_NEAR(found.variances[1], 0.5 * (data.row(1) - data.row(2)).squaredNorm(), 1e-12);
+    for (Index g = 0; g < 4; ++g) {
+        const Interval interval = found.variance_intervals[to_size(g)];
+        EXPECT_EQ(std::isfinite(interval.low), g >= 2) << g;
+        EXPECT_EQ(std::isfinite(interval.high), g >= 2) << g;
+        for (Index h = 0; h < g; ++h) {
+            EXPECT_GT(found.distances(g, h), 0.0);
+            EXPECT_EQ(std::isfinite(found.distance_radii(g, h)), h >= 2) << g << " " << h;
+            EXPECT_EQ(std::isfinite(found.distance_radii(h, g)), h >= 2) << g << " " << h;
+        }
+    }
+}
+
+TEST(GroupSpread, OfTooFewBlocksIsNotDetermined)
+{
+    // Blocks of the groups that are named: three of a and b, three of b and c, two of c and d, one of a and e,
+    // three of e and d.
+    std::vector<std::string> groups, blocks;
+    int block = 0;
+    const auto add = [&](int count, const std::string& first, const std::string& second) {
+        for (int k = 0; k < count; ++k, ++block)
+            for (const std::string& group : {first, second}) {
+                groups.push_back(group);
+                blocks.push_back(std::to_string(block));
+            }
+    };
+    add(3, "a", "b");
+    add(3, "b", "c");
+    add(2, "c", "d");
+    add(1, "a", "e");
+    add(3, "e", "d");
+    const GroupSpread found =
+        spread_of(test::random_matrix(static_cast<Index>(groups.size()), 3, 62), group_by(groups),
+                  group_by(blocks), {.replicates = 200});
+    // In the order of their first rows: a, b, c, d, e. Those of {a, b, c} are linked by three, and d with e.
+    for (Index g = 0; g < 5; ++g)
+        for (Index h = 0; h < g; ++h)
+            EXPECT_EQ(std::isfinite(found.distance_radii(g, h)), g < 3 || h >= 3) << g << " " << h;
+    // One block of both among blocks of one group, which count no more.
+    const GroupSpread slip =
+        spread_of(test::random_matrix(7, 3, 63), group_by({"a", "a", "b", "b", "a", "b", "b"}),
+                  group_by({"1", "1", "2", "2", "3", "3", "3"}), {.replicates = 50});
+    EXPECT_GT(slip.distances(0, 1), 0.0);
+    EXPECT_TRUE(std::isnan(slip.distance_radii(0, 1)));
+    EXPECT_TRUE(std::isnan(slip.variances[0]));
+    EXPECT_TRUE(std::isnan(slip.variance_intervals[1].high));
+}
+
+TEST(GroupSpread, HasNoVarianceWhereTheSlopesLeaveNothing)
+{
+    // The slope is that of the two members of a, which lie on it.
+    const GroupSpread found =
+        group_spread(inner_products(test::random_matrix(3, 2, 64)), group_by({"a", "a", "b"}),
+                     groups_of_one(3), Eigen::Vector3d(1.0, 2.0, 4.0), {.replicates = 50});
+    EXPECT_TRUE(std::isnan(found.variances[0]));
+    EXPECT_TRUE(std::isnan(found.variances[1]));
 }
 
 /// Points, what counts once of them, and the groups and blocks of both.
@@ -429,6 +496,22 @@ TEST(SpreadTest, LeavesOutGroupsWhoseMembersAreEquallyFarFromTheirMean)
     EXPECT_NEAR(found.f, alone.f, 1e-9 * alone.f);
     EXPECT_EQ(found.p_value, alone.p_value);
     EXPECT_EQ(found.residual_degrees_of_freedom, 54);
+}
+
+TEST(SpreadTest, LeavesOutResidualsThatCannotBeOtherThanZero)
+{
+    // A covariate that is 1 in one point alone takes that point away.
+    const RowMatrix data = two_groups(65, 0.0);
+    const Eigen::MatrixXd one = Eigen::VectorXd::Unit(60, 59);
+    const PermutationOptions options{.permutations = 99};
+    const LinearModelTest found =
+        test_spread(inner_products(data), halves(), groups_of_one(60), one, options);
+    std::vector<std::string> labels(59, "a");
+    std::fill(labels.begin() + 30, labels.end(), "b");
+    const LinearModelTest without =
+        spread_test_of(data.topRows(59), group_by(labels), groups_of_one(59), options);
+    EXPECT_EQ(found.residual_degrees_of_freedom, 57);
+    EXPECT_NEAR(found.f, without.f, 1e-7 * (1.0 + without.f));
 }
 
 TEST(SpreadTest, IsEmptyWhereBothStatesOfASubjectAreEquallyFarFromTheirMeans)

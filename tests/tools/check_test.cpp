@@ -336,6 +336,41 @@ TEST_F(Check, FixSplitsIntoPartsThatCorrespondToTheSamePartAlone)
         (std::vector<std::string>{"a_part1.ply", "a_part2.ply", "b_part1.ply", "b_part2.ply"}));
 }
 
+TEST_F(Check, FixAsksWhichOfTwoLikePiecesIsMeant)
+{
+    folder_.write("halves/a.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\n");
+    const Outcome asked = shape({"check", "halves", "--fix", "parts"});
+    EXPECT_EQ(asked.exit_code, 3);
+    for (const char* said : {"left as it is: a: all 2 pieces, as the largest has 1 of 2 faces and "
+                             "the next one 1: which of them is meant is a guess",
+                             "--components largest or split chooses"})
+        EXPECT_NE(asked.err.find(said), std::string::npos) << asked.err;
+    EXPECT_FALSE(folder_.has("parts"));
+    EXPECT_EQ(shape({"check", "halves", "--fix", "parts", "--components", "largest"}).exit_code, 0);
+    EXPECT_TRUE(folder_.has("parts/a.ply"));
+}
+
+TEST_F(Check, SheetsThatBendTheOtherWayAreSaidAndLeft)
+{
+    const TestMesh sheet = open_patch(8, 1);
+    for (unsigned i = 0; i < 7; ++i) {
+        Points points = sheet.points;
+        points.col(2) = (i == 4 ? -0.1 : 0.05 + 0.02 * i) * points.col(0).cwiseAbs2();
+        write(i, points, sheet.topology.faces());
+    }
+    const Json figures = run({"check", "set"});
+    ASSERT_EQ(figures["warnings"].size(), 1U) << figures["warnings"].dump();
+    EXPECT_EQ(figures["warnings"][0]["kind"], "bent");
+    const std::string message = figures["warnings"][0]["message"];
+    EXPECT_TRUE(message.starts_with("m4 bends the other way than the other 6 meshes")) << message;
+    EXPECT_EQ(message.find("--fix"), std::string::npos) << message;
+    const Outcome outcome = shape({"check", "set", "--fix", "repaired"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.err.find("left as it is: m4: not mirrored, it bends"), std::string::npos)
+        << outcome.err;
+}
+
 TEST_F(Check, FixLeavesWhatItWouldHaveToGuess)
 {
     // Permuted vertices under the same faces, mirrored and in another unit, and two kinds that differ by 2.5.

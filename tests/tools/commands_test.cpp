@@ -786,6 +786,40 @@ TEST_F(Commands, ExplorePutsAModelOnOnePage)
     EXPECT_NE(folder_.read("report.html").find("id=\"block\""), std::string::npos);
 }
 
+TEST_F(Commands, ExploreRegressesOnMeshesThatHaveAValue)
+{
+    if (!has_page())
+        GTEST_SKIP() << "built without the page";
+    (void)run({"synth", "faces", "-o", "faces", "--vertices", "300"});
+    const std::vector<std::string> files = files_in(folder_ / "faces");
+    std::string labels = "mesh,age,few\n";
+    int count = 0;
+    for (const std::string& file : files)
+        if (file.ends_with(".ply")) {
+            labels += join(file, ",", count == 1 ? "NA" : std::to_string(20 + count * count), ",",
+                           count < 2 ? "1" : "", "\n");
+            ++count;
+        }
+    ASSERT_GE(count, 4);
+    folder_.write("l.csv", labels);
+    (void)run({"stats", "faces", "--labels", "l.csv", "-o", "faces.h5"});
+    const Outcome outcome =
+        run_shape(folder_.path(), {"explore", "faces.h5", "--regress", "age", "-o", "p.html"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find(join(" has no value of it; scores are regressed on those of the "
+                                    "other ",
+                                    count - 1, " meshes")),
+              std::string::npos)
+        << outcome.err;
+    EXPECT_NE(folder_.read("p.html").find("\"low\":20.0"), std::string::npos);
+    const Outcome few =
+        run_shape(folder_.path(), {"explore", "faces.h5", "--regress", "few", "-o", "q.html"});
+    EXPECT_EQ(few.exit_code, 3);
+    EXPECT_NE(few.err.find("--regress few: 2 meshes have a value of it, at least 3 are needed"),
+              std::string::npos)
+        << few.err;
+}
+
 TEST_F(Commands, ExploreTakesModelsOfPositionsAndOfOneMode)
 {
     if (!has_page())

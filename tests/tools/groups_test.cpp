@@ -210,6 +210,92 @@ TEST_F(Groups, AreComparedWithinSubjectsThatHaveBothAlone)
         EXPECT_NE(err.find(said), std::string::npos) << said << "\n" << err;
 }
 
+TEST_F(Groups, OfOneOrTwoHaveNoSpread)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    labels.columns = {"mesh", "few"};
+    for (std::size_t i = 0; i < labels.rows.size(); ++i)
+        labels.rows[i] = {labels.rows[i][0], i == 0 ? "one" : i < 3 ? "two" : "rest"};
+    write_table(folder_ / "few.csv", labels);
+    const Arguments groups{"groups", "people", "--labels", "few.csv", "--by",
+                           "few",    "-o",     "g.csv",    "--force"};
+    const Json figures = run(groups);
+    EXPECT_TRUE(figures["groups"][0]["variance"].is_null());
+    EXPECT_TRUE(figures["groups"][0]["variance_low"].is_null());
+    EXPECT_GT(figures["groups"][1]["variance"], 0.0);
+    EXPECT_TRUE(figures["groups"][1]["variance_high"].is_null());
+    EXPECT_GT(figures["groups"][2]["variance_high"], 0.0);
+    const Table table = read_table(folder_ / "g.csv");
+    for (std::size_t pair = 0; pair < 3; ++pair) {
+        EXPECT_GT(figures["pairs"][pair]["distance"], 0.0);
+        EXPECT_TRUE(figures["pairs"][pair]["radius"].is_null());
+        EXPECT_EQ(table.rows[pair + 1][3], "");
+    }
+    const std::string err = run_shape(folder_.path(), groups).err;
+    for (const char* said : {"one: 1 mesh, variance not determined\n", "two: 2 meshes, variance ",
+                             " (95 %: not determined)\n", " (radius not determined), F("})
+        EXPECT_NE(err.find(said), std::string::npos) << said << "\n" << err;
+}
+
+TEST_F(Groups, BlocksThatMakeADesignCrossedByASlipAreNamed)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    labels.rows[4][3] = "m"; // of s2, of whom the other mesh is f
+    write_table(folder_ / "slip.csv", labels);
+    const Outcome outcome =
+        run_shape(folder_.path(), {"groups", "people", "--labels", "slip.csv", "--by", "sex",
+                                   "--within", "subject", "-o", "g.csv"});
+    EXPECT_NE(outcome.err.find("warning: 10 of 12 meshes are left out: as s2, 1 of 6 blocks of "
+                               "--within subject, has meshes of several groups"),
+              std::string::npos)
+        << outcome.err;
+    EXPECT_NE(outcome.err.find("correct the values of sex or subject"), std::string::npos);
+}
+
+TEST_F(Groups, PairsThatNoBlockHasAreSaidToBeComparedOtherwise)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    for (std::size_t i = 0; i < labels.rows.size(); ++i) // s0 to s2: calm, glad; s3 to s5: c, d
+        if (i >= 6)
+            labels.rows[i][2] = i % 2 == 0 ? "c" : "d";
+    write_table(folder_ / "parts.csv", labels);
+    const Arguments groups{"groups", "people",   "--labels", "parts.csv",    "--by",
+                           "mood",   "--within", "subject",  "--adjust-for", "age",
+                           "-o",     "g.csv",    "--force"};
+    const Json figures = run(groups);
+    EXPECT_EQ(figures["pairs"][0]["design"], "crossed"); // calm - glad
+    EXPECT_EQ(figures["pairs"][1]["design"], "nested");  // calm - c
+    const std::string err = run_shape(folder_.path(), groups).err;
+    EXPECT_NE(err.find(" (not within: no subject has both, its means are tested)"),
+              std::string::npos)
+        << err;
+    EXPECT_NE(err.find("changes nothing of what is compared within them"), std::string::npos)
+        << err;
+}
+
+TEST_F(Groups, CovariatesThatTellNothingAreNamed)
+{
+    const Arguments groups{"groups", "people.h5", "--by", "sex", "-o", "g.csv", "--force"};
+    const auto err = [&](const Arguments& adjusted) {
+        return run_shape(folder_.path(), groups + adjusted).err;
+    };
+    EXPECT_NE(err({"--adjust-for", "same"})
+                  .find("warning: --adjust-for same changes nothing: it is 1 in all meshes\n"),
+              std::string::npos);
+    EXPECT_NE(err({"--adjust-for", "age", "--adjust-for", "age"})
+                  .find("--adjust-for age changes nothing the second time"),
+              std::string::npos);
+    Table labels = read_table(folder_ / "labels.csv");
+    for (Arguments& row : labels.rows)
+        row[4] = row[3] == "f" ? "30" : "40";
+    write_table(folder_ / "ages.csv", labels);
+    expect_failure(3,
+                   {"groups", "people", "--labels", "ages.csv", "--by", "sex", "--adjust-for",
+                    "age", "-o", "x.csv"},
+                   {"--adjust-for age: it is 30 in all meshes of sex = f and 40 in all of m",
+                    "leave --adjust-for age out"});
+}
+
 TEST_F(Groups, HaveAdjustedMeansDistancesAndVariances)
 {
     const Arguments groups{"groups",       "people.h5", "--by", "sex",   "--only", "mood=calm",
@@ -293,6 +379,7 @@ TEST_F(Groups, VariancesOfModesHaveIntervals)
     }
     expect_failure(3, stats + Arguments{"-o", "x.h5", "--within", "gap"}, {"s5_glad"});
     expect_failure(2, {"stats", "people.h5", "-o", "x.h5", "--within", "subject"}, {"--bootstrap"});
+    expect_failure(3, stats + Arguments{"-o", "x.h5", "--within", "sex"}, {"2", "at least 3"});
     expect_failure(2, stats + Arguments{"-o", "x.h5", "--bootstrap", "-1"}, {"--bootstrap"});
 }
 
@@ -523,7 +610,8 @@ TEST_F(Groups, DifferencesAreTransferredToAnyMesh)
 TEST_F(Groups, BadInputIsNamed)
 {
     const Arguments groups{"groups", "people.h5", "-o", "out.csv"};
-    expect_failure(3, groups + Arguments{"--by", "gap"}, {"s5_glad", "gap", "1 of 12"});
+    expect_failure(3, groups + Arguments{"--by", "gap"},
+                   {"s5_glad", "'gap', 1 of 12 meshes; leave it out"});
     expect_failure(3, groups + Arguments{"--by", "mood", "--within", "gap"}, {"s5_glad", "gap"});
     expect_failure(3, groups + Arguments{"--by", "none"}, {"none", "subject, mood"});
     expect_failure(3, groups + Arguments{"--by", "same"}, {"one group"});

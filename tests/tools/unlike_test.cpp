@@ -148,6 +148,24 @@ TEST_F(Unlike, MeshesAreNamedByProject)
                 {"aligned.h5; the space takes that for a difference of shape: mirror"});
 }
 
+TEST_F(Unlike, MeshesFarFromAllOthersAreNamedByProjectAndUpdate)
+{
+    const TestMesh other = bumpy_sphere(1, 0.2, 9);
+    Points points = other.points;
+    points.row(0) *= 8.0;
+    write_mesh(folder_ / "astray.ply", points, other.topology.faces());
+    for (const Arguments& command :
+         {Arguments{"project", "unit.h5", "sound.ply", "astray.ply", "-o", "s.csv"},
+          Arguments{"stats", "set", "astray.ply", "-o", "far.h5", "--update", "unit.h5"}})
+        expect_said(
+            command,
+            {"warning: astray is ",
+             " times as far from the mean as the farthest of the meshes of unit.h5 (exchanged "
+             "vertices"});
+    EXPECT_EQ(said_by({"project", "unit.h5", "sound.ply", "set", "-o", "s.csv"}).find("as far"),
+              std::string::npos);
+}
+
 TEST_F(Unlike, MeshesAreNamedByRemove)
 {
     const auto remove = [](const Arguments& meshes, const std::string& model) {

@@ -35,8 +35,9 @@ const LabelColumn& complete_label(const MeshLabels& meshes, const std::string& l
         const auto mesh = to_size(missing - column.values.begin());
         const auto count = std::count(missing, column.values.end(), "");
         throw InvalidInput(join("mesh ", meshes.names[mesh], " has no value of label '", label,
-                                "', in all ", count, " of ", meshes.size(),
-                                " meshes; leave them out (", remedy, ") or label them"));
+                                count > 1 ? "', in all " : "', ", count, " of ", meshes.size(),
+                                " meshes; leave ", count > 1 ? "them" : "it", " out (", remedy,
+                                ") or label ", count > 1 ? "them" : "it"));
     }
     return column;
 }

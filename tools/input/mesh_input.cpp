@@ -424,6 +424,7 @@ std::string advice_on(const Oddity& oddity)
                    "no "
                    "doubt)";
         case OddityKind::NearSeam:
+        case OddityKind::Bent:
         case OddityKind::Copies:
             break;
     }

@@ -33,6 +33,22 @@ void warn_of_mirror_images(const Session& session, const std::vector<std::string
                           : join("mirror ", them, " back ", back)));
 }
 
+/// Of sheets nobody can tell.
+void warn_of_bent(const Session& session, const std::vector<std::string>& names,
+                  const std::vector<std::size_t>& bent, const UnlikeWords& words)
+{
+    const bool is_one = bent.size() == 1;
+    session.warn(join(
+        words.option, list_names(names, bent),
+        words.are_differences ? (is_one ? " is of meshes that bend" : " are of meshes that bend")
+        : is_one              ? " bends"
+                              : " bend",
+        " the other way than ", words.others, ", or ",
+        words.are_differences || !is_one ? "are mirror images" : "is a mirror image",
+        " of them, which such sheets do not tell; mirror back (one coordinate times -1, faces as "
+        "they are) only if you know that"));
+}
+
 /// @param ratios  Of the odd ones, all above 1 or all below.
 void warn_of_sizes(const Session& session, const std::vector<std::string>& names,
                    const std::vector<std::size_t>& odd, const std::vector<double>& ratios,
@@ -69,12 +85,17 @@ std::string effect_of_mirroring(const ShapeSpace& space)
 void warn_of_unlike(const Session& session, const std::vector<std::string>& names,
                     const RowMatrix& marks, const UnlikeWords& words)
 {
-    std::vector<std::size_t> mirrored;
-    for (Eigen::Index i = 0; i < marks.rows(); ++i)
-        if (marks(i, 0) > 0.0)
-            mirrored.push_back(to_size(i));
-    if (!mirrored.empty())
+    const auto marked = [&](double mark) {
+        std::vector<std::size_t> those;
+        for (Eigen::Index i = 0; i < marks.rows(); ++i)
+            if (marks(i, 0) == mark)
+                those.push_back(to_size(i));
+        return those;
+    };
+    if (const std::vector<std::size_t> mirrored = marked(1.0); !mirrored.empty())
         warn_of_mirror_images(session, names, mirrored, words);
+    if (const std::vector<std::size_t> bent = marked(2.0); !bent.empty())
+        warn_of_bent(session, names, bent, words);
     for (const bool larger : {true, false}) {
         std::vector<std::size_t> odd;
         std::vector<double> ratios;
@@ -86,6 +107,30 @@ void warn_of_unlike(const Session& session, const std::vector<std::string>& name
         if (!odd.empty())
             warn_of_sizes(session, names, odd, ratios, words);
     }
+}
+
+void warn_of_far(const Session& session, const std::vector<std::string>& names,
+                 const Eigen::VectorXd& times, const std::string& others)
+{
+    std::vector<std::size_t> far;
+    double least = 0.0;
+    double most = 0.0;
+    for (Eigen::Index i = 0; i < times.size(); ++i)
+        if (times[i] > 0.0) {
+            least = far.empty() ? times[i] : std::min(least, times[i]);
+            most = std::max(most, times[i]);
+            far.push_back(to_size(i));
+        }
+    if (far.empty())
+        return;
+    const std::string range = rounded(least) == rounded(most)
+                                  ? rounded(least)
+                                  : join(rounded(least), " to ", rounded(most));
+    session.warn(join(list_names(names, far), far.size() == 1 ? " is " : " are ", range,
+                      " times as far from the mean as the farthest of ", others,
+                      " (exchanged vertices or landmarks, a failed registration, another kind?); "
+                      "look at ",
+                      far.size() == 1 ? "it" : "them"));
 }
 
 } // namespace shape::tools

@@ -31,4 +31,9 @@ struct UnlikeWords
 void warn_of_unlike(const Session& session, const std::vector<std::string>& names,
                     const RowMatrix& marks, const UnlikeWords& words);
 
+/// Warns, in one line, of meshes that far_meshes() has found.
+/// @param others  "the meshes of model.h5".
+void warn_of_far(const Session& session, const std::vector<std::string>& names,
+                 const Eigen::VectorXd& times, const std::string& others);
+
 } // namespace shape::tools
