@@ -13,7 +13,6 @@
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/model/difference.h"
-#include "libshape/model/unlike_meshes.h"
 #include "libshape/statistics/inner_products.h"
 #include "tools/commands.h"
 #include "tools/input/label_input.h"
@@ -122,21 +121,6 @@ Json find_effects(const Session& session, const Arguments& arguments,
                          embedder.embed(start).points, effects, arguments.mesh);
 }
 
-/// What comes of a mirror image, which has the lengths of a mesh and the negatives of its angles.
-constexpr const char* wrong_way = "angles change the wrong way";
-constexpr const char* other_lengths =
-    "Lengths are added as they are (--scale none): bring all to one unit first";
-
-/// What is unlike the meshes of a difference; sizes that are divided out may be any.
-RowMatrix marks_of(const DifferenceVector& difference, const Collection& meshes,
-                   const Eigen::VectorXd& sizes)
-{
-    RowMatrix marks = unlike_meshes(known_meshes(difference), meshes, sizes);
-    if (difference.scale == Scale::Unit)
-        marks.col(1).setZero();
-    return marks;
-}
-
 /// A mesh of those that a difference was found of, under the name of its file.
 NamedMesh mesh_of(const DifferenceVector& difference, const std::string& file)
 {
@@ -213,12 +197,10 @@ private:
             sizes[static_cast<Eigen::Index>(i)] =
                 edge_lengths(onto_.topology, onto_.points[i]).sum();
         tools::warn_of_unlike(
-            session_, onto_.names, marks_of(difference, onto_, sizes),
-            {.option = "--onto: ",
-             .others = join("the meshes of ",
-                            arguments_.load.empty() ? "the difference" : arguments_.load.front()),
-             .mirrored = wrong_way,
-             .size = other_lengths});
+            session_, onto_.names, marks_in_transfer(difference, onto_, sizes),
+            words_of_transfer("--onto: ", join("the meshes of ", arguments_.load.empty()
+                                                                     ? "the difference"
+                                                                     : arguments_.load.front())));
     }
 
     const Session& session_;
@@ -249,12 +231,9 @@ std::vector<DifferenceVector> read_differences(const Session& session,
         meshes.points.push_back(difference.reference_points);
         sizes[static_cast<Eigen::Index>(i)] = difference.from_size;
     }
-    warn_of_unlike(session, files, marks_of(first, meshes, sizes),
-                   {.option = "--load: ",
-                    .others = join("the meshes of ", files.front()),
-                    .mirrored = wrong_way,
-                    .size = other_lengths,
-                    .are_differences = true});
+    UnlikeWords words = words_of_transfer("--load: ", join("the meshes of ", files.front()));
+    words.are_differences = true;
+    warn_of_unlike(session, files, marks_in_transfer(first, meshes, sizes), words);
     return differences;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
 // replay DIRECTORY: runs every file DIRECTORY/TARGET/* through its target. A finding ends the process.
-// replay --random TARGET RUNS SEED: runs random bytes instead, without Clang: for targets of which every input means
-// something, such as collection_content. The last input lies in ./last_input until the next one is tried.
+// replay --random TARGET RUNS SEED [FILE]: runs random inputs instead, without Clang: random bytes, for targets of which
+// every input means something, such as collection_content; or a file with some bytes changed. The last input lies in
+// ./last_input until the next one is tried.
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -11,6 +13,7 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <stdexcept>
 #include <string>
 
 #include "tests/fuzz/targets.h"
@@ -26,15 +29,64 @@ std::string random_input(std::mt19937_64& random)
     return bytes;
 }
 
-int run_random(const shape::fuzz::Target& target, long runs, unsigned long seed)
+/// Up to eight changes of a byte, or of a few side by side.
+std::string changed(std::string bytes, std::mt19937_64& random)
+{
+    for (std::size_t k = 1 + random() % 8; k-- > 0 && !bytes.empty();) {
+        const std::size_t begin = random() % bytes.size();
+        const std::size_t size = std::size_t{1} << random() % 4;
+        for (std::size_t i = begin; i < std::min(begin + size, bytes.size()); ++i)
+            bytes[i] = static_cast<char>(random() % 2 == 0 ? random() % 8 : random() % 256);
+    }
+    return bytes;
+}
+
+/// Overwritten in place: a file that is emptied and closed is written to the disc at once by some file systems, which takes
+/// ten times as long as a run.
+class LastInput
+{
+public:
+    LastInput() : file_(std::fopen(name, "wb"))
+    {
+        if (file_ == nullptr)
+            throw std::runtime_error("cannot write ./last_input");
+    }
+    ~LastInput() { std::fclose(file_); }
+    LastInput(const LastInput&) = delete;
+    LastInput& operator=(const LastInput&) = delete;
+
+    void set(const std::string& bytes)
+    {
+        std::rewind(file_);
+        std::fwrite(bytes.data(), 1, bytes.size(), file_);
+        std::fflush(file_);
+        std::filesystem::resize_file(name, bytes.size());
+    }
+
+    static constexpr const char* name = "last_input";
+
+private:
+    std::FILE* file_;
+};
+
+std::string read_file(const std::filesystem::path& path)
+{
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// @param file  Empty: there is none.
+int run_random(const shape::fuzz::Target& target, long runs, unsigned long seed,
+               const std::string& file)
 {
     std::mt19937_64 random(seed);
+    LastInput last;
     for (long i = 0; i < runs; ++i) {
-        const std::string input = random_input(random);
-        std::ofstream("last_input", std::ios::binary) << input;
+        const std::string input = file.empty() ? random_input(random) : changed(file, random);
+        last.set(input);
         target.run(input);
     }
-    std::filesystem::remove("last_input");
+    std::filesystem::remove(LastInput::name);
     std::printf("%ld random inputs of %s\n", runs, target.name.c_str());
     return 0;
 }
@@ -43,9 +95,10 @@ int run_random(const shape::fuzz::Target& target, long runs, unsigned long seed)
 
 int main(int argc, char** argv)
 try {
-    if (argc == 5 && std::string(argv[1]) == "--random")
+    if ((argc == 5 || argc == 6) && std::string(argv[1]) == "--random")
         return run_random(shape::fuzz::find_target(argv[2]), std::atol(argv[3]),
-                          std::strtoul(argv[4], nullptr, 10));
+                          std::strtoul(argv[4], nullptr, 10),
+                          argc == 6 ? read_file(argv[5]) : std::string());
     std::size_t count = 0;
     for (int i = 1; i < argc; ++i)
         for (const auto& directory : std::filesystem::directory_iterator(argv[i])) {
@@ -54,8 +107,7 @@ try {
             for (const auto& entry : std::filesystem::directory_iterator(directory)) {
                 std::printf("%s\n", entry.path().c_str());
                 std::fflush(stdout); // the last line tells what crashed
-                std::ifstream in(entry.path(), std::ios::binary);
-                target.run(std::string(std::istreambuf_iterator<char>(in), {}));
+                target.run(read_file(entry.path()));
                 ++count;
             }
         }

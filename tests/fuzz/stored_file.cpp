@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
+
+/// HDF5's own, which its headers keep to itself.
+extern "C" std::uint32_t H5_checksum_metadata(const void* bytes, std::size_t size,
+                                              std::uint32_t start);
 
 namespace shape::fuzz {
 namespace {
@@ -196,7 +201,57 @@ void change_rank(StoredArray& array, const Edit& edit)
         array.extents.pop_back();
 }
 
+constexpr std::size_t checksum_size = 4;
+
+unsigned byte_at(std::string_view bytes, std::size_t i)
+{
+    return static_cast<unsigned char>(bytes[i]);
+}
+
+/// The checksum behind bytes [begin, end).
+void mend(std::string& file, std::size_t begin, std::size_t end)
+{
+    if (end < begin || end > file.size() || file.size() - end < checksum_size)
+        return;
+    const std::uint32_t sum = H5_checksum_metadata(file.data() + begin, end - begin, 0);
+    for (std::size_t i = 0; i < checksum_size; ++i)
+        file[end + i] = static_cast<char>(sum >> (8 * i));
+}
+
+/// Where the messages of an object header of version 2 end; 0 if it is cut.
+std::size_t end_of_header(std::string_view file, std::size_t begin)
+{
+    constexpr std::size_t flags_at = 5;
+    if (file.size() - begin <= flags_at)
+        return 0;
+    const unsigned flags = byte_at(file, begin + flags_at);
+    const std::size_t times = (flags & 0x20U) != 0 ? 16 : 0;
+    const std::size_t phases = (flags & 0x10U) != 0 ? 4 : 0;
+    const std::size_t size_at = begin + flags_at + 1 + times + phases;
+    const std::size_t size_bytes = std::size_t{1} << (flags & 3U);
+    if (file.size() < size_at + size_bytes)
+        return 0;
+    std::size_t size = 0;
+    for (std::size_t i = size_bytes; i-- > 0;)
+        size = size << 8 | byte_at(file, size_at + i);
+    return size > file.size() ? 0 : size_at + size_bytes + size;
+}
+
 } // namespace
+
+void mend_checksums(std::string& file)
+{
+    constexpr std::size_t superblock_size = 44;
+    mend(file, 0, superblock_size);
+    for (std::size_t at = file.find("OHDR"); at != std::string::npos;
+         at = file.find("OHDR", at + 1))
+        mend(file, at, end_of_header(file, at));
+}
+
+void keep_memory_of_hdf5()
+{
+    H5set_free_list_limits(-1, -1, -1, -1, -1, -1);
+}
 
 StoredFile::StoredFile(const std::filesystem::path& path)
 {

@@ -61,4 +61,11 @@ private:
     std::vector<StoredArray> arrays_;
 };
 
+/// Makes the checksums of superblock and object headers right, so that what was changed there is read and not only
+/// refused. Whatever is not of the form is left alone.
+void mend_checksums(std::string& file);
+
+/// HDF5 makes and frees a table of 512 KiB for each file that it opens; let it keep that, and what else it can use again.
+void keep_memory_of_hdf5();
+
 } // namespace shape::fuzz

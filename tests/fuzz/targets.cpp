@@ -89,14 +89,26 @@ MeshFileContent read_any_mesh(const fs::path& path)
     return read_mesh_members(path, {.triangulate = true});
 }
 
-/// HDF5 itself is known to crash; what is looked for is whether that harms us.
+/// What costs more than reading a small file does: waking threads for four meshes, and new memory for each file.
+void make_hdf5_files_cheap()
+{
+    set_thread_count(1);
+    keep_memory_of_hdf5();
+}
+
+/// HDF5 itself is known to crash; what is looked for is whether that harms us. Wrong checksums it refuses at once
+/// (tests/campaigns/bit_flips), so they are made right.
 template <class Read>
 Target reading_hdf5(const std::string& name, const Read& read)
 {
-    return reading(name, name + ".h5", [=](const fs::path& path) {
-        rehearse_hdf5_files(true);
-        return read(path);
-    });
+    return {name, [=](std::string_view bytes) {
+                make_hdf5_files_cheap();
+                rehearse_hdf5_files(true);
+                std::string mended(bytes);
+                mend_checksums(mended);
+                const fs::path path = file(name + ".h5", mended);
+                allow_errors([&] { (void)read(path); });
+            }};
 }
 
 /// Four tetrahedra, two of each side.
@@ -159,6 +171,7 @@ template <class Read, class IsSound>
 Target reading_content(const std::string& kind, const Read& read, const IsSound& is_sound)
 {
     return {kind + "_content", [=](std::string_view bytes) {
+                make_hdf5_files_cheap();
                 static const std::vector<StoredFile> whole = [&] {
                     std::vector<StoredFile> files = stored_files(kind);
                     for (const StoredFile& unchanged :

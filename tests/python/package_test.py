@@ -14,11 +14,12 @@ import unittest
 import warnings
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Callable, List
 
 import numpy as np
 
 import libshape as ls
-from ecosystem import shape
+from ecosystem import PROGRAM, shape
 from libshape import _core
 
 
@@ -459,6 +460,62 @@ class Behaviour(WithFaces):
             (ls.interpolate(mesh, self.faces[1], frames=2), r"Frames\(2 meshes"),
         ):
             self.assertRegex(repr(thing), words)
+
+    def warnings_of(self, act: Callable[[], object]) -> List[str]:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            act()
+        for warning in caught:
+            self.assertEqual(Path(warning.filename).name, Path(__file__).name)
+        return [str(warning.message) for warning in caught]
+
+    def test_meshes_unlike_those_of_a_model_are_named_as_by_the_program(self) -> None:
+        sound = self.faces[0]
+        mirror = ls.Mesh(sound.V * [-1, 1, 1], sound.F, "mirror")
+        large = ls.Mesh(1000 * sound.V, sound.F, "large")
+        said = self.warnings_of(lambda: self.model.scores(mirror))
+        for mesh in (mirror, large):
+            mesh.write(self.folder / f"{mesh.name}.ply")
+        program = subprocess.run(
+            [PROGRAM, "project", "model.h5", "mirror.ply", "large.ply", "-o", "unlike.csv"],
+            cwd=self.folder,
+            stderr=subprocess.PIPE,
+            text=True,
+        ).stderr
+        self.assertEqual(len(said), 1)
+        self.assertIn("mirror is a mirror image of the meshes of the model; ", said[0])
+        self.assertIn("warning: " + said[0].replace("the model;", "model.h5;"), program)
+        (said_of_size,) = self.warnings_of(lambda: self.model.scores(large))
+        self.assertIn("times larger than the meshes of the model; are they in ", said_of_size)
+        self.assertIn("warning: " + said_of_size.replace("the model;", "model.h5;"), program)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of the collection itself
+            odd = ls.collection([sound, mirror, large])
+        self.assertEqual(self.warnings_of(lambda: self.model.scores(odd)), [said[0], said_of_size])
+        self.assertEqual(self.warnings_of(lambda: self.model.scores(sound)), [])
+        self.assertEqual(self.warnings_of(lambda: self.model.scores(self.faces)), [])
+        self.assertIn("V is a mirror image", self.warnings_of(lambda: self.model.scores(mirror.V))[0])
+
+    def test_meshes_unlike_those_of_a_difference_are_named_as_by_the_program(self) -> None:
+        sound = self.faces[0]
+        mirror = ls.Mesh(sound.V * [-1, 1, 1], sound.F, "mirror")
+        large = ls.Mesh(1000 * sound.V, sound.F, "large")
+        values = sorted({str(value) for value in self.faces.labels["expression"]})
+        unit, none = (
+            ls.difference(
+                self.faces, f"expression={values[0]}", f"expression={values[1]}", scale=scale
+            )
+            for scale in ("unit", "none")
+        )
+        (said,) = self.warnings_of(lambda: unit.apply(mirror, quality="preview"))
+        self.assertRegex(
+            said, "^onto: mirror is a mirror image of the meshes of the difference; angles change the wrong way: "
+        )
+        self.assertEqual(self.warnings_of(lambda: unit.apply(large, quality="preview")), [])
+        (said,) = self.warnings_of(lambda: none.apply(large, quality="preview"))
+        self.assertRegex(said, "^onto: large is .* times larger than the meshes of the difference; ")
+        self.assertEqual(self.warnings_of(lambda: none.apply(sound, quality="preview")), [])
+        self.assertEqual(self.warnings_of(lambda: none.apply(quality="preview")), [])
 
     def test_formats_keep_what_they_can(self) -> None:
         mesh = self.faces[0]

@@ -31,21 +31,15 @@ void PrintTo(const BadInput& bad, std::ostream* out)
 /// A folder with three meshes, their labels, and the collection and model made of them.
 void fill(const Folder& folder)
 {
-    static const auto made = [] {
-        const Folder arena;
+    static const MadeOnce made([](const Folder& arena) {
         write_bumpy_spheres(arena);
-        const Outcome collected = run_shape(
-            arena.path(),
-            {"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o", "good.h5"});
-        const Outcome derived = run_shape(arena.path(), {"collect", "a.ply", "b.ply", "c.ply",
-                                                         "--store-derived", "-o", "derived.h5"});
-        const Outcome fitted = run_shape(arena.path(), {"stats", "good.h5", "-o", "model.h5"});
-        if (collected.exit_code != 0 || derived.exit_code != 0 || fitted.exit_code != 0)
-            throw std::runtime_error(collected.err + derived.err + fitted.err);
-        return arena.content();
-    }();
-    for (const auto& [name, content] : made)
-        folder.write(name, content);
+        run_or_throw(arena, {"collect", "a.ply", "b.ply", "c.ply", "--labels", "labels.csv", "-o",
+                             "good.h5"});
+        run_or_throw(arena,
+                     {"collect", "a.ply", "b.ply", "c.ply", "--store-derived", "-o", "derived.h5"});
+        run_or_throw(arena, {"stats", "good.h5", "-o", "model.h5"});
+    });
+    made.copy_into(folder);
 }
 
 /// Collects one mesh file of the given name and content.

@@ -3,7 +3,6 @@
 #include <Eigen/QR>
 #include <cmath>
 #include <map>
-#include <stdexcept>
 
 #include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
@@ -23,14 +22,8 @@ class Groups : public ProgramTest
 protected:
     Groups()
     {
-        static const std::map<std::string, std::string> made = [] {
-            const Folder arena;
-            fill(arena);
-            return arena.content();
-        }();
-        for (const auto& [name, content] : made)
-            if (content != "(no file)")
-                folder_.write(name, content);
+        static const MadeOnce made(fill);
+        made.copy_into(folder_);
     }
 
     static void fill(const Folder& folder)
@@ -51,10 +44,7 @@ protected:
         write_bumpy_spheres(folder);
         folder.write("few.csv", folder.read("labels.csv")); // of a.ply, b.ply and c.ply
         folder.write("labels.csv", labels);
-        const Outcome collected = run_shape(
-            folder.path(), {"collect", "people", "--labels", "labels.csv", "-o", "people.h5"});
-        if (collected.exit_code != 0)
-            throw std::runtime_error(collected.err);
+        run_or_throw(folder, {"collect", "people", "--labels", "labels.csv", "-o", "people.h5"});
     }
 
     /// Runs what must fail with one line that names these things, and writes nothing.

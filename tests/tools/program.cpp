@@ -27,6 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* no_file = "(no file)"; ///< As the content of a directory.
+
 std::string read_file(const fs::path& path)
 {
     std::ifstream in(path, std::ios::binary);
@@ -166,8 +168,31 @@ std::map<std::string, std::string> Folder::content() const
     std::map<std::string, std::string> content;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path()))
         content[fs::relative(entry.path(), path()).string()] =
-            entry.is_regular_file() ? read_file(entry.path()) : "(no file)";
+            entry.is_regular_file() ? read_file(entry.path()) : no_file;
     return content;
+}
+
+MadeOnce::MadeOnce(const std::function<void(const Folder&)>& make)
+{
+    const Folder folder;
+    make(folder);
+    content_ = folder.content();
+}
+
+void MadeOnce::copy_into(const Folder& folder) const
+{
+    for (const auto& [name, content] : content_)
+        if (content == no_file)
+            fs::create_directories(folder / name);
+        else
+            folder.write(name, content);
+}
+
+void run_or_throw(const Folder& folder, const Arguments& arguments)
+{
+    const Outcome outcome = run_shape(folder.path(), arguments);
+    if (outcome.exit_code != 0)
+        throw std::runtime_error(outcome.err);
 }
 
 void write_bumpy_spheres(const Folder& folder)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -63,6 +64,22 @@ public:
     /// Every file and directory below, and what is in the files.
     [[nodiscard]] std::map<std::string, std::string> content() const;
 };
+
+/// Files that a suite's tests all begin with: made once, in a folder of their own.
+class MadeOnce
+{
+public:
+    explicit MadeOnce(const std::function<void(const Folder&)>& make);
+
+    void copy_into(const Folder& folder) const;
+
+private:
+    std::map<std::string, std::string> content_; ///< Folder::content()
+};
+
+/// Runs what makes such files.
+/// @throws std::runtime_error with what is said on stderr unless it succeeds.
+void run_or_throw(const Folder& folder, const Arguments& arguments);
 
 /// Three spheres with different bumps and 42 vertices, as a.ply, b.ply and c.ply; and labels.csv
 /// with the columns subject (x, x, y) and mood (calm, glad, calm).

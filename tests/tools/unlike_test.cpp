@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 
 #include <filesystem>
-#include <map>
-#include <stdexcept>
 
 #include "libshape/base/format.h"
 #include "libshape/io/mesh_file.h"
@@ -21,14 +19,8 @@ class Unlike : public ProgramTest
 protected:
     Unlike()
     {
-        static const std::map<std::string, std::string> made = [] {
-            const Folder arena;
-            fill(arena);
-            return arena.content();
-        }();
-        for (const auto& [name, content] : made)
-            if (content != "(no file)")
-                folder_.write(name, content);
+        static const MadeOnce made(fill);
+        made.copy_into(folder_);
     }
 
     static void fill(const Folder& folder)
@@ -58,12 +50,8 @@ protected:
              {Arguments{"stats", "set", "-o", "unit.h5"},
               Arguments{"stats", "set", "-o", "none.h5", "--scale", "none"},
               difference_of("set", "d.h5", "unit"), difference_of("set", "dn.h5", "none"),
-              difference_of("mirrors", "dm.h5", "unit"),
-              difference_of("larger", "dl.h5", "none")}) {
-            const Outcome outcome = run_shape(folder.path(), arguments);
-            if (outcome.exit_code != 0)
-                throw std::runtime_error(outcome.err);
-        }
+              difference_of("mirrors", "dm.h5", "unit"), difference_of("larger", "dl.h5", "none")})
+            run_or_throw(folder, arguments);
     }
 
     static Arguments difference_of(const std::string& set, const std::string& output,

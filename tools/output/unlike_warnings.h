@@ -26,13 +26,31 @@ struct UnlikeWords
 /// What comes of a mirror image where shapes are only measured.
 [[nodiscard]] std::string effect_of_mirroring(const ShapeSpace& space);
 
-/// Warns, in a line for each kind, of meshes that unlike_meshes() has marked.
+/// Marks meshes that a difference is added to, or that another one was found of; sizes that are divided out may be any.
+/// @param meshes, sizes  As of unlike_meshes().
+[[nodiscard]] RowMatrix marks_in_transfer(const DifferenceVector& difference,
+                                          const Collection& meshes, const Eigen::VectorXd& sizes);
+
+/// How they are spoken of.
+[[nodiscard]] UnlikeWords words_of_transfer(const std::string& option, const std::string& others);
+
+/// What is said of meshes that unlike_meshes() has marked: a line for each kind.
 /// @param marks  A row for each name.
+[[nodiscard]] std::vector<std::string> unlike_warnings(const std::vector<std::string>& names,
+                                                       const RowMatrix& marks,
+                                                       const UnlikeWords& words);
+
+/// Says that on stderr.
 void warn_of_unlike(const Session& session, const std::vector<std::string>& names,
                     const RowMatrix& marks, const UnlikeWords& words);
 
-/// Warns, in one line, of meshes that far_meshes() has found.
+/// What is said of meshes that far_meshes() has found: a line, or nothing.
 /// @param others  "the meshes of model.h5".
+[[nodiscard]] std::vector<std::string> far_warnings(const std::vector<std::string>& names,
+                                                    const Eigen::VectorXd& times,
+                                                    const std::string& others);
+
+/// Says that on stderr.
 void warn_of_far(const Session& session, const std::vector<std::string>& names,
                  const Eigen::VectorXd& times, const std::string& others);
 

@@ -3,7 +3,9 @@
 #include <pybind11/pybind11.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -23,6 +25,7 @@
 #include "libshape/statistics/group_spread.h"
 #include "tools/commands.h"
 #include "tools/input/complete_labels.h"
+#include "tools/output/unlike_warnings.h"
 #include "tools/program/progress_listener.h"
 #include "tools/program/session.h"
 #include "tools/python/handles.h"
@@ -188,21 +191,41 @@ py::list decode(const ModelPointer& handle, const std::vector<Doubles>& deviatio
     return result;
 }
 
-py::tuple to_python(Projection projection)
+struct Projected
 {
-    return py::make_tuple(projection.names, python::to_python(projection.labels),
-                          array_of(std::move(projection.scores)),
-                          array_of(std::move(projection.sizes)),
-                          array_of(std::move(projection.residuals)));
+    Projection scores;
+    std::vector<std::string>
+        warnings; ///< Of meshes unlike those of the model, as the program has them.
+};
+
+Projected project_all(const ShapeModel& model, const Collection& meshes)
+{
+    Projection scores = project(model, meshes);
+    const RowMatrix marks = unlike_meshes(known_meshes(model), meshes, scores.sizes);
+    const std::string others = "the meshes of the model";
+    std::vector<std::string> warnings = tools::unlike_warnings(
+        meshes.names, marks,
+        {.others = others, .mirrored = tools::effect_of_mirroring(model.space)});
+    std::ranges::copy(tools::far_warnings(meshes.names, far_meshes(model, scores), others),
+                      std::back_inserter(warnings));
+    return {std::move(scores), std::move(warnings)};
+}
+
+py::tuple to_python(Projected projected)
+{
+    Projection& scores = projected.scores;
+    return py::make_tuple(scores.names, python::to_python(scores.labels),
+                          array_of(std::move(scores.scores)), array_of(std::move(scores.sizes)),
+                          array_of(std::move(scores.residuals)), projected.warnings);
 }
 
 py::tuple project_collection(const ModelPointer& model, const CollectionPointer& meshes)
 {
     return to_python(
-        run([=](const Progress&) { return project(model->model, meshes->collection); }));
+        run([=](const Progress&) { return project_all(model->model, meshes->collection); }));
 }
 
-py::tuple project_points(const ModelPointer& handle, const Doubles& points)
+py::tuple project_points(const ModelPointer& handle, const Doubles& points, const std::string& name)
 {
     const Points positions = points_of(points);
     return to_python(run([=](const Progress&) {
@@ -215,7 +238,7 @@ py::tuple project_points(const ModelPointer& handle, const Doubles& points)
         if (const auto defects = find_degenerate_geometry(topology.faces(), positions, 1);
             !defects.empty())
             throw InvalidInput("V: " + defects.front().message);
-        return project(handle->model, {topology, {"V"}, {positions}, {}});
+        return project_all(handle->model, {topology, {name}, {positions}, {}});
     }));
 }
 
@@ -244,41 +267,53 @@ DifferencePointer find_difference(const CollectionPointer& handle, const std::st
         run([=](const Progress&) { return mean_difference(handle->collection, options); }));
 }
 
-/// The difference added to meshes, or to the mean that it starts from if there are none.
-py::list apply(const DifferencePointer& handle, const std::vector<Doubles>& onto, double amount,
-               const EmbeddingOptions& options, const py::object& callback)
+/// The difference added to meshes, or to the mean that it starts from if there are none: (meshes, warnings of those that
+/// are unlike the meshes of the difference, as the program has them).
+py::tuple apply(const DifferencePointer& handle, const std::vector<Doubles>& onto,
+                const std::vector<std::string>& names, double amount,
+                const EmbeddingOptions& options, const py::object& callback)
 {
+    struct Made
+    {
+        std::vector<Embedding> meshes;
+        std::vector<std::string> warnings;
+    };
     std::vector<Points> starts;
     for (const Doubles& points : onto)
         starts.push_back(points_of(points));
-    std::vector<Embedding> made = run(
+    Made made = run(
         [=](const Progress& progress) {
             const DifferenceVector& difference = handle->difference;
             const Topology& topology = difference.topology;
-            std::vector<Embedding> meshes;
+            Made all;
             if (starts.empty()) {
                 const ShapePoint start = start_of(difference, difference.from_size);
-                meshes.push_back(handle->embedders.get(options)->embed(
+                all.meshes.push_back(handle->embedders.get(options)->embed(
                     apply_differences(start, {difference}, {amount})));
-                return meshes;
+                return all;
             }
             const Embedder embedder(topology, {starts.front()}, options);
+            Eigen::VectorXd sizes(std::ssize(starts));
             for (std::size_t i = 0; i < starts.size(); ++i) {
                 progress("embedding", i, starts.size());
                 const ShapePoint start{edge_lengths(topology, starts[i]),
                                        dihedral_angles(topology, starts[i])};
+                sizes[static_cast<Eigen::Index>(i)] = start.edge_lengths.sum();
                 Embedding mesh = embedder.embed(apply_differences(start, {difference}, {amount}));
                 mesh.points = best_rigid_motion(mesh.points, starts[i])(mesh.points);
-                meshes.push_back(std::move(mesh));
+                all.meshes.push_back(std::move(mesh));
             }
             progress("embedding", starts.size(), starts.size());
-            return meshes;
+            all.warnings = tools::unlike_warnings(
+                names, tools::marks_in_transfer(difference, {topology, names, starts, {}}, sizes),
+                tools::words_of_transfer("onto: ", "the meshes of the difference"));
+            return all;
         },
         callback);
-    py::list result;
-    for (Embedding& mesh : made)
-        result.append(python::to_python(std::move(mesh)));
-    return result;
+    py::list meshes;
+    for (Embedding& mesh : made.meshes)
+        meshes.append(python::to_python(std::move(mesh)));
+    return py::make_tuple(meshes, made.warnings);
 }
 
 py::dict to_python(const LinearModelTest& test)

@@ -8,7 +8,7 @@ Indices = npt.NDArray[np.int64]
 Callback = Optional[Callable[[str, int, int], object]]
 Embedding = Tuple[Array, Dict[str, Any]]
 LabelValues = Dict[str, Tuple[Optional[str], ...]]
-Projection = Tuple[List[str], LabelValues, Array, Array, Array]
+Projection = Tuple[List[str], LabelValues, Array, Array, Array, List[str]]
 LabelColumns = Sequence[Tuple[str, List[str]]]
 
 class EmbeddingOptions:
@@ -128,7 +128,7 @@ def decode(
     progress: Callback,
 ) -> List[Embedding]: ...
 def project_collection(model: Model, meshes: Collection) -> Projection: ...
-def project_points(model: Model, points: Array) -> Projection: ...
+def project_points(model: Model, points: Array, name: str) -> Projection: ...
 def sample(model: Model, count: int, seed: int) -> Array: ...
 def read_model(path: str) -> Model: ...
 def read_difference(path: str) -> Difference: ...
@@ -138,10 +138,11 @@ def difference(
 def apply(
     difference: Difference,
     onto: Sequence[Array],
+    names: Sequence[str],
     amount: float,
     options: EmbeddingOptions,
     progress: Callback,
-) -> List[Embedding]: ...
+) -> Tuple[List[Embedding], List[str]]: ...
 def groups(
     meshes: Collection,
     by: str,

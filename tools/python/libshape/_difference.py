@@ -2,6 +2,7 @@
 """Differences between two groups."""
 from __future__ import annotations
 
+import warnings
 from functools import cached_property
 from typing import Any, List, Optional, Tuple
 
@@ -59,7 +60,8 @@ class Difference:
         """A mesh with so much of the difference added, as `shape difference --apply`, to the same bits.
 
         onto: where it starts, a mesh with the faces F, whose size (scale "unit") and place are kept; default: the
-        mean of `from`. amount: how much of the difference, any finite number.
+        mean of `from`. A mirror image of the meshes of the difference is warned of, and with scale "none" one far larger
+        or smaller. amount: how much of the difference, any finite number.
         method: how lengths and angles become a mesh: "dihedral" (both together), "closure" (Rojas 2014,
         section 2) or "multiscale" (Winkler 2010, section 3).
         quality: of the method dihedral: "preview" (a few steps) or "fine" (to convergence, the default).
@@ -79,13 +81,16 @@ class Difference:
                 raise InvalidInput("onto: has other faces than the difference")
             starts = [_arrays.finite(vertices, "onto.V")]
             name = name_of(onto, name)
-        ((points, figures),) = _core.apply(
+        ((points, figures),), warned = _core.apply(
             self._core,
             starts,
+            [name] if starts else [],
             share,
             embedding_options(method, quality, smoothness, avoid_contact, seed),
             None,
         )
+        for text in warned:
+            warnings.warn(text, stacklevel=2)
         return Mesh(points, self.F, name), Report(**figures)
 
     def write(self, path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from functools import cached_property
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
@@ -168,11 +169,16 @@ class Model:
     def scores(self, meshes: Any) -> Scores:
         """Scores of a Collection, of a mesh, or of vertices V in the order of the model.
 
-        A mesh is a Mesh, a pair (V, F) or one of another library; its faces must be those of the model.
+        A mesh is a Mesh, a pair (V, F) or one of another library; its faces must be those of the model. Mirror images
+        of the model's meshes, and meshes far larger, smaller or farther off, are warned of, as `shape project` does.
         """
         together = getattr(meshes, "_core", None)
         if isinstance(together, _core.Collection):  # of a Collection, whose module imports this one
-            names, labels, rows, sizes, residuals = _core.project_collection(self._core, together)
+            names, labels, rows, sizes, residuals, warned = _core.project_collection(
+                self._core, together
+            )
+            for text in warned:
+                warnings.warn(text, stacklevel=2)
             return Scores(tuple(names), labels, rows, rows / np.sqrt(self.variances), sizes, residuals)
         if _arrays.is_mesh(meshes):
             vertices, corners = _arrays.mesh(meshes, "meshes")
@@ -180,9 +186,12 @@ class Model:
                 raise InvalidInput("meshes: has other faces than the model")
         else:
             vertices = _arrays.points(meshes, "V")
-        _, labels, rows, sizes, residuals = _core.project_points(self._core, vertices)
+        name = name_of(meshes, "V")
+        _, labels, rows, sizes, residuals, warned = _core.project_points(self._core, vertices, name)
+        for text in warned:
+            warnings.warn(text, stacklevel=2)
         return Scores(
-            (name_of(meshes, "V"),),
+            (name,),
             labels,
             rows[0],
             rows[0] / np.sqrt(self.variances),
