@@ -507,7 +507,7 @@ TEST(SpreadTest, LeavesOutResidualsThatCannotBeOtherThanZero)
     const LinearModelTest found =
         test_spread(inner_products(data), halves(), groups_of_one(60), one, options);
     std::vector<std::string> labels(59, "a");
-    std::fill(labels.begin() + 30, labels.end(), "b");
+    std::fill(labels.begin() + 30, labels.end(), std::string("b"));
     const LinearModelTest without =
         spread_test_of(data.topRows(59), group_by(labels), groups_of_one(59), options);
     EXPECT_EQ(found.residual_degrees_of_freedom, 57);

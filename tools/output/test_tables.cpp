@@ -53,7 +53,8 @@ std::vector<std::string> test_columns()
 std::vector<std::string> test_cells(const LinearModelTest& test)
 {
     std::vector<std::string> cells;
-    for (const auto& [key, field] : test_figures(test).items())
+    const Json figures = test_figures(test);
+    for (const auto& [key, field] : figures.items())
         cells.push_back(field.is_null() ? (key == "f" && std::isinf(test.f) ? "inf" : "")
                         : field.is_number_integer() ? std::to_string(field.get<int>())
                                                     : print_number(field.get<double>()));
