@@ -253,7 +253,7 @@ void warn_of_lost_meshes(const Session& session, const Arguments& arguments, con
     for (std::size_t b = 0; b < lists.size(); ++b)
         if (subset(groups, lists[b]).group_count() > 1)
             crossed.push_back(b);
-    session.warn(join(counted(lost, "mesh", "meshes"), " of ", groups.size(), " are left out: as ",
+    session.warn(join(lost, " of ", counted(groups.size(), "mesh", "meshes"), " are left out: as ",
                       list_names(blocks.names, crossed), ", ", crossed.size(), " of ",
                       counted(blocks.group_count(), "block"), " of --within ", arguments.within,
                       ", ", crossed.size() == 1 ? "has" : "have",

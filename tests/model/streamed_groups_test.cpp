@@ -24,6 +24,7 @@ struct Design
     const char* name;
     Grouping groups;
     Grouping blocks;
+    bool takes_no_slope = false; ///< One more column leaves no degree of freedom.
 };
 
 std::vector<Design> designs()
@@ -59,7 +60,7 @@ std::vector<Design> designs()
             {"scans", group_by(of_people), group_by(people)},
             {"incomplete", group_by(three_states), group_by(triples)},
             {"few", group_by(few), groups_of_one(24)},
-            {"slip", group_by(slip), group_by(triples)}};
+            {"slip", group_by(slip), group_by(triples), true}};
 }
 
 void expect_near(const LinearModelTest& a, const LinearModelTest& b)
@@ -88,14 +89,18 @@ void expect_near(const StreamedGroups& a, const GroupComparison& comparison,
         expect_near(a.comparison.pairs[k].test, pair.test);
         EXPECT_EQ(a.comparison.pairs[k].adjusted_p, pair.adjusted_p);
     }
-    const auto expect_same = [](double x, double y) {
-        EXPECT_TRUE(std::abs(x - y) <= 1e-9 * std::abs(y) || (std::isnan(x) && std::isnan(y)))
+    const auto expect_same = [](double x, double y, double rounding = 0.0) {
+        EXPECT_TRUE(std::abs(x - y) <= 1e-9 * std::abs(y) + rounding ||
+                    (std::isnan(x) && std::isnan(y)))
             << x << " " << y;
     };
     for (std::size_t g = 0; g < spread.variances.size(); ++g) {
+        // A replicate whose residuals are 0 has those of rounding.
+        const double rounding = std::isnan(spread.variances[g]) ? 0.0 : 1e-12 * spread.variances[g];
         expect_same(a.spread.variances[g], spread.variances[g]);
-        expect_same(a.spread.variance_intervals[g].low, spread.variance_intervals[g].low);
-        expect_same(a.spread.variance_intervals[g].high, spread.variance_intervals[g].high);
+        expect_same(a.spread.variance_intervals[g].low, spread.variance_intervals[g].low, rounding);
+        expect_same(a.spread.variance_intervals[g].high, spread.variance_intervals[g].high,
+                    rounding);
         for (std::size_t h = 0; h < g; ++h)
             expect_same(a.spread.distance_radii(static_cast<Index>(g), static_cast<Index>(h)),
                         spread.distance_radii(static_cast<Index>(g), static_cast<Index>(h)));
@@ -109,6 +114,8 @@ TEST(StreamedGroups, AreWhatTheCollectionInMemoryGives)
         for (const bool adjusts : {false, true})
             for (const bool by_inner_products : {false, true}) {
                 SCOPED_TRACE(internal::join(design.name, " ", adjusts, " ", by_inner_products));
+                if (adjusts && design.takes_no_slope)
+                    continue;
                 StreamedGroupsOptions options;
                 if (adjusts)
                     options.covariates = [](const Eigen::VectorXd& sizes) { return sizes; };

@@ -280,8 +280,8 @@ TEST_F(Groups, CovariatesThatTellNothingAreNamed)
         row[4] = row[3] == "f" ? "30" : "40";
     write_table(folder_ / "ages.csv", labels);
     expect_failure(3,
-                   {"groups", "people", "--labels", "ages.csv", "--by", "sex", "--adjust-for",
-                    "age", "-o", "x.csv"},
+                   {"groups", "people", "--labels", "ages.csv", "--by", "sex", "--only",
+                    "mood=calm", "--adjust-for", "age", "-o", "x.csv"},
                    {"--adjust-for age: it is 30 in all meshes of sex = f and 40 in all of m",
                     "leave --adjust-for age out"});
 }

@@ -383,10 +383,10 @@ TEST_F(Scale, AnUpdateThatDoesNotFitIntoTheMemoryIsRefused)
     EXPECT_FALSE(folder_.has("u.h5"));
     // Sizes as people write them.
     for (const char* size :
-         {"20M", "20m", "20 M", "20MiB", "20 mib", "20480K", "20480KiB", "0.02G", "0.02GiB",
-          "0.00002T", "21MB", "21 mb", "0.021GB", "20971520", "20971520B", "2.1e7"}) {
+         {"16M", "16m", "16 M", "16MiB", "16 mib", "16384K", "16384KiB", "0.015625G", "0.015625GiB",
+          "0.000016T", "17MB", "17 mb", "0.017GB", "16777216", "16777216B", "1.7e7"}) {
         const Outcome allowed = outcome(update + Arguments{size});
-        EXPECT_NE(allowed.err.find("the memory allowed is 20 MiB"), std::string::npos)
+        EXPECT_NE(allowed.err.find("the memory allowed is 16 MiB"), std::string::npos)
             << size << ": " << allowed.err;
     }
     EXPECT_EQ(outcome(update + Arguments{"1G"}).exit_code, 0);
