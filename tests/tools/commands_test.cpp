@@ -225,7 +225,10 @@ TEST_F(Commands, FilesDirectoriesAndCollectionsMix)
 {
     collect_labelled();
     write_set({"d", "e"});
-    (void)run({"collect", "set/e.ply", "f.h5", "set/d.ply", "-o", "all.h5"});
+    const Outcome outcome =
+        run_shape(folder_.path(), {"collect", "set/e.ply", "f.h5", "set/d.ply", "-o", "all.h5"});
+    EXPECT_NE(outcome.err.find("are left empty for 2 of 5 meshes (e and d)"), std::string::npos)
+        << outcome.err;
     const Collection all = read_collection(folder_ / "all.h5");
     EXPECT_EQ(all.names, (std::vector<std::string>{"e", "a", "b", "c", "d"}));
     EXPECT_EQ(find_label(all.labels, "subject").values,
