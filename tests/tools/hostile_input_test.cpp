@@ -47,6 +47,18 @@ TEST(HostileInput, Hdf5FilesThatCrashTheirLibraryAreRefusedInOneLine)
     EXPECT_TRUE(folder.names().empty());
 }
 
+TEST(HostileInput, Hdf5FilesWithListsOfWhatIsNotThereAreRefusedInOneLine)
+{
+    const Folder folder;
+    for (const std::string name :
+         {"model/attributes_not_listed", "difference/attributes_not_listed",
+          "model/fewer_links_than_stated"}) {
+        const std::string file = join(SHAPE_FUZZ_INPUTS, "/", name);
+        ASSERT_TRUE(fs::exists(file)) << file;
+        expect_refusal(run_shape(folder.path(), {"info", file}), 3, file);
+    }
+}
+
 /// Three meshes, and what starts a run of three frames.
 class HostileRun : public testing::Test
 {

@@ -6,8 +6,10 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <unordered_set>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -47,11 +49,28 @@ std::string print_extents(const Extents& extents)
     return text.empty() ? "single value" : text;
 }
 
+/// Names of what is in a group, or of attributes.
+struct Listing
+{
+    std::vector<std::string> names; ///< In their order.
+    std::unordered_set<std::string> set;
+
+    void add(const std::string& name)
+    {
+        names.push_back(name);
+        set.insert(name);
+    }
+};
+
+/// What is not listed is not looked for: HDF5 goes other ways to a name that it does not find, through indices that no
+/// rehearsal (rehearsal.h) has been to. So nothing is read of what cannot be listed.
 struct OpenFile
 {
     std::string path;
     Eigen::Index size; ///< [byte]
     Id id;
+    mutable std::map<std::string, Listing> groups = {}; ///< Those listed so far.
+    mutable std::optional<Listing> attributes = {};     ///< Likewise, of the file.
 };
 
 /// A dataset whose declaration has passed all checks; nothing is read yet.
@@ -94,13 +113,41 @@ public:
         }
     }
 
+    /// What is in this group.
+    [[nodiscard]] const Listing& members() const
+    {
+        if (const auto known = file_.groups.find(name_); known != file_.groups.end())
+            return known->second;
+        const Id opened(H5Gopen2(file_.id, name_.c_str(), H5P_DEFAULT), H5Gclose);
+        const Id creation(H5Gget_create_plist(opened), H5Pclose);
+        unsigned order = 0;
+        checked(H5Pget_link_creation_order(creation, &order));
+        const H5_index_t index = order & H5P_CRT_ORDER_INDEXED ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
+        H5G_info_t info;
+        checked(H5Gget_info(opened, &info));
+        Listing listing;
+        for (hsize_t i = 0; i < info.nlinks; ++i) {
+            std::array<char, longest_string + 1> name{};
+            const ssize_t size = checked(H5Lget_name_by_idx(opened, ".", index, H5_ITER_INC, i,
+                                                            name.data(), name.size(), H5P_DEFAULT));
+            if (size > static_cast<ssize_t>(longest_string))
+                fail("has a member with too long a name");
+            listing.add(name.data());
+        }
+        return file_.groups.emplace(name_, std::move(listing)).first->second;
+    }
+
     /// Whether all groups on the way and the object itself exist, as plain members of this file.
     [[nodiscard]] bool exists() const
     {
+        std::string group = "/";
+        std::size_t begin = 1;
         for (std::size_t end = name_.find('/', 1); true; end = name_.find('/', end + 1)) {
             const std::string prefix = name_.substr(0, end);
-            if (checked(H5Lexists(file_.id, prefix.c_str(), H5P_DEFAULT)) == 0)
+            if (!Item(file_, group).members().set.contains(prefix.substr(begin)))
                 return false;
+            group = prefix;
+            begin = end + 1;
             H5L_info_t info;
             checked(H5Lget_info(file_.id, prefix.c_str(), &info, H5P_DEFAULT));
             if (info.type != H5L_TYPE_HARD)
@@ -292,12 +339,29 @@ private:
     std::string name_;
 };
 
-/// Opens an attribute of the root group that is a single value.
-Id open_attribute(const Item& item, hid_t file, const std::string& name)
+/// Attributes of the root group.
+const Listing& list_attributes(const OpenFile& file)
 {
-    if (checked(H5Aexists(file, name.c_str())) == 0)
+    if (file.attributes)
+        return *file.attributes;
+    H5O_info_t info;
+    checked(H5Oget_info2(file.id, &info, H5O_INFO_NUM_ATTRS));
+    Listing listing;
+    for (hsize_t i = 0; i < info.num_attrs; ++i) {
+        std::array<char, longest_string + 1> name{};
+        checked(H5Aget_name_by_idx(file.id, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(),
+                                   name.size(), H5P_DEFAULT));
+        listing.add(name.data());
+    }
+    return file.attributes.emplace(std::move(listing));
+}
+
+/// Opens one of them that is a single value.
+Id open_attribute(const Item& item, const OpenFile& file, const std::string& name)
+{
+    if (!list_attributes(file).set.contains(name))
         item.fail("is missing");
-    Id attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
+    Id attribute(H5Aopen(file.id, name.c_str(), H5P_DEFAULT), H5Aclose);
     const Id space(H5Aget_space(attribute), H5Sclose);
     if (checked(H5Sget_simple_extent_npoints(space)) != 1)
         item.fail("must be a single value");
@@ -385,25 +449,7 @@ std::vector<std::string> Hdf5File::members(const std::string& group) const
 {
     const Item item(*state_, group);
     return item.guarded([&] {
-        std::vector<std::string> names;
-        if (group != "/" && !item.exists())
-            return names;
-        const Id opened(H5Gopen2(state_->id, group.c_str(), H5P_DEFAULT), H5Gclose);
-        const Id creation(H5Gget_create_plist(opened), H5Pclose);
-        unsigned order = 0;
-        checked(H5Pget_link_creation_order(creation, &order));
-        const H5_index_t index = order & H5P_CRT_ORDER_INDEXED ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
-        H5G_info_t info;
-        checked(H5Gget_info(opened, &info));
-        for (hsize_t i = 0; i < info.nlinks; ++i) {
-            std::array<char, longest_string + 1> name{};
-            const ssize_t size = checked(H5Lget_name_by_idx(opened, ".", index, H5_ITER_INC, i,
-                                                            name.data(), name.size(), H5P_DEFAULT));
-            if (size > static_cast<ssize_t>(longest_string))
-                item.fail("has a member with too long a name");
-            names.emplace_back(name.data());
-        }
-        return names;
+        return group == "/" || item.exists() ? item.members().names : std::vector<std::string>();
     });
 }
 
@@ -485,31 +531,20 @@ std::vector<std::string> Hdf5File::strings(const std::string& name, Eigen::Index
 bool Hdf5File::has_attribute(const std::string& name) const
 {
     const Item item(*state_, "attribute " + name);
-    return item.guarded([&] { return checked(H5Aexists(state_->id, name.c_str())) > 0; });
+    return item.guarded([&] { return list_attributes(*state_).set.contains(name); });
 }
 
 std::vector<std::string> Hdf5File::attributes() const
 {
     const Item item(*state_, "attributes");
-    return item.guarded([&] {
-        H5O_info_t info;
-        checked(H5Oget_info2(state_->id, &info, H5O_INFO_NUM_ATTRS));
-        std::vector<std::string> names;
-        for (hsize_t i = 0; i < info.num_attrs; ++i) {
-            std::array<char, longest_string + 1> name{};
-            checked(H5Aget_name_by_idx(state_->id, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(),
-                                       name.size(), H5P_DEFAULT));
-            names.emplace_back(name.data());
-        }
-        return names;
-    });
+    return item.guarded([&] { return list_attributes(*state_).names; });
 }
 
 std::string Hdf5File::text_attribute(const std::string& name) const
 {
     const Item item(*state_, "attribute " + name);
     return item.guarded([&] {
-        const Id attribute = open_attribute(item, state_->id, name);
+        const Id attribute = open_attribute(item, *state_, name);
         const Id type(H5Aget_type(attribute), H5Tclose);
         const std::size_t size = H5Tget_size(type);
         if (!is_fixed_string(type) || size > longest_string)
@@ -524,7 +559,7 @@ std::int64_t Hdf5File::integer_attribute(const std::string& name) const
 {
     const Item item(*state_, "attribute " + name);
     return item.guarded([&] {
-        const Id attribute = open_attribute(item, state_->id, name);
+        const Id attribute = open_attribute(item, *state_, name);
         const Id type(H5Aget_type(attribute), H5Tclose);
         if (H5Tget_class(type) != H5T_INTEGER || H5Tget_size(type) > sizeof(std::int64_t))
             item.fail("must be an integer");
@@ -550,6 +585,8 @@ bool succeeds(const Read& read)
         return true;
     } catch (const InvalidInput&) {
         return false;
+    } catch (const LimitExceeded&) {
+        return false;
     }
 }
 
@@ -557,12 +594,11 @@ void read_members(const Hdf5File& file, const std::string& group, int levels)
 {
     for (const std::string& member : file.members(group.empty() ? "/" : group)) {
         const std::string name = group + "/" + member;
+        if (levels > 1) // of a dataset too: who looks for a name in it asks for them
+            succeeds([&] { return read_members(file, name, levels - 1), true; });
         Extents extents;
-        if (!succeeds([&] { return extents = file.extents(name); })) {
-            if (levels > 1)
-                succeeds([&] { return read_members(file, name, levels - 1), true; });
+        if (!succeeds([&] { return extents = file.extents(name); }))
             continue;
-        }
         if (!succeeds([&] { return file.rows(name, extents); }) &&
             !succeeds([&] { return file.numbers(name, extents); }) &&
             !succeeds([&] { return file.integers(name, extents); }) && extents.size() == 1)
@@ -575,10 +611,16 @@ void read_members(const Hdf5File& file, const std::string& group, int levels)
 void read_everything(const Hdf5File& file)
 {
     constexpr int levels = 4; // files of libshape have two
-    for (const std::string& name : file.attributes())
-        succeeds([&] { return file.text_attribute(name); }) ||
-            succeeds([&] { return file.integer_attribute(name); });
-    read_members(file, "", levels);
+    const bool are_listed = succeeds([&] {
+        for (const std::string& name : file.attributes())
+            succeeds([&] { return file.text_attribute(name); }) ||
+                succeeds([&] { return file.integer_attribute(name); });
+        return true;
+    });
+    read_members(file, "",
+                 levels); // by whoever does not ask for attributes, though they cannot be listed
+    if (!are_listed)
+        file.fail("attributes", "cannot be listed");
 }
 
 } // namespace shape::internal

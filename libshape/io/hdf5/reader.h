@@ -61,6 +61,7 @@ private:
 
 /// Does to all attributes, groups and datasets what the members of Hdf5File make HDF5 do, and keeps
 /// nothing.
+/// @throws InvalidInput if it cannot list attributes or members of the file, at the end.
 void read_everything(const Hdf5File& file);
 
 } // namespace shape::internal
