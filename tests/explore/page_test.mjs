@@ -331,6 +331,32 @@ test("drafts fill in where previews are slow, and say so", async () => {
     await close(page);
 });
 
+test("a pinned draft stays, and its place gives the same draft again", async () => {
+    const page = await open("faces.html");
+    await settled(page);
+    const { first, again, ghost } = await page.evaluate(async () => {
+        const { decoder, goTo } = window.explore;
+        decoder.frame = 0; // [ms]; as if no preview came in time
+        decoder.calmMilliseconds = 1e6; // and nothing followed
+        const draftAt = async (t) => {
+            const before = window.explore.shapes;
+            goTo({ ...window.explore.place, scores: window.explore.place.scores.map((_, k) => 0.8 * Math.cos(t * k + t)) });
+            while (window.explore.shapes === before) await new Promise((next) => setTimeout(next, 5));
+            return Array.from(window.explore.shown.points);
+        };
+        const first = await draftAt(1);
+        document.querySelector("#pin").click();
+        for (const t of [2, 3, 4]) await draftAt(t);
+        const kind = document.querySelector("#ghost");
+        for (const value of ["none", "pin"]) (kind.value = value), kind.dispatchEvent(new Event("change"));
+        const ghost = Array.from(window.explore.viewer.ghostGeometry.attributes.position.array);
+        return { first, again: await draftAt(1), ghost };
+    });
+    assert.deepEqual(again, first);
+    assert.deepEqual(ghost, Array.from(Float32Array.from(first)));
+    await close(page);
+});
+
 test("two hundred modes and where they come from", async () => {
     const page = await open("many.html");
     await settled(page);

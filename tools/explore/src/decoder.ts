@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-import { vertexNormals, type Answer, type Decoded, type Ready, type Shape, type Start, type Wanted } from "./shape";
+import { vertexNormals, type Answer, type Decoded, type Ready, type Returned, type Shape, type Start, type Wanted } from "./shape";
 
 declare const WORKER_SOURCE: string; // worker.ts, bundled; put in by build.mjs
 
@@ -46,6 +46,11 @@ class Channel {
         const wanted: Wanted = { ...request, ticket: this.ticket, mustBeDone };
         this.worker.postMessage(wanted);
     }
+
+    giveBack(buffers: ArrayBuffer[]) {
+        const returned: Returned = { kind: "returned", buffers };
+        this.worker.postMessage(returned, buffers);
+    }
 }
 
 /// A mesh as fast as they come, the preview when nothing has moved for a moment, and the fine one a while later. Two
@@ -59,6 +64,8 @@ export class Decoder {
     private settled = true;
     private faces = new Uint32Array(0);
     private hasPractised = false;
+    private draft: Shape | null = null; // the last one
+    private spareNormals: Float32Array<ArrayBuffer> | undefined; // of the one before
     frame = 16; // [ms]; of most screens. Where a preview takes longer, drafts are shown while something moves
     private previewTime = Infinity; // [ms]; the shortest there was, as code is slow at first
     readonly ready: Promise<Ready>;
@@ -102,12 +109,22 @@ export class Decoder {
         if (answer.kind === "failure") this.onFailure(answer.message);
         else if (answer.kind === "shape") {
             if (answer.quality === "preview") this.previewTime = Math.min(this.previewTime, answer.milliseconds);
-            this.onShape(this.withNormals(answer));
+            if (answer.quality === "draft") this.deliverDraft(answer);
+            else this.onShape(this.withNormals(answer));
         }
     }
 
-    private withNormals(decoded: Decoded): Shape {
-        return { ...decoded, normals: vertexNormals(decoded.points, this.faces) };
+    private deliverDraft(answer: Decoded) {
+        const before = this.draft;
+        this.draft = this.withNormals(answer, this.spareNormals);
+        this.onShape(this.draft);
+        if (!before) return;
+        this.spareNormals = before.normals;
+        this.quick.giveBack([before.points.buffer, before.edgeError.buffer, before.drift.buffer]);
+    }
+
+    private withNormals(decoded: Decoded, normals?: Float32Array<ArrayBuffer>): Shape {
+        return { ...decoded, normals: vertexNormals(decoded.points, this.faces, normals) };
     }
 
     /// Drafts that nobody sees, where they will be wanted with the first move: a browser translates at once, but well only

@@ -6,7 +6,7 @@ import { find, make, percent } from "./dom";
 import { commandOf, csvOf, glbOf, objOf, plyOf, save, stemOf } from "./exports";
 import { bytesOf, readFacts, takeBytes } from "./model";
 import { markOf, ScorePlot } from "./plot";
-import { displacement, type Quality, type Shape } from "./shape";
+import { copied, displacement, type Quality, type Shape } from "./shape";
 import { modeSlider, Slider } from "./sliders";
 import { groupPlace, History, linkOf, meanPlace, placeOf, rounded, specimenPlace, tidied, totalScores, type Place } from "./state";
 import { Viewer } from "./viewer";
@@ -196,7 +196,7 @@ function showGhost() {
 /// A shape beside the one shown becomes the ghost.
 function pin(shape: Shape | null, name: string) {
     if (!shape) return;
-    pinned = shape;
+    pinned = copied(shape);
     find<HTMLSelectElement>("#ghost").value = "pin";
     find("#ghost option[value=pin]").textContent = name;
     showGhost();

@@ -22,6 +22,13 @@ export interface Wanted {
     mustBeDone: boolean; // not passed over for a later one
 }
 
+/// Memory of drafts that the page has done with. Where every mesh asked for its own, megabytes a second of zeroed pages and
+/// of garbage would come between the moves of a hand.
+export interface Returned {
+    kind: "returned";
+    buffers: ArrayBuffer[];
+}
+
 export interface Certificate {
     status: "exact" | "approximate" | "infeasible";
     reason: string;
@@ -38,7 +45,7 @@ export interface Certificate {
     converged: boolean;
 }
 
-/// What a worker makes.
+/// What a worker makes. The arrays of a draft are lent: they hold until the next draft has been shown.
 export interface Decoded {
     kind: "shape";
     ticket: number;
@@ -76,9 +83,16 @@ export interface Feasible {
 
 export type Answer = Decoded | Ready | Failure | Feasible;
 
+/// With arrays of its own.
+export function copied(shape: Shape): Shape {
+    const { points, edgeError, drift, normals } = shape;
+    return { ...shape, points: points.slice(), edgeError: edgeError.slice(), drift: drift.slice(), normals: normals.slice() };
+}
+
 /// Unit normals of vertices, faces weighted by their area.
-export function vertexNormals(points: Float64Array, faces: Uint32Array): Float32Array<ArrayBuffer> {
-    const normals = new Float32Array(points.length);
+/// @param normals  Where they are put.
+export function vertexNormals(points: Float64Array, faces: Uint32Array, normals = new Float32Array(points.length)): Float32Array<ArrayBuffer> {
+    normals.fill(0);
     for (let f = 0; f < faces.length; f += 3) {
         const p = 3 * faces[f], q = 3 * faces[f + 1], r = 3 * faces[f + 2];
         const ux = points[q] - points[p], uy = points[q + 1] - points[p + 1], uz = points[q + 2] - points[p + 2];

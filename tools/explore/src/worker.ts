@@ -2,7 +2,7 @@
 
 /// Decodes in the background: the library, compiled to WebAssembly, and the model.
 
-import { qualities, type Answer, type Certificate, type Decoded, type Start, type Wanted } from "./shape";
+import { qualities, type Answer, type Certificate, type Decoded, type Returned, type Start, type Wanted } from "./shape";
 
 interface Module {
     memory: WebAssembly.Memory;
@@ -34,13 +34,19 @@ function text(address: number): string {
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
 }
 
+let spare: ArrayBuffer[] = []; // that the page gave back
+
 /// A copy of numbers in the module's memory.
-function copied<T extends Float64Array | Float32Array | Uint32Array | Uint8Array>(
-    Type: { new (buffer: ArrayBufferLike, at: number, count: number): T },
+function copied<T extends Float64Array | Float32Array | Uint32Array>(
+    Type: { readonly BYTES_PER_ELEMENT: number; new (buffer: ArrayBufferLike, at: number, count: number): T },
     address: number,
     count: number,
 ): T {
-    return new Type(module.memory.buffer, address, count).slice() as T;
+    const bytes = count * Type.BYTES_PER_ELEMENT;
+    const known = spare.findIndex(({ byteLength }) => byteLength === bytes);
+    const copy = new Type(known < 0 ? new ArrayBuffer(bytes) : spare.splice(known, 1)[0], 0, count);
+    copy.set(new Type(module.memory.buffer, address, count));
+    return copy;
 }
 
 function placed(values: number[]): number {
@@ -156,7 +162,11 @@ function tellFailure(ticket: number, error: unknown) {
     answer({ kind: "failure", ticket, message: error instanceof Error ? error.message : String(error) });
 }
 
-self.onmessage = ({ data }: MessageEvent<Start | Wanted>) => {
+self.onmessage = ({ data }: MessageEvent<Start | Wanted | Returned>) => {
+    if (data.kind === "returned") {
+        spare = data.buffers;
+        return;
+    }
     if (data.kind === "start") {
         opened = start(data);
         opened.catch((error) => tellFailure(-1, error));
