@@ -4,6 +4,11 @@
 // replay --random TARGET RUNS SEED [FILE]: runs random inputs instead, without Clang: random bytes, for targets of which
 // every input means something, such as collection_content; or a file with some bytes changed. The last input lies in
 // ./last_input until the next one is tried.
+// replay --random-alone ...: the same, each input in a process of its own, as a user's file is: HDF5 leaves its memory
+// in disorder after some damaged files, and a million in one process would try nothing else.
+
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -75,16 +80,39 @@ std::string read_file(const std::filesystem::path& path)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// @throws std::runtime_error if the process ended by a signal or an error.
+void run_alone(const shape::fuzz::Target& target, const std::string& input)
+{
+    const pid_t child = fork();
+    if (child < 0)
+        throw std::runtime_error("cannot fork");
+    if (child == 0) {
+        int code = 0;
+        try {
+            target.run(input);
+        } catch (...) {
+            code = 1;
+        }
+        _exit(code);
+    }
+    int status = 0;
+    if (waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        throw std::runtime_error("a finding; it lies in ./last_input");
+}
+
 /// @param file  Empty: there is none.
 int run_random(const shape::fuzz::Target& target, long runs, unsigned long seed,
-               const std::string& file)
+               const std::string& file, bool alone)
 {
     std::mt19937_64 random(seed);
     LastInput last;
     for (long i = 0; i < runs; ++i) {
         const std::string input = file.empty() ? random_input(random) : changed(file, random);
         last.set(input);
-        target.run(input);
+        if (alone)
+            run_alone(target, input);
+        else
+            target.run(input);
     }
     std::filesystem::remove(LastInput::name);
     std::printf("%ld random inputs of %s\n", runs, target.name.c_str());
@@ -95,10 +123,11 @@ int run_random(const shape::fuzz::Target& target, long runs, unsigned long seed,
 
 int main(int argc, char** argv)
 try {
-    if ((argc == 5 || argc == 6) && std::string(argv[1]) == "--random")
+    const std::string task = argc > 1 ? argv[1] : "";
+    if ((argc == 5 || argc == 6) && (task == "--random" || task == "--random-alone"))
         return run_random(shape::fuzz::find_target(argv[2]), std::atol(argv[3]),
                           std::strtoul(argv[4], nullptr, 10),
-                          argc == 6 ? read_file(argv[5]) : std::string());
+                          argc == 6 ? read_file(argv[5]) : std::string(), task == "--random-alone");
     std::size_t count = 0;
     for (int i = 1; i < argc; ++i)
         for (const auto& directory : std::filesystem::directory_iterator(argv[i])) {
