@@ -39,14 +39,14 @@ std::vector<char> broken_faces(const Topology& topology, const VectorXd& lengths
     return broken;
 }
 
-/// edge_residuals() of edges that are measured already.
-EdgeResiduals residuals_of(const DihedralEmbedder::MeasuredEdges& edges, const ShapePoint& target)
+/// edge_residuals() of a mesh whose edges are measured already.
+EdgeResiduals residuals_of(const DihedralEmbedder::Swept& swept, const ShapePoint& target)
 {
     constexpr double degrees = 180.0 / std::numbers::pi;
-    return {(edges.lengths - target.edge_lengths)
+    return {(swept.edge_lengths - target.edge_lengths)
                 .cwiseAbs()
                 .cwiseQuotient(positive_lengths(target.edge_lengths)),
-            degrees * edges.bends.cwiseAbs()};
+            degrees * swept.bends.cwiseAbs()};
 }
 
 } // namespace
@@ -121,17 +121,17 @@ DecodedModelPoint ModelDecoder::draft(const VectorXd& scores, const VectorXd& am
     // The first linear steps do most; from some thousand vertices on there is no time for others (docs/explore.md).
     const int vertices = block_.topology.vertex_count();
     const int linear_steps = vertices > 30000 ? 2 : vertices > 8000 ? 3 : vertices > 3000 ? 4 : 9;
-    DihedralEmbedder::MeasuredEdges edges;
-    const DihedralEmbedding swept = embedder_->sweep(target, first_order(scores, amounts, size),
-                                                     linear_steps, block_.smoothness, &edges);
+    const DihedralEmbedder::Swept swept = embedder_->sweep(
+        target, first_order(scores, amounts, size), linear_steps, block_.smoothness);
     DecodedModelPoint result;
     Points& points = result.embedding.points;
     points = best_rigid_motion(swept.points, block_.reference_points)(swept.points);
     points.rowwise() -= centroid(points);
     // The sweep measured the edges last, and a rigid motion changes none.
-    const EdgeResiduals residuals = residuals_of(edges, target);
-    result.embedding.report = report_of(block_.topology, points, edges.lengths, target, residuals);
-    result.embedding.report.iterations = swept.iterations;
+    const EdgeResiduals residuals = residuals_of(swept, target);
+    result.embedding.report =
+        report_of(block_.topology, points, swept.edge_lengths, target, residuals);
+    result.embedding.report.iterations = swept.linear_steps;
     result.embedding.report.converged = swept.converged;
     add_fields(target, residuals, result);
     return result;

@@ -175,9 +175,8 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     return result;
 }
 
-DihedralEmbedding DihedralEmbedder::sweep(const ShapePoint& point, const Points& start,
-                                          int linear_steps, double smoothness,
-                                          MeasuredEdges* measured) const
+DihedralEmbedder::Swept DihedralEmbedder::sweep(const ShapePoint& point, const Points& start,
+                                                int linear_steps, double smoothness) const
 {
     const DihedralSystem& s = *system_;
     ShapePoint target = s.target_of(point);
@@ -189,23 +188,17 @@ DihedralEmbedding DihedralEmbedder::sweep(const ShapePoint& point, const Points&
     const Descent descent =
         descender.descend(renumbered(s.renumbering, start).reshaped<Eigen::RowMajor>(),
                           {.max_linear_steps = linear_steps, .first_linear_steps = linear_steps});
-    DihedralEmbedding result;
-    result.points = s.result_of(descent.points);
-    result.energy = descent.energy;
-    result.iterations = result.back_substitutions = descent.linear_steps;
-    result.converged = descent.converged;
-    if (measured == nullptr)
-        return result;
     if (!descent.is_measured)
         (void)energy.evaluate(descent.points);
-    measured->lengths.resize(s.topology().edge_count());
-    measured->bends.resize(s.topology().edge_count());
-    for (int e = 0; e < s.topology().edge_count(); ++e) {
+    const int edges = s.topology().edge_count();
+    Swept swept{s.result_of(descent.points), Eigen::VectorXd(edges), Eigen::VectorXd(edges),
+                descent.linear_steps, descent.converged};
+    for (int e = 0; e < edges; ++e) {
         const int before = s.renumbering.edges[to_size(e)];
-        measured->lengths[before] = energy.lengths()[e];
-        measured->bends[before] = energy.bend(e);
+        swept.edge_lengths[before] = energy.lengths()[e];
+        swept.bends[before] = energy.bend(e);
     }
-    return result;
+    return swept;
 }
 
 } // namespace shape::internal

@@ -109,23 +109,24 @@ public:
     [[nodiscard]] DihedralEmbedding embed(const ShapePoint& point,
                                           const DihedralEmbeddingOptions& options = {}) const;
 
-    /// Edges as the energy measured them last.
-    struct MeasuredEdges
+    /// A mesh after one sweep, and its edges as the energy measured them last.
+    struct Swept
     {
-        Eigen::VectorXd lengths; ///< #E [length].
-        Eigen::VectorXd bends;   ///< #E; theta - theta*, wrapped; 0 on the boundary [rad].
+        Points points;                ///< #V by 3 [length].
+        Eigen::VectorXd edge_lengths; ///< #E [length].
+        Eigen::VectorXd
+            bends; ///< #E; theta - theta*, wrapped; 0 on the boundary and beside a face without area [rad].
+        int linear_steps = 0;
+        bool converged = false;
     };
 
     /// Step 3 alone, without repairs, from a mesh that is near: one Gauss-Newton step of as many linear
     /// steps. Costs a fifth of a preview.
     /// @param start  #V by 3, of whatever size and place.
     /// @param linear_steps  >= 2.
-    /// @param measured  Gets the edges of the result; beside a face without area the bend is 0.
     /// @throws InvalidInput, NumericalError as embed(), or if start has another size.
-    [[nodiscard]] DihedralEmbedding sweep(const ShapePoint& point, const Points& start,
-                                          int linear_steps,
-                                          double smoothness = DihedralEmbeddingOptions().smoothness,
-                                          MeasuredEdges* measured = nullptr) const;
+    [[nodiscard]] Swept sweep(const ShapePoint& point, const Points& start, int linear_steps,
+                              double smoothness = DihedralEmbeddingOptions().smoothness) const;
 
     /// What takes the most time to find.
     [[nodiscard]] const SinglePrecisionSolve& factor() const;
