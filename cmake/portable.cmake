@@ -13,6 +13,7 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/edge_space/shape_space.cpp
     libshape/edge_space/shape_vectors.cpp
     libshape/embedding/closure/closure.cpp
+    libshape/embedding/crossing_count.cpp
     libshape/embedding/dihedral/dihedral_embedding.cpp
     libshape/embedding/dihedral/dihedral_system.cpp
     libshape/embedding/energy/descent.cpp
@@ -45,6 +46,7 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/mesh/corner_angles.cpp
     libshape/mesh/dihedral_angles.cpp
     libshape/mesh/edge_lengths.cpp
+    libshape/mesh/face_crossings.cpp
     libshape/mesh/face_patches.cpp
     libshape/mesh/renumbering.cpp
     libshape/mesh/rotation_fit.cpp

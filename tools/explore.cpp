@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -37,7 +38,6 @@ namespace shape::tools {
 using namespace internal;
 namespace {
 
-constexpr Eigen::Index most_rows = 50; ///< The table of modes is no longer.
 constexpr int pictured_modes = 3;      ///< Where no mesh can be drawn.
 constexpr double plot_width = 490.0;   ///< [px]; two side by side fill the page.
 constexpr double plot_height = 400.0;
@@ -177,11 +177,17 @@ void add_regressions(const Session& session, const Arguments& arguments, const S
                              join("--regress ", name, ": mesh ", model.names[meshes[i]]));
         const RowMatrix scores = model.scores(meshes, Eigen::all);
         const Regression regression = regress(scores, values);
+        // Of all meshes scores have the mean 0, but for rounding.
+        const Eigen::RowVectorXd offset =
+            meshes.size() == model.names.size() ? Eigen::RowVectorXd::Zero(scores.cols()).eval()
+                                                : scores.colwise().mean().eval();
         to.regressions.push_back({{"name", name},
                                   {"low", values.minCoeff()},
                                   {"high", values.maxCoeff()},
                                   {"mean", regression.covariate_means[0]},
-                                  {"slope", numbers(regression.slopes.row(0))}});
+                                  {"slope", numbers(regression.slopes.row(0))},
+                                  {"offset", numbers(offset)},
+                                  {"meshes", meshes.size()}});
     }
 }
 
@@ -234,18 +240,26 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& argum
     return facts;
 }
 
-std::vector<std::vector<std::string>> table_of(const ShapeModel& model)
+/// One end of a feasible range; where nothing broke as far as was looked, that.
+std::string print_feasible(double end)
+{
+    constexpr double most = 10.0; // how far feasible_range() looks
+    return std::abs(end) < most ? print_fixed(end) : join(end < 0 ? "below -" : "above ", most);
+}
+
+/// @param modes  How many, the first ones.
+std::vector<std::vector<std::string>> table_of(const ShapeModel& model, int modes)
 {
     std::vector<std::vector<std::string>> table{
         {"Mode", "Variance", "Share [%]", "Cumulative [%]", "Feasible from", "to [std. dev.]"}};
     for (const Json& mode : mode_figures(model)) {
-        if (static_cast<Eigen::Index>(table.size()) > most_rows)
+        if (static_cast<int>(table.size()) > modes)
             break;
         const auto number = [&](const char* field) { return mode[field].get<double>(); };
         table.push_back(
             {join(mode["mode"].get<int>()), join(number("variance")),
              print_fixed(100.0 * number("share")), print_fixed(100.0 * number("cumulative")),
-             print_fixed(number("feasible_low")), print_fixed(number("feasible_high"))});
+             print_feasible(number("feasible_low")), print_feasible(number("feasible_high"))});
     }
     return table;
 }
@@ -314,7 +328,7 @@ Json model_json(const Arguments& arguments, const ShapeModel& model, int modes,
             throw InvalidInput(join("--effects: ", arguments.effects, " has ", values.size(),
                                     " vertices, ", arguments.model, " ",
                                     model.topology.vertex_count()));
-        json["effects"] = {{"name", join("effects of ", stem(arguments.effects))},
+        json["effects"] = {{"name", join("effects (", stem(arguments.effects), ")")},
                            {"values", base64({reinterpret_cast<const char*>(values.data()),
                                               sizeof(float) * to_size(values.size())})}};
     }
@@ -351,7 +365,7 @@ void run(const Session& session, const Arguments& arguments)
               .facts = facts_of(arguments, model),
               .pictures = draw_modes(session, model),
               .drawings = {},
-              .table = table_of(model),
+              .table = table_of(model, modes),
               .model = json.dump(-1, ' ', false, Json::error_handler_t::replace),
               .block = write_block(make_block(model, modes, std::move(additions.directions),
                                               arguments.smoothness, session.progress()))};

@@ -51,7 +51,10 @@ EdgeResiduals residuals_of(const DihedralEmbedder::Swept& swept, const ShapePoin
 
 } // namespace
 
-ModelDecoder::ModelDecoder(ModelBlock block) : block_(std::move(block))
+ModelDecoder::ModelDecoder(ModelBlock block)
+    : block_(std::move(block)),
+      references_{block_.reference_points},
+      crossings_(std::make_unique<CrossingCount>(block_.topology, references_))
 {
     if (std::holds_alternative<EdgeSpace>(block_.space)) {
         if (block_.factor.size() != 1)
@@ -61,7 +64,7 @@ ModelDecoder::ModelDecoder(ModelBlock block) : block_(std::move(block))
             block_.linear.directions.rows() != block_.directions.edge_lengths.rows() ||
             (block_.linear.directions.rows() > 0 && block_.linear.directions.cols() != vertices))
             throw InvalidInput("decoder: the linear vertices do not fit the mesh");
-        embedder_.emplace(block_.topology, std::vector<Points>{block_.reference_points},
+        embedder_.emplace(block_.topology, references_,
                           std::move(block_.factor.front()));
     }
     block_.factor.clear();
@@ -135,6 +138,14 @@ DecodedModelPoint ModelDecoder::draft(const VectorXd& scores, const VectorXd& am
     result.embedding.report.converged = swept.converged;
     add_fields(target, residuals, result);
     return result;
+}
+
+CrossingCount::Count ModelDecoder::crossings(const Points& points) const
+{
+    if (points.rows() != block_.topology.vertex_count())
+        throw InvalidInput(join("decoder: ", points.rows(), " points of a mesh with ",
+                                block_.topology.vertex_count(), " vertices"));
+    return crossings_->count(points);
 }
 
 /// Of Procrustes space, where nothing is solved.

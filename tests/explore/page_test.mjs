@@ -75,6 +75,9 @@ function compare(certificate, figures) {
     digits(certificate.edgeMax, figures.edge_max, "worst edge");
     digits(certificate.driftP99, figures.dihedral_p99_deg, "drift");
     assert.equal(certificate.invertedFaces, figures.inverted_faces);
+    if (certificate.crossings < 0) return; // counted of the fine mesh alone
+    assert.equal(certificate.crossings, figures.self_intersections);
+    assert.equal(certificate.newCrossings, figures.new_self_intersections);
 }
 
 test("the certificate is that of the program", async () => {
@@ -93,6 +96,7 @@ test("the certificate is that of the program", async () => {
         const { preview, fine } = await page.evaluate(() => ({ preview: window.explore.preview, fine: window.explore.shown }));
         compare(preview.certificate, native.preview[i]);
         compare(fine.certificate, native.fine[i]);
+        assert.ok(fine.certificate.crossings >= 0);
         milliseconds += preview.milliseconds / points.length;
         for (const [id, value] of [["#edge-rms", 100 * native.fine[i].edge_rms], ["#edge-max", 100 * native.fine[i].edge_max],
             ["#drift", native.fine[i].dihedral_p99_deg]])
@@ -147,6 +151,16 @@ test("every way to move moves, and undo goes back", async () => {
         await page.mouse.up();
     });
     assert.ok((await scores(page))[0] > before[0] + 0.1);
+    // A click on the ring that moves nothing is for the mesh beneath, or nobody.
+    await after(page, () => page.locator(".specimen").nth(4).dispatchEvent("click"));
+    await after(page, () => page.locator("#modes input[type=range]").nth(3).fill("0.5"));
+    assert.equal(await page.locator("#specimen").inputValue(), "");
+    const ring = await page.locator(".point .grip").boundingBox();
+    await after(page, () => page.mouse.click(ring.x + ring.width / 2, ring.y + ring.height / 2));
+    assert.equal(await page.locator("#specimen").inputValue(), "4");
+    const there = await scores(page);
+    await page.mouse.click(ring.x + 2, ring.y + ring.height / 2, { button: "right" });
+    assert.deepEqual(await scores(page), there);
     await page.locator("#axis-y").selectOption("2");
 
     await after(page, () => page.locator("#groups button").first().click());
@@ -182,6 +196,103 @@ test("a link restores the place", async () => {
     await close(other);
 });
 
+test("a link that is none says so and changes nothing", async () => {
+    for (const [hash, wanted] of [["#s=1%2C-0.5", [1, -0.5]], ["#s=1&amp;d=0.5", [1, 0]], ["#s=0,1", [0, 1]]]) {
+        const page = await open("faces.html", { hash });
+        await settled(page);
+        assert.deepEqual((await scores(page)).slice(0, 2), wanted, hash);
+        await close(page);
+    }
+    const page = await open("faces.html", { hash: "#s=1,x" });
+    await settled(page);
+    assert.match(await page.locator("#said").textContent(), /address/);
+    for (const hash of ["#s=abc", "#s=,1", "#s=1,,2", "#__proto__=1", "#tables", "#s=1e400", "#s=" + "1,".repeat(50) + "1"]) {
+        await page.evaluate((hash) => (location.hash = hash), hash);
+        await page.waitForFunction(() => location.hash === "", null, { timeout: patience });
+        assert.match(await page.locator("#said").textContent(), /address/, hash);
+        assert.ok((await scores(page)).every((score) => score === 0), hash);
+    }
+    await close(page);
+});
+
+test("where there is no mesh none is shown as if there were", async () => {
+    for (const hash of ["", "#s=1e300"]) {
+        const page = await open("faces.html", { hash });
+        if (!hash) {
+            await settled(page);
+            const field = page.locator("#modes input[type=text]").first();
+            await field.fill("1e300");
+            await field.press("Enter");
+        }
+        await page.waitForFunction(() => document.querySelector("#status").textContent === "no mesh", null, { timeout: patience });
+        assert.match(await page.locator("#reason").textContent(), /There is no mesh here/);
+        assert.equal(await page.locator("#edge-rms").textContent(), "");
+        await page.locator("[data-save=ply]").click();
+        await page.waitForFunction(() => /no mesh to save/.test(document.querySelector("#said").textContent), null, { timeout: patience });
+        await after(page, () => page.locator("#mean").click());
+        assert.equal(await page.locator("#status").textContent(), "approximate");
+        assert.ok(await page.locator("#waiting").isHidden());
+        await close(page);
+    }
+});
+
+test("a regression of some meshes goes through their mean", async () => {
+    const page = await open("partial.html");
+    await settled(page);
+    assert.ok((await scores(page)).every((score) => score === 0));
+    await after(page, () => page.locator("#additions input[type=range]").first().fill("1.25"));
+    const { facts, value, shown, rest } = await page.evaluate(() => ({
+        facts: window.explore.facts, value: window.explore.place.values[0],
+        shown: Array.from(window.explore.shown.points), rest: document.querySelector("#command").textContent,
+    }));
+    const with_ = facts.specimens.filter((_, i) => facts.labels.find(({ name }) => name === "height").values[i]);
+    const heights = facts.labels.find(({ name }) => name === "height").values.filter(Boolean).map(Number);
+    const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+    const middle = mean(heights);
+    const spread = heights.reduce((sum, height) => sum + (height - middle) ** 2, 0);
+    const wanted = facts.modes.map(({ deviation }, k) => {
+        const y = with_.map(({ scores }) => scores[k]);
+        const slope = y.reduce((sum, score, i) => sum + score * (heights[i] - middle), 0) / spread;
+        return (mean(y) + slope * (value - middle)) / deviation;
+    });
+    const told = rest.match(/--scores=([-\d.,]+)/)[1].split(",").map(Number);
+    told.forEach((score, k) => assert.ok(Math.abs(score - wanted[k]) < 1e-3, `mode ${k + 1}: ${score}, wanted ${wanted[k]}`));
+    assert.ok(shown.every(Number.isFinite));
+    assert.match(await page.locator("#additions .name").first().textContent(), new RegExp(`of ${heights.length} meshes`));
+    await close(page);
+});
+
+test("the mean is nowhere displaced from itself", async () => {
+    const page = await open("faces.html");
+    await settled(page);
+    await page.locator("#colour").selectOption("displacement");
+    await page.waitForFunction(() => !document.querySelector("#legend").hidden, null, { timeout: patience });
+    await page.waitForFunction(() => window.explore.means.fine, null, { timeout: patience });
+    await after(page, () => page.locator("#modes input[type=range]").first().fill("1"));
+    const displaced = () => page.evaluate(() => Math.max(...window.explore.shown.points.map((value, i) => Math.abs(value - window.explore.means.fine.points[i]))));
+    assert.ok(await displaced() > 0);
+    await after(page, () => page.locator("#mean").click());
+    assert.equal(await displaced(), 0);
+    await close(page);
+});
+
+test("nothing lies over what one clicks", async () => {
+    for (const [width, height] of [[1280, 600], [1366, 768], [1920, 1080], [844, 390], [640, 360], [390, 844]]) {
+        const page = await open("faces.html", { width, height, hash: "#s=-6" });
+        await settled(page);
+        for (const button of await page.locator("#take button, #controls button:visible").all()) {
+            await button.scrollIntoViewIfNeeded();
+            const isFree = await button.evaluate((element) => {
+                const { x, y, width, height } = element.getBoundingClientRect();
+                const top = document.elementFromPoint(x + width / 2, y + height / 2);
+                return element === top || element.contains(top);
+            });
+            assert.ok(isFree, `${width} x ${height}: ${await button.textContent()}`);
+        }
+        await close(page);
+    }
+});
+
 test("what is taken away is what is shown", async () => {
     const page = await open("faces.html", { hash: "#s=1.2,-0.8" });
     await settled(page);
@@ -204,6 +315,22 @@ test("what is taken away is what is shown", async () => {
     assert.equal(JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString()).accessors[0].count, vertices);
     assert.equal(readFileSync(saved.png).subarray(1, 4).toString(), "PNG");
     assert.match(readFileSync(saved.svg, "utf8"), /^<svg/);
+    // While something moves the fine mesh of the place is waited for.
+    const moved = await page.evaluate(() => {
+        window.explore.goTo({ ...window.explore.place, scores: window.explore.place.scores.map((_, k) => (k === 0 ? -1 : 0)) });
+        document.querySelector("[data-save=ply]").click();
+        return window.explore.shown.quality;
+    });
+    assert.equal(moved, "fine"); // of the place before
+    const late = await page.waitForEvent("download");
+    assert.equal(late.suggestedFilename(), "faces_pc1-1.00.ply");
+    await late.saveAs(file("late.ply"));
+    assert.match(readFileSync(file("late.ply"), "latin1"), /comment faces.h5, s=-1, fine, by libshape/);
+    shape("generate", "faces.h5", "--scores=-1", "-o", "late_again.ply");
+    assert.ok(farthest("late.ply", "late_again.ply") < 1e-12);
+    await after(page, () => page.locator("#additions input[type=range]").nth(1).fill("1"));
+    assert.ok(await page.locator("[data-save=csv]").isDisabled()); // scores hold no differences
+    await after(page, () => page.evaluate(() => window.explore.goTo({ ...window.explore.place, amounts: [0], scores: window.explore.place.scores.map((_, k) => [1.2, -0.8][k] ?? 0) })));
     // The scores and the command line make the same mesh.
     shape("generate", "faces.h5", "--scores-file", saved.csv, "-o", "again/");
     const command = await page.locator("#command").textContent();
@@ -225,6 +352,8 @@ test("what one sees can be chosen", async () => {
         assert.ok(await page.locator("#legend").isVisible());
         assert.notEqual(await page.locator("#legend-high").textContent(), "");
     }
+    assert.ok(await page.locator("#ghost option[value=pin]").isDisabled());
+    await page.locator("#pin").click();
     for (const ghost of ["mean", "pin", "none"]) await page.locator("#ghost").selectOption(ghost);
     for (const view of ["back", "left", "right", "top", "bottom", "front"]) await page.locator("#view").selectOption(view);
     await page.locator("#wireframe").check();
@@ -388,13 +517,15 @@ function bipyramid(corners, height, seed) {
 function prepare() {
     shape("synth", "faces", "--count", "8", "--vertices", "400", "--seed", "1", "-o", "faces");
     const labels = readFileSync(file("faces/labels.csv"), "utf8").trim().split("\n");
-    writeFileSync(file("labels.csv"), labels.map((line, i) => `${line},${i === 0 ? "age" : (i % 7) / 7}`).join("\n") + "\n");
+    writeFileSync(file("labels.csv"), labels.map((line, i) =>
+        `${line},${i === 0 ? "age,height" : `${(i % 7) / 7},${/happy/.test(line) ? 1 + (i % 5) / 5 : ""}`}`).join("\n") + "\n");
     shape("collect", "faces", "--labels", "labels.csv", "-o", "all.h5");
     shape("stats", "all.h5", "-o", "faces.h5", "--modes", "12");
     shape("difference", "all.h5", "--pair-by", "subject", "--from", "expression=neutral", "--to", "expression=happy", "-o", "smile.h5",
         "--effects", "effects.ply");
     shape("explore", "faces.h5", "-o", "faces.html", "--color-by", "expression", "--regress", "age", "--difference", "smile.h5",
         "--effects", "effects.ply", "--title", "Made-up faces");
+    shape("explore", "faces.h5", "-o", "partial.html", "--regress", "height");
     shape("synth", "faces", "--count", "68", "--vertices", "300", "--seed", "2", "-o", "many");
     shape("stats", "many", "-o", "many.h5", "--modes", "201");
     shape("explore", "many.h5", "-o", "many.html", "--modes", "201", "--title", "Many modes", "--about", "Scanned on <Tuesdays> & at night");

@@ -50,7 +50,7 @@ int open_model(const unsigned char* block, std::size_t size)
     });
 }
 
-/// @param quality  0: draft, 1: preview, 2: fine.
+/// @param quality  0: draft, 1: preview, 2: fine, of which alone faces that cross are counted.
 int decode(const double* scores, int score_count, const double* amounts, int amount_count,
            double size, int quality)
 {
@@ -61,6 +61,8 @@ int decode(const double* scores, int score_count, const double* amounts, int amo
         shown = quality == 0   ? decoder->draft(coordinates, added, size)
                 : quality == 1 ? decoder->decode(coordinates, added, size, dihedral_preview())
                                : decoder->decode(coordinates, added, size, {});
+        const CrossingCount::Count crossings =
+            quality == 2 ? decoder->crossings(shown.embedding.points) : CrossingCount::Count{-1, -1};
         const shape::EmbeddingReport& report = shown.embedding.report;
         figures = {static_cast<double>(report.status),
                    report.edge_rms,
@@ -73,7 +75,9 @@ int decode(const double* scores, int score_count, const double* amounts, int amo
                    report.closure_energy,
                    static_cast<double>(report.inverted_faces),
                    static_cast<double>(report.iterations),
-                   report.converged ? 1.0 : 0.0};
+                   report.converged ? 1.0 : 0.0,
+                   static_cast<double>(crossings.all),
+                   static_cast<double>(crossings.in_no_reference)};
         message = report.reason;
     });
 }

@@ -21,6 +21,9 @@ export function niceAbove(value: number): number {
 export const signedScale = (largest: number): Scale => ({ stops: diverging, low: -largest, high: largest });
 export const unsignedScale = (largest: number): Scale => ({ stops: sequential, low: 0, high: largest });
 
+/// Of values from low to high, dark enough for marks on white.
+export const rampScale = (low: number, high: number): Scale => ({ stops: sequential.slice(1), low, high });
+
 export function colourOf({ stops, low, high }: Scale, value: number): [number, number, number] {
     const place = Math.min(Math.max((value - low) / (high - low || 1), 0), 1) * (stops.length - 1);
     const i = Math.min(Math.floor(place), stops.length - 2);

@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: MIT
 
-import { vertexNormals, type Answer, type Decoded, type Ready, type Returned, type Shape, type Start, type Wanted } from "./shape";
+import type { Place } from "./state";
+import { vertexNormals, type Answer, type Decoded, type Quality, type Ready, type Returned, type Shape, type Start, type Wanted } from "./shape";
 
 declare const WORKER_SOURCE: string; // worker.ts, bundled; put in by build.mjs
 
 type Request = Omit<Wanted, "ticket" | "mustBeDone">;
+
+/// What the decoder is to show.
+export interface Target {
+    place: Place; // of whoever asks: comes back with the mesh
+    scores: number[];
+    amounts: number[];
+    size: number;
+}
+
+const requestOf = ({ scores, amounts, size }: Target, quality: Quality): Request => ({ kind: "decode", scores, amounts, size, quality });
 
 interface Errand {
     done: (answer: Answer) => void;
@@ -90,64 +101,63 @@ export class Decoder {
         return this.settled;
     }
 
-    show(scores: number[], amounts: number[], size: number) {
-        const place = { kind: "decode" as const, scores, amounts, size };
+    show(target: Target) {
         const move = ++this.moves;
         this.settled = false;
         clearTimeout(this.rest);
         const quality = this.previewTime > this.frame && this.previewTime < Infinity ? "draft" : "preview";
-        this.quick.ask({ ...place, quality }, (answer) => {
-            this.deliver(answer);
-            if (move !== this.moves) return;
-            this.practise(place);
-            if (quality === "draft") this.waitBefore(move, { ...place, quality: "preview" }, this.calmMilliseconds);
-            else this.waitBefore(move, { ...place, quality: "fine" }, this.restMilliseconds);
+        this.quick.ask(requestOf(target, quality), (answer) => {
+            const isThere = this.deliver(answer, target);
+            if (move !== this.moves || !isThere) return;
+            this.practise(target);
+            if (quality === "draft") this.waitBefore(move, target, "preview", this.calmMilliseconds);
+            else this.waitBefore(move, target, "fine", this.restMilliseconds);
         });
     }
 
-    private deliver(answer: Answer) {
+    /// @return whether there is a mesh.
+    private deliver(answer: Answer, { place }: Target): boolean {
         if (answer.kind === "failure") this.onFailure(answer.message);
-        else if (answer.kind === "shape") {
-            if (answer.quality === "preview") this.previewTime = Math.min(this.previewTime, answer.milliseconds);
-            if (answer.quality === "draft") this.deliverDraft(answer);
-            else this.onShape(this.withNormals(answer));
-        }
+        if (answer.kind !== "shape") return false;
+        if (answer.quality === "preview") this.previewTime = Math.min(this.previewTime, answer.milliseconds);
+        if (answer.quality === "draft") this.deliverDraft(answer, place);
+        else this.onShape(this.completed(answer, place));
+        return true;
     }
 
-    private deliverDraft(answer: Decoded) {
+    private deliverDraft(answer: Decoded, place: Place) {
         const before = this.draft;
-        this.draft = this.withNormals(answer, this.spareNormals);
+        this.draft = this.completed(answer, place, this.spareNormals);
         this.onShape(this.draft);
         if (!before) return;
         this.spareNormals = before.normals;
         this.quick.giveBack([before.points.buffer, before.edgeError.buffer, before.drift.buffer]);
     }
 
-    private withNormals(decoded: Decoded, normals?: Float32Array<ArrayBuffer>): Shape {
-        return { ...decoded, normals: vertexNormals(decoded.points, this.faces, normals) };
+    private completed(decoded: Decoded, place: Place, normals?: Float32Array<ArrayBuffer>): Shape {
+        return { ...decoded, place, normals: vertexNormals(decoded.points, this.faces, normals) };
     }
 
     /// Drafts that nobody sees, where they will be wanted with the first move: a browser translates at once, but well only
     /// what has run for a while, and the first draft took half as long again as later ones.
-    private practise(place: Omit<Request, "quality">) {
+    private practise(target: Target) {
         if (this.hasPractised || this.previewTime <= this.frame) return;
         this.hasPractised = true;
         const again = (times: number, move = this.moves) => {
-            if (times > 0 && move === this.moves) this.quick.ask({ ...place, quality: "draft" }, () => again(times - 1, move));
+            if (times > 0 && move === this.moves) this.quick.ask(requestOf(target, "draft"), () => again(times - 1, move));
         };
         again(5);
     }
 
-    private waitBefore(move: number, request: Request, milliseconds: number) {
-        this.rest = setTimeout(() => this.improve(move, request), milliseconds);
+    private waitBefore(move: number, target: Target, quality: Quality, milliseconds: number) {
+        this.rest = setTimeout(() => this.improve(move, target, quality), milliseconds);
     }
 
-    private improve(move: number, request: Request) {
-        this.slowChannel().ask(request, (answer) => {
+    private improve(move: number, target: Target, quality: Quality) {
+        this.slowChannel().ask(requestOf(target, quality), (answer) => {
             if (move !== this.moves) return; // somebody moved on
-            this.settled = request.quality === "fine";
-            this.deliver(answer);
-            if (!this.settled) this.waitBefore(move, { ...request, quality: "fine" }, this.restMilliseconds);
+            this.settled = quality === "fine";
+            if (this.deliver(answer, target) && !this.settled) this.waitBefore(move, target, "fine", this.restMilliseconds);
         });
     }
 
@@ -155,16 +165,16 @@ export class Decoder {
         return (this.slow ??= new Channel(this.wasm, this.block));
     }
 
-    /// A preview beside what is shown, for ghosts.
-    once(scores: number[], amounts: number[], size: number): Promise<Shape> {
+    /// A mesh beside what is shown, for ghosts and to compare with.
+    once(target: Target, quality: Quality): Promise<Shape> {
         return new Promise((done, fail) =>
-            this.slowChannel().ask({ kind: "decode", scores, amounts, size, quality: "preview" }, (answer) =>
-                answer.kind === "shape" ? done(this.withNormals(answer)) : fail(new Error((answer as { message: string }).message)),
+            this.slowChannel().ask(requestOf(target, quality), (answer) =>
+                answer.kind === "shape" ? done(this.completed(answer, target.place)) : fail(new Error((answer as { message: string }).message)),
                 true),
         );
     }
 
-    feasibleShare(scores: number[], amounts: number[], size: number): Promise<number> {
+    feasibleShare({ scores, amounts, size }: Target): Promise<number> {
         return new Promise((done) =>
             this.quick.ask({ kind: "feasible", scores, amounts, size, quality: "draft" }, (answer) =>
                 done(answer.kind === "feasible" ? answer.share : 1),

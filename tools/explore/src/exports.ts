@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 
+import type { Scale } from "./colours";
+import { make } from "./dom";
 import type { Facts } from "./model";
 import type { Quality } from "./shape";
 import { decimals, totalScores, type Place } from "./state";
@@ -11,6 +13,34 @@ export function save(name: string, content: BlobPart, type: string) {
     link.download = name;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
+/// A picture with what its colours mean beneath.
+export async function withLegend(picture: Blob, scale: Scale, print: (value: number) => string, name: string, ink: string): Promise<Blob> {
+    const image = await createImageBitmap(picture);
+    const size = Math.max(12, Math.round(image.width / 60)); // [px] of letters
+    const canvas = make<HTMLCanvasElement>("canvas", { width: image.width, height: image.height });
+    const context = canvas.getContext("2d")!;
+    context.drawImage(image, 0, 0);
+    context.font = `${size}px Helvetica, Arial, sans-serif`;
+    context.textBaseline = "middle";
+    context.fillStyle = ink;
+    const y = image.height - 1.2 * size;
+    let x = size;
+    const write = (text: string) => {
+        context.fillText(text, x, y);
+        x += context.measureText(text).width + 0.6 * size;
+    };
+    write(print(scale.low));
+    const ramp = context.createLinearGradient(x, 0, x + 10 * size, 0);
+    scale.stops.forEach((stop, i) => ramp.addColorStop(i / (scale.stops.length - 1), `rgb(${stop.join(",")})`));
+    context.fillStyle = ramp;
+    context.fillRect(x, y - 0.5 * size, 10 * size, size);
+    context.fillStyle = ink;
+    x += 10.6 * size;
+    write(print(scale.high));
+    write(name);
+    return new Promise((done, fail) => canvas.toBlob((blob) => (blob ? done(blob) : fail(new Error("the browser made no picture"))), "image/png"));
 }
 
 /// Binary, little-endian, double precision, as the program writes it.

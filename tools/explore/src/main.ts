@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 
-import { groupColours, niceAbove, paint, signedScale, unsignedScale, cssGradient, type Scale } from "./colours";
-import { Decoder } from "./decoder";
+import { niceAbove, paint, signedScale, unsignedScale, cssGradient, type Scale } from "./colours";
+import { Decoder, type Target } from "./decoder";
 import { find, make, percent } from "./dom";
-import { commandOf, csvOf, glbOf, objOf, plyOf, save, stemOf } from "./exports";
+import { commandOf, csvOf, glbOf, objOf, plyOf, save, stemOf, withLegend } from "./exports";
 import { bytesOf, readFacts, takeBytes } from "./model";
-import { markOf, ScorePlot } from "./plot";
+import { groupsOf, ScorePlot } from "./plot";
 import { copied, displacement, type Quality, type Shape } from "./shape";
 import { modeSlider, Slider } from "./sliders";
 import { groupPlace, History, linkOf, meanPlace, placeOf, rounded, specimenPlace, tidied, totalScores, type Place } from "./state";
@@ -13,11 +13,13 @@ import { Viewer } from "./viewer";
 
 const facts = readFacts();
 const history = new History();
-let place: Place = placeOf(location.hash, facts) ?? meanPlace(facts);
+const linked = placeOf(location.hash, facts);
+let place: Place = linked ?? meanPlace(facts);
 let faces = new Uint32Array(0);
 let shown: Shape | null = null;
-let meanShape: Shape | null = null;
+const means: { preview: Shape | null; fine: Shape | null } = { preview: null, fine: null };
 let pinned: Shape | null = null;
+let failure = ""; // why there is no mesh of the place
 let viewer: Viewer;
 let decoder: Decoder;
 
@@ -48,9 +50,17 @@ function missing(): string {
 
 const coordinates = (at: Place) => totalScores(facts, at).map((score, k) => score * facts.modes[k].deviation);
 
+/// What is decoded for a place, which may change afterwards.
+const targetOf = (at: Place): Target => {
+    const copy = structuredClone(at);
+    return { place: copy, scores: coordinates(copy), amounts: copy.amounts, size: facts.size };
+};
+const isSame = (a: Place, b: Place) => JSON.stringify(a) === JSON.stringify(b);
+
 function show() {
-    decoder.show(coordinates(place), place.amounts, facts.size);
+    decoder.show(targetOf(place));
     const scores = totalScores(facts, place);
+    if (specimen && !isSame(specimen, place)) forgetSpecimen();
     modeSliders.forEach((slider, k) => slider.show(place.scores[k]));
     amountSliders.forEach((slider, i) => slider.show(place.amounts[i]));
     valueSliders.forEach((slider, i) => slider.show(place.values[i]));
@@ -97,6 +107,9 @@ function showCommand() {
     const command = commandOf(facts, place, shown?.quality ?? "preview");
     find("#command").textContent = command ?? "None: `shape generate` adds no differences. Save the mesh instead.";
     find<HTMLButtonElement>("#copy-command").disabled = command === null;
+    const scores = find<HTMLButtonElement>("[data-save=csv]");
+    scores.disabled = command === null;
+    scores.title = command === null ? "Scores hold no differences. Save the mesh instead." : "";
 }
 
 // The mesh and its certificate.
@@ -117,26 +130,43 @@ function showCertificate({ certificate, quality, milliseconds }: Shape) {
     find("#edge-max").textContent = `${digits(100 * certificate.edgeMax)} %`;
     find("#drift").textContent = `${digits(certificate.driftP99)}°`;
     find("#inverted").textContent = String(certificate.invertedFaces);
+    const { crossings, newCrossings } = certificate;
+    find("#crossings").textContent = crossings < 0 ? "…" : crossings === newCrossings ? String(crossings) : `${crossings}, ${newCrossings} of them new`;
     find("#time").textContent = `${milliseconds.toFixed(milliseconds < 10 ? 1 : 0)} ms`;
-    const reason = find("#reason");
-    reason.hidden = !certificate.reason;
-    reason.textContent = certificate.reason ? `${certificate.reason}; the nearest mesh is shown.` : "";
+    giveReason(certificate.reason ? `${certificate.reason}; the nearest mesh is shown.` : "");
+}
+
+function giveReason(text: string) {
+    find("#reason").textContent = find("#reason").title = text;
+}
+
+/// What stays on the screen is another mesh, which must not look like the one that was asked for.
+function tellFailure(message: string) {
+    failure = message;
+    find("#status").textContent = "no mesh";
+    find("#status").className = "infeasible";
+    for (const id of ["quality", "edge-rms", "edge-max", "drift", "inverted", "crossings", "time"]) find(`#${id}`).textContent = "";
+    giveReason(`There is no mesh here: ${message}.${shown ? " The last one that there was is shown, dimmed." : ""}`);
+    find("#window").classList.add("stale");
+    find("#waiting").textContent = "There is no mesh here; the mean is one.";
+    wakeSavers();
 }
 
 const effects = facts.effects ? new Float32Array(bytesOf(facts.effects.values).buffer) : null;
-const largest = { displacement: 0, edge: 0, drift: 0 }; // grows only, so that a scale stays while one drags
+const largest = { displacement: 0, edge: 0, drift: 0 }; // grows only while one drags, so that a scale stays
 
 /// Values at vertices, their scale, and what they are called.
 function colouring(shape: Shape): { values: Float32Array; scale: Scale; name: string; print: (value: number) => string } | null {
     const grown = (kind: keyof typeof largest, values: Float32Array) => {
         let most = 0;
         for (const value of values) most = Math.max(most, Math.abs(value));
-        return (largest[kind] = Math.max(largest[kind], niceAbove(most)));
+        return (largest[kind] = Math.max(shape.quality === "fine" ? 0 : largest[kind], niceAbove(most)));
     };
     switch (find<HTMLSelectElement>("#colour").value) {
         case "displacement": {
-            if (!meanShape) return null;
-            const values = displacement(shape, meanShape);
+            const mean = shape.quality === "fine" ? means.fine : means.preview; // made alike: the mean is nowhere from itself
+            if (!mean) return null;
+            const values = displacement(shape, mean);
             return { values, scale: signedScale(grown("displacement", values)), name: "from the mean, along its normal [unit of the meshes]", print: (v) => String(Number(v.toPrecision(3))) };
         }
         case "edge":
@@ -176,6 +206,8 @@ const last: Record<Quality, Shape | null> = { draft: null, preview: null, fine: 
 function take(shape: Shape) {
     const isFirst = !shown;
     shown = shape;
+    failure = "";
+    find("#window").classList.remove("stale");
     last[shape.quality] = shape;
     ++shapes;
     showCertificate(shape);
@@ -186,11 +218,31 @@ function take(shape: Shape) {
         find<HTMLSelectElement>("#view").value = "front";
         find("#waiting").hidden = true;
     }
+    if (shape.quality === "fine") wakeSavers();
+}
+
+let savers: (() => void)[] = [];
+
+function wakeSavers() {
+    const woken = savers;
+    savers = [];
+    woken.forEach((wake) => wake());
+}
+
+/// The fine mesh of the place, once it is there, or null: what is taken away is what the command makes.
+async function fineShape(): Promise<Shape | null> {
+    stopPlaying();
+    settle();
+    while (!failure && !(shown?.quality === "fine" && isSame(shown.place, place))) {
+        say("Waiting for the fine mesh …");
+        await new Promise<void>((wake) => savers.push(wake));
+    }
+    return failure ? null : shown;
 }
 
 function showGhost() {
     const kind = find<HTMLSelectElement>("#ghost").value;
-    viewer.setGhost(kind === "mean" ? meanShape : kind === "pin" ? pinned : null);
+    viewer.setGhost(kind === "mean" ? (means.fine ?? means.preview) : kind === "pin" ? pinned : null);
 }
 
 /// A shape beside the one shown becomes the ghost.
@@ -198,13 +250,15 @@ function pin(shape: Shape | null, name: string) {
     if (!shape) return;
     pinned = copied(shape);
     find<HTMLSelectElement>("#ghost").value = "pin";
-    find("#ghost option[value=pin]").textContent = name;
+    const option = find<HTMLOptionElement>("#ghost option[value=pin]");
+    option.disabled = false;
+    option.textContent = name;
     showGhost();
 }
 
 // Sliders.
 
-let playing: { slider: Slider; k: number; begin: number; from: number } | null = null;
+let playing: { slider: Slider; k: number; begin: number } | null = null;
 
 function stopPlaying() {
     playing?.slider.play?.setAttribute("aria-pressed", "false");
@@ -216,13 +270,18 @@ function playAlong(k: number) {
     const was = playing?.k;
     stopPlaying();
     if (was === k) return settle();
-    playing = { slider: modeSliders[k], k, begin: performance.now(), from: place.scores[k] };
-    playing.slider.play!.setAttribute("aria-pressed", "true");
+    settle();
+    say("");
     const mode = facts.modes[k];
     const [low, high] = facts.space === "edge" ? [Math.max(-2, mode.low), Math.min(2, mode.high)] : [-2, 2];
+    const now = place.scores[k];
+    const share = Math.max(-1, Math.min(1, now > 0 ? now / (high || 1) : -now / (low || 1)));
+    const radians = 700; // [ms]
+    playing = { slider: modeSliders[k], k, begin: performance.now() - radians * Math.asin(share) };
+    playing.slider.play!.setAttribute("aria-pressed", "true");
     const step = (now: number) => {
         if (playing?.k !== k) return;
-        const phase = Math.sin((now - playing.begin) / 700);
+        const phase = Math.sin((now - playing.begin) / radians);
         place.scores[k] = rounded(phase >= 0 ? phase * high : -phase * low);
         show();
         requestAnimationFrame(step);
@@ -232,6 +291,7 @@ function playAlong(k: number) {
 
 const moved = (change: (value: number) => void) => (value: number) => {
     stopPlaying();
+    say("");
     change(value);
     show();
 };
@@ -243,8 +303,9 @@ const amountSliders = facts.differences.map(
         onInput: moved((value) => (place.amounts[i] = value)), onChange: settle,
     }));
 const valueSliders = facts.regressions.map(
-    ({ name, low, high, mean }, i) => new Slider({
-        name, note: "regression", low: low - 0.25 * (high - low), high: high + 0.25 * (high - low), rest: tidied(mean), unit: `units of ${name}`, tidy: tidied,
+    ({ name, low, high, mean, meshes }, i) => new Slider({
+        name, note: meshes < facts.specimens.length ? `of ${meshes} meshes` : "regression",
+        marked: { from: low, to: high, beyond: "beyond the values of the meshes" }, low: low - 0.25 * (high - low), high: high + 0.25 * (high - low), rest: tidied(mean), unit: `units of ${name}`, tidy: tidied,
         onInput: moved((value) => (place.values[i] = value)), onChange: settle,
     }));
 let plot: ScorePlot | null = null;
@@ -273,20 +334,33 @@ function setUpSliders() {
 
 // Meshes, groups and the plane of their scores.
 
+let specimen: Place | null = null; // while one is there
+
 function goToSpecimen(i: number) {
     const { name, size } = facts.specimens[i];
+    const to = specimenPlace(facts, i);
+    specimen = structuredClone(to);
+    goTo(to, `The model's shape of ${name}.`);
     plot?.mark(i);
     find<HTMLSelectElement>("#specimen").value = String(i);
-    const labels = facts.labels.map(({ name, values }) => `${name}: ${values[i]}`);
+    const labels = facts.labels.map(({ name, values }) => `${name}: ${values[i] || "none"}`);
     find("#specimen-ghost").hidden = false;
     find("#specimen-facts").textContent = [...labels, `size ${Number(size.toPrecision(5))}`].join(", ");
-    goTo(specimenPlace(facts, i), `The model's shape of ${name}.`);
+}
+
+function forgetSpecimen() {
+    specimen = null;
+    plot?.mark(null);
+    find<HTMLSelectElement>("#specimen").value = "";
+    find("#specimen-ghost").hidden = true;
+    find("#specimen-facts").textContent = "";
 }
 
 function setUpPlot() {
     if (facts.modes.length > 1) {
         plot = new ScorePlot(facts, (x, y, ended) => {
             stopPlaying();
+            say("");
             const extra = totalScores(facts, { ...place, scores: facts.modes.map(() => 0) });
             place.scores[plot!.x] = rounded(x - extra[plot!.x]);
             place.scores[plot!.y] = rounded(y - extra[plot!.y]);
@@ -308,7 +382,8 @@ function setUpPlot() {
         const colourBy = (i: number) => {
             plot!.label = i;
             plot!.redraw();
-            key.replaceChildren(...plot!.groups().slice(0, 8).map((group, g) => make("span", {}, swatch(g), group)));
+            key.replaceChildren(...plot!.key().map(({ text, colour, mark }) =>
+                make("span", {}, make("svg", { viewBox: "-4 -4 8 8", "aria-hidden": "true" }, make("path", { d: mark, fill: colour })), text)));
             setUpGroups(i);
         };
         find("#plot").append(make("div", { class: "bar" }, choose("x", "across"), choose("y", "up"),
@@ -322,13 +397,10 @@ function setUpPlot() {
     select.onchange = () => select.value && goToSpecimen(Number(select.value));
 }
 
-const swatch = (group: number) =>
-    make("svg", { viewBox: "-4 -4 8 8", "aria-hidden": "true" }, make("path", { d: markOf(group), fill: groupColours[group % groupColours.length] }));
-
 /// The mean of every group as a button.
 function setUpGroups(label: number) {
     const groups = find("#groups");
-    const values = label < 0 ? [] : [...new Set(facts.labels[label].values)].sort();
+    const values = label < 0 ? [] : groupsOf(facts.labels[label]);
     groups.hidden = values.length === 0 || values.length > 30;
     groups.replaceChildren(`mean of ${facts.labels[label]?.name ?? ""}`, ...values.map((value) =>
         make("button", { type: "button", onclick: () => goTo(groupPlace(facts, label, value), `The mean of ${facts.labels[label].name} ${value}.`) }, value)));
@@ -341,16 +413,21 @@ const normal = () => Math.sqrt(-2 * Math.log(1 - Math.random())) * Math.cos(2 * 
 
 async function goToRandom() {
     const to = { ...meanPlace(facts), scores: facts.modes.map(() => normal()) };
-    const share = await decoder.feasibleShare(coordinates(to), to.amounts, facts.size);
+    const share = await decoder.feasibleShare(targetOf(to));
     to.scores = to.scores.map((score) => rounded(share * score));
-    goTo(to, share < 1 ? `A random shape, drawn towards the mean (${percent(share, 0)}) until its edge lengths were feasible.` : "A random shape.");
+    goTo(to, share < 1 ? `A random shape, brought to ${percent(share, 0)} of its distance from the mean, where its edge lengths are feasible.` : "A random shape.");
 }
 
-function goBack(to: Place | null) {
+function goBack(step: () => Place | null) {
+    if (playing) {
+        stopPlaying();
+        settle();
+    }
+    const to = step();
     if (!to) return;
-    stopPlaying();
     place = to;
     show();
+    say("");
     showHistory();
 }
 
@@ -376,8 +453,8 @@ function setUpButtons() {
     const on = (id: string, work: () => void) => find(id).addEventListener("click", work);
     on("#mean", () => goTo(meanPlace(facts), "The mean."));
     on("#random", goToRandom);
-    on("#undo", () => goBack(history.undo()));
-    on("#redo", () => goBack(history.redo()));
+    on("#undo", () => goBack(() => history.undo()));
+    on("#redo", () => goBack(() => history.redo()));
     on("#pin", () => {
         pin(shown, "pinned shape");
         say("The shape shown is the ghost now.");
@@ -390,11 +467,11 @@ function setUpButtons() {
     wireframe.onchange = () => viewer.setWireframe(wireframe.checked);
     const rate = find<HTMLInputElement>("#rate");
     rate.onchange = () => showFrames(rate.checked);
-    find("#canvas").addEventListener("pointerdown", () => (view.value = ""));
+    for (const kind of ["pointerdown", "wheel"]) find("#canvas").addEventListener(kind, () => (view.value = ""));
+    find("#canvas").addEventListener("webglcontextlost", () => say("The browser took the graphics away; the mesh comes back with them."));
     on("#specimen-ghost", async () => {
         const i = Number(find<HTMLSelectElement>("#specimen").value);
-        const at = specimenPlace(facts, i);
-        pin(await decoder.once(coordinates(at), at.amounts, facts.size), facts.specimens[i].name);
+        pin(await decoder.once(targetOf(specimenPlace(facts, i)), "fine"), facts.specimens[i].name);
         say(`${facts.specimens[i].name} is the ghost now.`);
     });
 
@@ -413,7 +490,8 @@ function setUpButtons() {
         button.addEventListener("click", () => saveAs(button.dataset.save!)));
 
     find("#canvas").addEventListener("keydown", (event) => {
-        const key = (event as KeyboardEvent).key;
+        const { key, ctrlKey, altKey, metaKey } = event as KeyboardEvent;
+        if (ctrlKey || altKey || metaKey) return; // the browser's
         const [x, y] = ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] } as Record<string, [number, number]>)[key] ?? [0, 0];
         const standard = Object.keys(views)["123456".indexOf(key)];
         if (x || y) {
@@ -430,8 +508,8 @@ function setUpButtons() {
         const inField = event.target instanceof HTMLElement && event.target.matches("input[type=text], select");
         if (event.ctrlKey || event.metaKey) {
             if (inField) return;
-            if (event.key === "z" && !event.shiftKey) goBack(history.undo());
-            else if (event.key === "y" || event.key === "Z" || (event.key === "z" && event.shiftKey)) goBack(history.redo());
+            if (event.key === "z" && !event.shiftKey) goBack(() => history.undo());
+            else if (event.key === "y" || event.key === "Z" || (event.key === "z" && event.shiftKey)) goBack(() => history.redo());
             else return;
             event.preventDefault();
         } else if (!inField && !event.altKey) {
@@ -449,22 +527,35 @@ function setUpButtons() {
     addEventListener("hashchange", () => {
         const to = placeOf(location.hash, facts);
         if (to) goTo(to);
-        else say("The link names modes that this model does not have.");
+        else {
+            tellPlace();
+            say("The address was no place in this model: nothing has changed.");
+        }
     });
 }
 
 async function saveAs(kind: string) {
-    if (!shown) return;
-    const stem = stemOf(facts, place);
-    const comment = `${facts.file}, ${linkOf(place, facts) || "mean"}, by libshape ${facts.version}`;
-    const { points, normals } = shown;
-    if (kind === "ply") save(`${stem}.ply`, plyOf(points, faces, comment), "application/octet-stream");
-    else if (kind === "obj") save(`${stem}.obj`, objOf(points, faces, comment), "model/obj");
-    else if (kind === "glb") save(`${stem}.glb`, glbOf(points, normals, faces, stem, `libshape ${facts.version}`), "model/gltf-binary");
-    else if (kind === "png") save(`${stem}.png`, await viewer.picture(getComputedStyle(document.body).backgroundColor), "image/png");
-    else if (kind === "svg" && plot) save(`${stem}_scores.svg`, plot.document(), "image/svg+xml");
-    else if (kind === "csv") save(`${stem}.csv`, csvOf(stem, facts.size, coordinates(place)), "text/csv");
-    say(`Saved ${stem}.`);
+    if (kind === "svg" && plot) return saved(`${stemOf(facts, place)}_scores.svg`, plot.document(), "image/svg+xml");
+    if (kind === "csv") return saved(`${stemOf(facts, place)}.csv`, csvOf(stemOf(facts, place), facts.size, coordinates(place)), "text/csv");
+    const shape = await fineShape();
+    if (!shape) return say(`There is no mesh to save here: ${failure}.`);
+    const stem = stemOf(facts, shape.place);
+    const comment = `${facts.file}, ${linkOf(shape.place, facts) || "mean"}, ${facts.space === "edge" ? "fine, " : ""}by libshape ${facts.version}`;
+    const { points, normals } = shape;
+    if (kind === "ply") saved(`${stem}.ply`, plyOf(points, faces, comment), "application/octet-stream");
+    else if (kind === "obj") saved(`${stem}.obj`, objOf(points, faces, comment), "model/obj");
+    else if (kind === "glb") saved(`${stem}.glb`, glbOf(points, normals, faces, stem, `libshape ${facts.version}`), "model/gltf-binary");
+    else if (kind === "png") {
+        const { backgroundColor, color } = getComputedStyle(document.body);
+        const picture = await viewer.picture(backgroundColor);
+        const colour = colouring(shape);
+        saved(`${stem}.png`, colour ? await withLegend(picture, colour.scale, colour.print, colour.name, color) : picture, "image/png");
+    }
+}
+
+function saved(name: string, content: BlobPart, type: string) {
+    save(name, content, type);
+    say(`Saved ${name}.`);
 }
 
 async function start() {
@@ -476,23 +567,25 @@ async function start() {
     if (facts.space === "procrustes") find("#colour option[value=edge]").remove(), find("#colour option[value=drift]").remove();
     if (facts.effects) find("#colour").append(make("option", { value: "effects" }, facts.effects.name));
     find("#subtitle").textContent = `${facts.specimens.length} meshes, ${facts.modes.length} ${facts.modes.length === 1 ? "mode" : "modes"}`;
-    decoder = new Decoder(takeBytes("wasm"), takeBytes("block"), take, (message) => say(`No mesh: ${message}`));
     try {
+        decoder = new Decoder(takeBytes("wasm"), takeBytes("block"), take, tellFailure);
         const ready = await decoder.ready;
         faces = ready.faces;
         viewer.setFaces(faces, ready.vertices);
     } catch (error) {
-        return fallBack(`The decoder did not start (${(error as Error).message}).`);
+        return fallBack(`The decoder did not start (${(error as Error).message || "the browser allows it no worker"}).`);
     }
     setUpSliders();
     setUpPlot();
     setUpButtons();
     show();
     settle();
-    const mean = meanPlace(facts);
-    meanShape = await decoder.once(coordinates(mean), mean.amounts, facts.size);
-    draw();
-    showGhost();
+    if (!linked) say("The address was no place in this model: this is the mean.");
+    for (const quality of ["preview", "fine"] as const) {
+        means[quality] = await decoder.once(targetOf(meanPlace(facts)), quality);
+        draw();
+        showGhost();
+    }
 }
 
 start();
@@ -510,6 +603,7 @@ Object.assign(window, {
         get last() {
             return [last.draft, last.preview, last.fine];
         },
+        means,
         get decoder() {
             return decoder;
         },

@@ -31,6 +31,8 @@ export interface Regression {
     high: number;
     mean: number;
     slope: number[]; // score per unit
+    offset: number[]; // mean scores of the meshes that have a value, from those of all
+    meshes: number; // that have one
 }
 
 export interface Facts {

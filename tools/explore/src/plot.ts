@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 
-import { groupColours, groupMarks } from "./colours";
+import { colourOf, groupColours, groupMarks, rampScale } from "./colours";
 import { make } from "./dom";
-import type { Facts } from "./model";
+import type { Facts, Label } from "./model";
 
 const width = 360, height = 300, left = 38, right = 8, top = 8, bottom = 34;
 
-/// The mark of a group, about 0, as a path.
-export const markOf = (group: number) => marks[groupMarks[group % groupMarks.length]];
+/// The different values of a label, missing ones left out, in the order of their colours.
+export const groupsOf = ({ values }: Label): string[] =>
+    [...new Set(values)].filter(Boolean).sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
+
+interface Look {
+    colour: string;
+    mark: string; // about 0, as a path
+}
 
 const marks: Record<string, string> = {
     circle: "M-3.2,0a3.2,3.2 0 1,0 6.4,0a3.2,3.2 0 1,0 -6.4,0",
@@ -19,6 +25,11 @@ const marks: Record<string, string> = {
     plus: "M-1,-3.4h2v2.4h2.4v2h-2.4v2.4h-2v-2.4h-2.4v-2h2.4z",
     bar: "M-3.6,-1.3h7.2v2.6h-7.2z",
 };
+
+const cssOf = (rgb: [number, number, number]) => `rgb(${rgb.map(Math.round).join(",")})`;
+const lookOf = (group: number): Look =>
+    ({ colour: groupColours[group % groupColours.length], mark: marks[groupMarks[group % groupMarks.length]] });
+const withoutValue: Look = { colour: "#9a9a9a", mark: "M-2.6,-0.7h5.2v1.4h-5.2z" };
 
 /// The plane of two modes: specimens to click, and the point where one is, to drag. The point lies on a sheet of its own,
 /// so that hundreds of specimens are not painted again with every move.
@@ -49,23 +60,30 @@ export class ScorePlot {
         this.svg = make<SVGSVGElement>("svg", { viewBox }, this.axes, this.specimens);
         this.element = make("div", { class: "scores", role: "group", "aria-label": "Score plot" },
             this.svg, make("svg", { viewBox, class: "sheet" }, this.point));
-        let dragging = false;
-        const drag = (event: PointerEvent, ended: boolean) => {
-            const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM()!.inverse());
-            this.onMove(this.valueOfX(place.x), this.valueOfY(place.y), ended);
-        };
+        // The ring keeps its distance from the pointer that took it, and stays where it is until that has moved. Where it has not,
+        // the click was for the specimen beneath.
+        const slack = 4; // of the view box
+        let grip: { x: number; y: number; dx: number; dy: number; moved: boolean } | null = null;
+        const placeOf = (event: PointerEvent) => new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM()!.inverse());
         this.point.addEventListener("pointerdown", (event) => {
-            dragging = true;
+            if (event.button !== 0) return;
+            const { x, y } = placeOf(event);
+            const [px, py] = this.pointPlace();
+            grip = { x, y, dx: px - x, dy: py - y, moved: false };
             this.point.setPointerCapture(event.pointerId);
             this.point.focus();
             event.preventDefault();
         });
-        this.point.addEventListener("pointermove", (event) => dragging && drag(event, false));
-        for (const end of ["pointerup", "pointercancel"] as const)
-            this.point.addEventListener(end, (event) => {
-                if (dragging) drag(event as PointerEvent, true);
-                dragging = false;
-            });
+        const drag = (event: PointerEvent, ended: boolean) => {
+            if (!grip) return;
+            const { x, y } = placeOf(event);
+            grip.moved ||= Math.hypot(x - grip.x, y - grip.y) > slack;
+            if (grip.moved) this.onMove(this.valueOfX(x + grip.dx), this.valueOfY(y + grip.dy), ended);
+            else if (ended && event.type === "pointerup") this.chooseBeneath(event);
+            if (ended) grip = null;
+        };
+        this.point.addEventListener("pointermove", (event) => drag(event, false));
+        for (const end of ["pointerup", "pointercancel"] as const) this.point.addEventListener(end, (event) => drag(event, true));
         this.point.addEventListener("keydown", (event) => {
             const step = event.shiftKey ? 0.5 : 0.1;
             const [dx, dy] = ({ ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] } as
@@ -78,7 +96,13 @@ export class ScorePlot {
         this.redraw();
     }
 
+    private chooseBeneath({ clientX, clientY }: PointerEvent) {
+        const beneath = document.elementsFromPoint(clientX, clientY).find((element) => element.matches(".specimen"));
+        if (beneath) this.onChoose(Number(beneath.getAttribute("data-specimen")));
+    }
+
     private at: [number, number] = [0, 0];
+    private chosen: number | null = null;
 
     private placeOfX = (value: number) => left + ((value / this.xReach + 1) / 2) * (width - left - right);
     private placeOfY = (value: number) => height - bottom - ((value / this.yReach + 1) / 2) * (height - top - bottom);
@@ -116,42 +140,80 @@ export class ScorePlot {
             make("text", { transform: `translate(11 ${(top + bottomLine) / 2}) rotate(-90)`, "text-anchor": "middle" },
                 `mode ${this.y + 1} (${(100 * facts.modes[this.y].share).toFixed(1)} %)`),
         );
+        const look = this.looks();
         this.specimens.replaceChildren(
             ...facts.specimens.map(({ name }, i) => {
-                const group = this.groupOf(i);
+                const { colour, mark } = look(i);
                 return make("path", {
-                    d: markOf(group),
-                    fill: groupColours[group % groupColours.length],
+                    d: mark,
+                    fill: colour,
                     transform: `translate(${this.placeOfX(this.inDeviations(i, this.x))} ${this.placeOfY(this.inDeviations(i, this.y))})`,
                     class: "specimen",
                     "data-specimen": i,
                     onclick: () => this.onChoose(i),
-                }, make("title", {}, [name, ...facts.labels.map(({ name, values }) => `${name} ${values[i]}`)].join(", ")));
+                }, make("title", {}, [name, ...facts.labels.map(({ name, values }) => `${name} ${values[i] || "none"}`)].join(", ")));
             }),
         );
+        this.mark(this.chosen);
         this.showPoint(...this.at);
     }
 
-    /// The different values of the label, in the order of their colours.
-    groups(): string[] {
-        return this.label < 0 ? [] : [...new Set(this.facts.labels[this.label].values)].sort();
-    }
-    private groupOf(specimen: number): number {
-        return this.label < 0 ? 0 : this.groups().indexOf(this.facts.labels[this.label].values[specimen]);
+    /// Many numbers have a scale of colours, other values a colour and a mark each.
+    private numbers(): { low: number; high: number } | null {
+        const groups = this.label < 0 ? [] : groupsOf(this.facts.labels[this.label]);
+        const values = groups.map(Number);
+        if (groups.length <= groupColours.length || !values.every(Number.isFinite)) return null;
+        return { low: Math.min(...values), high: Math.max(...values) };
     }
 
-    mark(specimen: number) {
+    private looks(): (specimen: number) => Look {
+        if (this.label < 0) return () => lookOf(0);
+        const { values } = this.facts.labels[this.label];
+        const range = this.numbers();
+        if (range) {
+            const scale = rampScale(range.low, range.high);
+            return (i) => (values[i] ? { colour: cssOf(colourOf(scale, Number(values[i]))), mark: marks.circle } : withoutValue);
+        }
+        const groups = groupsOf(this.facts.labels[this.label]);
+        return (i) => (values[i] ? lookOf(groups.indexOf(values[i])) : withoutValue);
+    }
+
+    /// What colours and marks mean.
+    key(): (Look & { text: string })[] {
+        if (this.label < 0) return [];
+        const label = this.facts.labels[this.label];
+        const missing = label.values.some((value) => !value) ? [{ ...withoutValue, text: "no value" }] : [];
+        const range = this.numbers();
+        if (range) {
+            const steps = [0, 0.25, 0.5, 0.75, 1].map((share) => range.low + share * (range.high - range.low));
+            const scale = rampScale(range.low, range.high);
+            return [...steps.map((value) => ({ colour: cssOf(colourOf(scale, value)), mark: marks.circle, text: String(Number(value.toPrecision(3))) })), ...missing];
+        }
+        const groups = groupsOf(label);
+        const first = groups.slice(0, groupColours.length).map((text, group) => ({ ...lookOf(group), text }));
+        const more = groups.length - first.length;
+        const rest = more > 0 ? [{ colour: "none", mark: "", text: `and ${more} more, in the same colours again` }] : [];
+        return [...first, ...rest, ...missing];
+    }
+
+    /// @param specimen  Null: none.
+    mark(specimen: number | null) {
+        this.chosen = specimen;
         this.specimens.querySelectorAll(".chosen").forEach((element) => element.classList.remove("chosen"));
-        this.specimens.children[specimen]?.classList.add("chosen");
+        if (specimen !== null) this.specimens.children[specimen]?.classList.add("chosen");
     }
 
     show(scores: number[]) {
         this.showPoint(scores[this.x], scores[this.y]);
     }
+    /// Where the ring is: at the border, where the shape lies beyond it.
+    private pointPlace(): [number, number] {
+        const [x, y] = this.at;
+        return [this.placeOfX(this.clamp(x / this.xReach) * this.xReach), this.placeOfY(this.clamp(y / this.yReach) * this.yReach)];
+    }
     private showPoint(x: number, y: number) {
         this.at = [x, y];
-        const [px, py] = [this.clamp(x / this.xReach) * this.xReach, this.clamp(y / this.yReach) * this.yReach];
-        this.point.setAttribute("transform", `translate(${this.placeOfX(px)} ${this.placeOfY(py)})`);
+        this.point.setAttribute("transform", `translate(${this.pointPlace().join(" ")})`);
         this.point.setAttribute("aria-valuenow", x.toFixed(2));
         this.point.setAttribute("aria-valuetext", `mode ${this.x + 1} ${x.toFixed(2)}, mode ${this.y + 1} ${y.toFixed(2)} standard deviations`);
     }
@@ -160,12 +222,18 @@ export class ScorePlot {
     document(): string {
         const copy = this.svg.cloneNode(true) as SVGSVGElement;
         copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+        const key = this.key();
+        const [columns, line] = [3, 16];
+        const tall = height + line * Math.ceil(key.length / columns) + (key.length ? 4 : 0);
+        copy.setAttribute("viewBox", `0 0 ${width} ${tall}`);
         copy.setAttribute("width", String(2 * width));
-        copy.setAttribute("height", String(2 * height));
-        copy.append(this.point.cloneNode(true));
+        copy.setAttribute("height", String(2 * tall));
+        copy.append(this.point.cloneNode(true), ...key.map(({ colour, mark, text }, i) =>
+            make("g", { transform: `translate(${left + (i % columns) * ((width - left) / columns)} ${height + line * (Math.floor(i / columns) + 0.5)})` },
+                make("path", { d: mark, fill: colour }), make("text", { x: 8, y: 4 }, text))));
         copy.querySelector(".grip")?.remove();
         copy.querySelectorAll("[tabindex]").forEach((element) => element.removeAttribute("tabindex"));
-        copy.prepend(make("rect", { width, height, fill: "white" }), make<SVGElement>("g"));
+        copy.prepend(make("rect", { width, height: tall, fill: "white" }), make<SVGElement>("g"));
         const style = document.createElementNS("http://www.w3.org/2000/svg", "style");
         style.textContent = "text{font:11px Helvetica,Arial,sans-serif;fill:#333}.grid{stroke:#e4e4e4}.zero{stroke:#999}" +
             ".specimen{fill-opacity:.75}.chosen{stroke:#000}.point circle{fill:none;stroke:#000;stroke-width:2}";

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 
+import type { Place } from "./state";
+
 /// What the page and its workers send each other.
 
 export interface Start {
@@ -41,6 +43,8 @@ export interface Certificate {
     driftMax: number;
     closureEnergy: number;
     invertedFaces: number;
+    crossings: number; // pairs of faces that pass through each other; -1: not counted
+    newCrossings: number; // of them those that do not in the reference mesh
     iterations: number;
     converged: boolean;
 }
@@ -60,6 +64,7 @@ export interface Decoded {
 
 /// With what the page adds, while the worker goes on with the next.
 export interface Shape extends Decoded {
+    place: Place; // where in the model it is
     normals: Float32Array<ArrayBuffer>;
 }
 

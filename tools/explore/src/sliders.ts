@@ -12,14 +12,14 @@ export interface SliderOptions {
     high: number;
     rest: number; // the value of the mean shape
     unit: string; // for assistive technology
-    feasible?: [number, number];
+    marked?: { from: number; to: number; beyond: string }; // hatched beyond, with what that means
     tidy: (value: number) => number; // what is set, of what was wanted
     onInput: (value: number) => void;
     onChange: () => void;
     onPlay?: () => void;
 }
 
-/// A slider with its name, a field for exact values, the feasible range marked.
+/// A slider with its name, a field for exact values, and a range marked.
 export class Slider {
     readonly row: HTMLElement;
     private range: HTMLInputElement;
@@ -51,16 +51,15 @@ export class Slider {
             this.play = make<HTMLButtonElement>("button", { type: "button", class: "play", "aria-label": `Play along ${name}`, "aria-pressed": "false",
                                          onclick: options.onPlay }, "▶");
         const track = make("div", { class: "track" }, this.range);
-        if (options.feasible) {
+        if (options.marked) {
             const share = (value: number) => (100 * Math.min(Math.max((value - low) / (high - low), 0), 1)).toFixed(2);
-            const [from, to] = options.feasible;
-            track.prepend(
-                make("span", { class: "beyond", style: `left:0;width:${share(from)}%`, title: "No mesh has these edge lengths" }),
-                make("span", { class: "beyond", style: `left:${share(to)}%;right:0`, title: "No mesh has these edge lengths" }),
-            );
+            const { from, to, beyond } = options.marked;
+            track.title = `Hatched: ${beyond}`;
+            track.prepend(make("span", { class: "beyond", style: `left:0;width:${share(from)}%` }),
+                make("span", { class: "beyond", style: `left:${share(to)}%;right:0` }));
         }
         this.row = make("div", { class: "slider" },
-            make("span", { class: "name" }, make("b", {}, name), ` ${options.note}`), track, this.field, ...(this.play ? [this.play] : []));
+            make("span", { class: "name", title: `${name}, ${options.note}` }, make("b", {}, name), ` ${options.note}`), track, this.field, ...(this.play ? [this.play] : []));
     }
 
     private take(value: number) {
@@ -68,10 +67,12 @@ export class Slider {
     }
 
     private typed() {
-        const value = Number(this.field.value.replace(",", ".")) / this.factor;
-        const wrong = !Number.isFinite(value) || this.field.value.trim() === "";
+        const text = this.field.value.trim().replace(",", ".").replace("\u2212", "-"); // as texts print minus
+        const wrong = !/^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(text) || !Number.isFinite(Number(text));
         this.field.setAttribute("aria-invalid", String(wrong));
+        this.field.title = wrong ? "This is no number" : "";
         if (wrong) return;
+        const value = Number(text) / this.factor;
         this.take(value);
         this.options.onChange();
     }
@@ -82,11 +83,11 @@ export class Slider {
         this.range.value = String(value);
         this.range.setAttribute("aria-valuetext", `${value.toFixed(2)} ${this.options.unit}`);
         if (document.activeElement !== this.field || this.field.getAttribute("aria-invalid") !== "true") {
-            this.field.value = String(Number((value * this.factor).toPrecision(this.factor === 1 ? 12 : 6)));
+            this.field.value = String(Number((value * this.factor).toPrecision(this.factor === 1 ? 7 : 4)));
             this.field.setAttribute("aria-invalid", "false");
         }
-        const feasible = this.options.feasible;
-        this.row.classList.toggle("outside", !!feasible && (value < feasible[0] || value > feasible[1]));
+        const marked = this.options.marked;
+        this.row.classList.toggle("outside", !!marked && (value < marked.from || value > marked.to));
     }
 
     typeIn(factor: number) {
@@ -103,6 +104,7 @@ export function modeSlider(facts: Facts, k: number, to: Pick<SliderOptions, "onI
     const reach = Math.ceil(2 * most) / 2;
     return new Slider({
         name: `mode ${k + 1}`, note: percent(mode.share), low: -reach, high: reach, rest: 0, unit: "standard deviations", tidy: rounded,
-        feasible: facts.space === "edge" ? [mode.low, mode.high] : undefined, ...to,
+        marked: facts.space === "edge" ? { from: mode.low, to: mode.high, beyond: "with the other modes at 0, no mesh has these edge lengths" } : undefined,
+        ...to,
     });
 }

@@ -39,16 +39,14 @@ export function groupPlace(facts: Facts, label: number, value: string): Place {
     return { ...meanPlace(facts), scores: facts.modes.map((mode, k) => rounded(mean(k) / mode.deviation)) };
 }
 
-/// Standard deviations along the modes of a place, what regressions add included.
+/// Standard deviations along the modes of a place, what regressions add included: nothing where a value is at rest, else what
+/// the line says, which goes through the mean of the meshes that have a value.
 export function totalScores(facts: Facts, place: Place): number[] {
+    const moved = facts.regressions
+        .map(({ slope, offset, mean }, r) => ({ slope, offset, by: place.values[r] - tidied(mean) }))
+        .filter(({ by }) => by !== 0);
     return facts.modes.map((mode, k) =>
-        rounded(
-            facts.regressions.reduce(
-                (sum, { slope, mean }, r) => sum + ((place.values[r] - tidied(mean)) * slope[k]) / mode.deviation,
-                place.scores[k],
-            ),
-        ),
-    );
+        rounded(moved.reduce((sum, { slope, offset, by }) => sum + (offset[k] + by * slope[k]) / mode.deviation, place.scores[k])));
 }
 
 const numbers = (values: number[]) => {
@@ -66,15 +64,27 @@ export function linkOf(place: Place, facts: Facts): string {
     return parts.join("&");
 }
 
+/// What mail programs and the like make of a link, undone.
+function unescaped(link: string): string {
+    const text = link.replace(/^#/, "").replaceAll("&amp;", "&");
+    try {
+        return decodeURIComponent(text);
+    } catch {
+        return text;
+    }
+}
+
 /// The inverse; null if the text did not come from linkOf().
 export function placeOf(link: string, facts: Facts): Place | null {
     const place = meanPlace(facts);
-    const fields: Record<string, number[]> = { s: place.scores, d: place.amounts, r: place.values };
-    for (const part of link.replace(/^#/, "").split("&").filter(Boolean)) {
+    const fields = new Map([["s", place.scores], ["d", place.amounts], ["r", place.values]]);
+    for (const part of unescaped(link).split("&").filter(Boolean)) {
         const [name, text = ""] = part.split("=");
-        const values = text.split(",").filter(Boolean).map(Number);
-        if (!(name in fields) || values.length > fields[name].length || !values.every(Number.isFinite)) return null;
-        values.forEach((value, i) => (fields[name][i] = (name === "r" ? tidied : rounded)(value)));
+        const values = text.split(",");
+        const field = fields.get(name);
+        if (!field || values.length > field.length || !values.every((value) => /^-?[\d.]+(e[-+]?\d+)?$/i.test(value) && Number.isFinite(Number(value))))
+            return null;
+        values.forEach((value, i) => (field[i] = (name === "r" ? tidied : rounded)(Number(value))));
     }
     return place;
 }

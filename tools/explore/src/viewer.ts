@@ -99,6 +99,7 @@ export class Viewer {
             this.sheet.hidden = true;
             canvas.after(this.sheet);
         }
+        canvas.addEventListener("webglcontextrestored", () => this.draw());
         new ResizeObserver(() => this.resize()).observe(canvas);
     }
 
@@ -173,6 +174,8 @@ export class Viewer {
         const distance = (1.02 * this.radius) / Math.sin((0.5 * this.camera.fov * Math.PI) / 180) / Math.min(1, this.camera.aspect ** 0.7);
         this.camera.near = 0.02 * distance;
         this.camera.far = 10 * distance;
+        this.controls.minDistance = 0.25 * distance; // not through the mesh
+        this.controls.maxDistance = 8 * distance; // nor out of what is drawn
         this.camera.position.set(...direction).normalize().multiplyScalar(distance).add(this.centre);
         this.controls.target.copy(this.centre);
         this.camera.updateProjectionMatrix();

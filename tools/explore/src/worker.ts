@@ -105,7 +105,7 @@ function decode({ ticket, scores, amounts, size, quality }: Wanted) {
     const corners: number[] = [];
     for (let f = isBroken.indexOf(1); f >= 0; f = isBroken.indexOf(1, f + 1))
         corners.push(...faces.subarray(3 * f, 3 * f + 3));
-    const figures = new Float64Array(module.memory.buffer, module.shown_figures(), 12);
+    const figures = new Float64Array(module.memory.buffer, module.shown_figures(), 14);
     const certificate: Certificate = {
         status: (["exact", "approximate", "infeasible"] as const)[figures[0]],
         reason: text(module.last_message()),
@@ -120,6 +120,8 @@ function decode({ ticket, scores, amounts, size, quality }: Wanted) {
         invertedFaces: figures[9],
         iterations: figures[10],
         converged: figures[11] !== 0,
+        crossings: figures[12],
+        newCrossings: figures[13],
     };
     const shape: Decoded = {
         kind: "shape",
