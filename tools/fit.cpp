@@ -685,7 +685,7 @@ Run set_up_fit(CLI::App& command)
             "end (default: loops near each other; the template's longest may end early)")
         ->option_text("NAME,NAME");
     add_number(command, "--smoothness", arguments->fit.smoothness,
-               "Weight of dihedral angles beside lengths, > 0 (default: 1)", Sign::Positive);
+               "Weight of dihedral angles beside lengths, > 0 (default: 4)", Sign::Positive);
     add_number(command, "--growth-smoothness", arguments->fit.growth_smoothness,
                "Weight that lets neighbours grow alike, > 0 (default: 50)", Sign::Positive);
     add_integer(command, "--rounds", arguments->rounds,

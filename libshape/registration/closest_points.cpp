@@ -110,6 +110,8 @@ public:
         : tree_(tree), point_(point), rule_(rule), best_(rule.within * rule.within)
     {
         set_reach();
+        if (rule_.guess >= 0)
+            look_at(rule_.guess);
     }
 
     // NOLINTBEGIN(readability-identifier-naming): the names are nanoflann's.
@@ -125,24 +127,7 @@ public:
         const double nearest = best_distance_ + tree_.set.samples[sample].radius;
         if (square_of_sample > nearest * nearest * (1.0 + 1e-12))
             return true; // no point of this part of the face is as near
-        double penalty = 0.0;
-        if (rule_.least_cosine > -1.0 || rule_.normal_weight > 0.0) {
-            const double cosine = rule_.normal.dot(tree_.normals.row(f));
-            if (cosine < rule_.least_cosine)
-                return true;
-            penalty = 2.0 * rule_.normal_weight * rule_.normal_weight * (1.0 - cosine);
-            if (penalty > best_)
-                return true;
-        }
-        const Vector3d a = tree_.corner(f, 0), b = tree_.corner(f, 1), c = tree_.corner(f, 2);
-        const Vector3d weights = nearest_in_triangle(point_, a, b, c);
-        const Vector3d position = weights[0] * a + weights[1] * b + weights[2] * c;
-        const double square = (position - point_).squaredNorm() + penalty;
-        if (square < best_ || (square == best_ && (found_.face < 0 || f < found_.face))) {
-            best_ = square;
-            found_ = {f, weights, position, 0.0};
-            set_reach();
-        }
+        look_at(f);
         return true;
     }
 
@@ -155,6 +140,28 @@ public:
     }
 
 private:
+    void look_at(int f)
+    {
+        double penalty = 0.0;
+        if (rule_.least_cosine > -1.0 || rule_.normal_weight > 0.0) {
+            const double cosine = rule_.normal.dot(tree_.normals.row(f));
+            if (cosine < rule_.least_cosine)
+                return;
+            penalty = 2.0 * rule_.normal_weight * rule_.normal_weight * (1.0 - cosine);
+            if (penalty > best_)
+                return;
+        }
+        const Vector3d a = tree_.corner(f, 0), b = tree_.corner(f, 1), c = tree_.corner(f, 2);
+        const Vector3d weights = nearest_in_triangle(point_, a, b, c);
+        const Vector3d position = weights[0] * a + weights[1] * b + weights[2] * c;
+        const double square = (position - point_).squaredNorm() + penalty;
+        if (square < best_ || (square == best_ && (found_.face < 0 || f < found_.face))) {
+            best_ = square;
+            found_ = {f, weights, position, 0.0};
+            set_reach();
+        }
+    }
+
     void set_reach()
     {
         best_distance_ = std::sqrt(best_);
@@ -227,6 +234,14 @@ SurfacePoint ClosestPoints::nearest(const Vector3d& point, const NearestRule& ru
     Nearest<Tree> nearest(*tree_, point, rule);
     tree_->index->findNeighbors(nearest, point.data(), nanoflann::SearchParams());
     return nearest.result();
+}
+
+Vector3d ClosestPoints::near_point(const Vector3d& point) const
+{
+    std::uint32_t sample = 0;
+    double square = 0.0;
+    tree_->index->knnSearch(point.data(), 1, &sample, &square);
+    return tree_->set.samples[sample].position;
 }
 
 double ClosestPoints::cover() const

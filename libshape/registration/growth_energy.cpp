@@ -10,7 +10,6 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/embedding/energy/stretch_term.h"
-#include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/vertex_normals.h"
 
@@ -47,8 +46,7 @@ VectorXd row_by_row(const Points& points)
 }
 
 /// Of the Laplacian of the edges with these weights, plus a diagonal.
-std::unique_ptr<SinglePrecisionSolve> factor_of(const Topology& topology, const VectorXd& weights,
-                                                const VectorXd& added)
+SparseMatrix laplacian_of(const Topology& topology, const VectorXd& weights, const VectorXd& added)
 {
     std::vector<Eigen::Triplet<double>> entries;
     VectorXd diagonal = VectorXd::Zero(added.size());
@@ -62,7 +60,7 @@ std::unique_ptr<SinglePrecisionSolve> factor_of(const Topology& topology, const 
         entries.emplace_back(v, v, (1.0 + 1e-6) * diagonal[v] + added[v]);
     SparseMatrix matrix(added.size(), added.size());
     matrix.setFromTriplets(entries.begin(), entries.end());
-    return std::make_unique<SinglePrecisionSolve>(SparseCholesky(matrix));
+    return matrix;
 }
 
 } // namespace
@@ -190,6 +188,16 @@ void GrowthEnergy::apply(const LaneVectors& v, LaneVectors& product)
     });
 }
 
+SinglePrecisionSolve GrowthEnergy::factor_of(const VectorXd& weights, const VectorXd& added)
+{
+    const SparseMatrix matrix = laplacian_of(topology_, weights, added);
+    if (cholesky_)
+        cholesky_->refactor(matrix);
+    else
+        cholesky_.emplace(matrix);
+    return SinglePrecisionSolve(*cholesky_);
+}
+
 void GrowthEnergy::prepare()
 {
     const VectorXd weights =
@@ -198,8 +206,7 @@ void GrowthEnergy::prepare()
         prepare_to_slide(weights);
     else
         preconditioner_ =
-            factor_of(topology_, weights,
-                      ((pulls_.row(0) + pulls_.row(3) + pulls_.row(5)) / 3.0).transpose());
+            factor_of(weights, ((pulls_.row(0) + pulls_.row(3) + pulls_.row(5)) / 3.0).transpose());
 }
 
 void GrowthEnergy::prepare_to_slide(const VectorXd& weights)
@@ -214,17 +221,16 @@ void GrowthEnergy::prepare_to_slide(const VectorXd& weights)
         across[v] = n.dot(times(pulls_.col(v), n));
         along[v] = 0.5 * std::max(0.0, pulls_(0, v) + pulls_(3, v) + pulls_(5, v) - across[v]);
     }
-    across_ = factor_of(topology_, weights, across);
-    along_ = factor_of(topology_, weights, along);
+    across_ = factor_of(weights, across);
+    along_ = factor_of(weights, along);
     if (growing_)
         return;
     VectorXd by_strains = VectorXd::Zero(count); // of u, at no strain
     for (int e = 0; e < topology_.edge_count(); ++e)
         for (const int v : topology_.edges().row(e))
             by_strains[v] += 0.5;
-    growing_ =
-        factor_of(topology_, VectorXd::Constant(topology_.edge_count(), options_.growth_smoothness),
-                  by_strains);
+    growing_ = factor_of(VectorXd::Constant(topology_.edge_count(), options_.growth_smoothness),
+                         by_strains);
 }
 
 double GrowthEnergy::precondition(const LaneVectors& rhs, LaneVectors& solution)

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "libshape/edge_space/shape_vectors.h"
@@ -11,6 +11,7 @@
 #include "libshape/embedding/energy/length_dihedral_energy.h"
 #include "libshape/linalg/lanes.h"
 #include "libshape/linalg/single_precision_solve.h"
+#include "libshape/linalg/sparse_cholesky.h"
 #include "libshape/mesh/points.h"
 #include "libshape/mesh/topology.h"
 
@@ -22,8 +23,9 @@ struct GrowthOptions
     double smoothness = 1.0;
     /// gamma below; > 0. What is grown alike costs nothing; large: regions don't grow on their own.
     double growth_smoothness = 50.0;
-    /// How much harder large strains are: c of LengthDihedralEnergy::stiffen(); >= 0. With 0.1 strains of tens of per cent count by their squares.
-    double stiffness = 0.1;
+    /// How much harder large strains are: c of LengthDihedralEnergy::stiffen(); >= 0. With 0.03 strains of
+    /// tens of per cent count by their squares.
+    double stiffness = 0.03;
     /// Whether the preconditioner knows that pulls act across a surface, not along it: a step then slides
     /// vertices as far along it as E asks. Else a step is short along the surface: it is held there as
     /// firmly as across. Of E that changes nothing.
@@ -92,10 +94,15 @@ private:
     LengthDihedralEnergy energy_;
     GaussNewtonOperator operator_;
 
+    [[nodiscard]] SinglePrecisionSolve factor_of(const Eigen::VectorXd& weights,
+                                                 const Eigen::VectorXd& added);
+
+    std::optional<SparseCholesky>
+        cholesky_; // keeps the ordering, which costs more than the numbers
     // The preconditioner: of all motions alike; or of those along the normals, along the surface, and
     // of growth.
-    std::unique_ptr<SinglePrecisionSolve> preconditioner_;
-    std::unique_ptr<SinglePrecisionSolve> across_, along_, growing_;
+    std::optional<SinglePrecisionSolve> preconditioner_;
+    std::optional<SinglePrecisionSolve> across_, along_, growing_;
     LaneVectors normals_; // of the vertices, unit length or 0
 
     Eigen::VectorXd pulled_from_; // y, row by row

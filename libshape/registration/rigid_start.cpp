@@ -127,9 +127,8 @@ double improve(const Points& samples, const Surface& fixed, int steps, RigidMoti
         std::vector<double> distances;
         for (Index i = 0; i < moved.rows(); ++i) {
             throw_if_stop_requested();
-            const SurfacePoint point = fixed.tree.nearest(moved.row(i));
-            nearest.row(i) = point.position;
-            distances.push_back(point.distance);
+            nearest.row(i) = fixed.tree.near_point(moved.row(i));
+            distances.push_back((nearest.row(i) - moved.row(i)).norm());
         }
         score = trimmed_mean(distances);
         std::vector<double> sorted = distances;
@@ -223,7 +222,9 @@ struct Search
                 const Points back = Similarity{scale, c.motion}.inverse(of_scan);
                 std::vector<double> distances;
                 for (Index k = 0; k < back.rows(); ++k)
-                    distances.push_back(scale * moving.tree.nearest(back.row(k)).distance);
+                    distances.push_back(
+                        scale *
+                        (moving.tree.near_point(back.row(k)) - back.row(k).transpose()).norm());
                 c.score += trimmed_mean(std::move(distances));
             }
         });

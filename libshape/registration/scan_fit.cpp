@@ -54,8 +54,10 @@ struct LevelRounds
     double growth_smoothness; // times that of the options
     bool slides_freely;
 };
-constexpr int coarsest_rounds = 30, finer_rounds = 8;
-constexpr int coarsest_steps = 60, finer_steps = 15;
+constexpr int coarsest_rounds = 30, finer_rounds = 5;
+// Few: pairs tell how far to go across the surface, not along it, and a step solved to the end turns limbs about
+// their axes before the next pairs are known (docs/correspondence.md).
+constexpr int coarsest_steps = 12, finer_steps = 15;
 
 /// What level `number` of `count` does when the coarsest comes first.
 constexpr LevelRounds rounds_of(std::size_t number, std::size_t count)
@@ -77,7 +79,7 @@ constexpr LevelRounds free_rounds{12, 2 * finer_steps, 0.3, 0.5, false, 100.0, t
 /// The preconditioner is factorised anew every N-th round, as the pulls have grown meanwhile. Set with the schedule
 /// above.
 constexpr int rounds_between_factors = 5;
-/// Trial::score. Right starts of faces, bodies and an arm have at most 0.041, wrong ones 0.15 and more
+/// Trial::score. Right starts of faces, bodies and an arm have at most 0.054, wrong ones 0.18 and more
 /// (docs/correspondence.md).
 constexpr double doubtful_start = 0.06;
 /// A start of another orientation may be the right one if its score is below the first of these times the best one's
@@ -90,6 +92,7 @@ constexpr double clearly_better = 0.8;
 /// hand.
 constexpr int tried_starts = 4, trial_rounds = 12;
 constexpr int landmark_rounds = 12; // by landmarks alone, before the surface pulls
+constexpr int landmark_steps = 60;  // of each: landmarks tell the whole motion
 /// How strongly one landmark without a tolerance pulls, beside a vertex that the surface pulls. Set by hand.
 constexpr double landmark_strength = 30.0;
 /// Landmarks pull as if the surface's weight were never below this, which it is in early rounds where edges are short
@@ -264,11 +267,12 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
             energy.clear_pulls(mesh.points);
             add_landmark_pulls(level, marks, target, mesh.points, 0.1 * landmark_weight, energy);
             energy.prepare();
-            (void)energy.step(mesh.points, mesh.growth, schedule.linear_steps);
+            (void)energy.step(mesh.points, mesh.growth, landmark_steps);
         }
 
     const int last_changing =
         std::max(1, schedule.rounds - (schedule.to == 1.0 ? settling_rounds : 1));
+    LastPairs last;
     for (int round = 0; round < schedule.rounds; ++round) {
         const double done =
             schedule.from + (schedule.to - schedule.from) *
@@ -277,7 +281,7 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
             .weight = first_weight * std::pow(last_weight / first_weight, done) * in_edges,
             .scale = target.diagonal * first_scale * std::pow(last_scale / first_scale, done)};
         energy.clear_pulls(mesh.points);
-        add_surface_pulls(target.scan, level.topology, mesh.points, rule, energy);
+        add_surface_pulls(target.scan, level.topology, mesh.points, rule, energy, last);
         add_rim_pulls(target.scan, rims, mesh.points, named,
                       {.weight = rim_weight * rule.weight, .scale = rule.scale}, energy);
         add_landmark_pulls(level, marks, target, mesh.points,
@@ -371,13 +375,15 @@ void ScanFitter::State::finish_landmarks(const Target& target, const ShapePoint&
     GrowthEnergy energy = energy_of(level, rest);
     const double in_edges = energy.unit() / target.diagonal * energy.unit() / target.diagonal;
     constexpr double weight = 3e3; // some hundred times landmark_weight
+    LastPairs last;
     for (int round = 0; round < finishing_rounds; ++round) {
         energy.clear_pulls(mesh.points);
         add_surface_pulls(target.scan, level.topology, mesh.points,
                           {.weight = last_weight * in_edges, .scale = last_scale * target.diagonal},
-                          energy);
+                          energy, last);
         add_landmark_pulls(level, marks, target, mesh.points, weight, energy);
-        energy.prepare();
+        if (round == 0) // what pulls stays about as strong
+            energy.prepare();
         (void)energy.step(mesh.points, mesh.growth, 2 * finer_steps);
     }
 }

@@ -26,7 +26,7 @@ struct FitOptions
 {
     /// The weight of dihedral angles beside lengths (mu, docs/notation.md); > 0. Larger: folds and
     /// creases of the template are kept, missing parts continue more stiffly.
-    double smoothness = 1.0;
+    double smoothness = 4.0;
     /// The weight that holds the growth factors of neighbours together; > 0. Larger: the parts of a shape
     /// grow alike.
     double growth_smoothness = 50.0;

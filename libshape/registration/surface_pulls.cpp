@@ -31,10 +31,13 @@ double welsch(double distance, double scale)
 }
 
 /// Nearest points of some points with normals, in parallel.
+/// @param faces  Those of the last ones, to begin with; then theirs.
 std::vector<SurfacePoint> nearest_points(const ClosestPoints& tree, const Points& points,
-                                         const Points& normals, double within)
+                                         const Points& normals, double within,
+                                         std::vector<int>& faces)
 {
     std::vector<SurfacePoint> found(to_size(points.rows()));
+    faces.resize(found.size(), -1);
     parallel_for(found.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const auto row = static_cast<Index>(i);
@@ -42,7 +45,9 @@ std::vector<SurfacePoint> nearest_points(const ClosestPoints& tree, const Points
             rule.within = within;
             rule.normal = normals.row(row);
             rule.least_cosine = least_cosine;
+            rule.guess = faces[i];
             found[i] = tree.nearest(points.row(row), rule);
+            faces[i] = found[i].face;
         }
     });
     return found;
@@ -125,16 +130,18 @@ void add_loop_pulls(const Surface& scan, const RimCurve& of_scan, const RimCurve
 } // namespace
 
 void add_surface_pulls(const Surface& scan, const Topology& topology, const Points& points,
-                       const PullRule& rule, GrowthEnergy& energy)
+                       const PullRule& rule, GrowthEnergy& energy, LastPairs& last)
 {
     const double within = 4.0 * rule.scale; // beyond, Welsch's weight is below exp(-8) = 3e-4
     const Points normals = vertex_normals(points, topology.faces());
-    const std::vector<SurfacePoint> on_scan = nearest_points(scan.tree, points, normals, within);
+    const std::vector<SurfacePoint> on_scan =
+        nearest_points(scan.tree, points, normals, within, last.on_scan);
     for (int v = 0; v < topology.vertex_count(); ++v) {
         const SurfacePoint& pair = on_scan[to_size(v)];
         if (pair.face < 0 || scan.ends_at(pair))
             continue;
-        const Vector3d normal = scan.normal_at(pair);
+        const Vector3d normal =
+            (scan.normal_at(pair) + normals.row(v).transpose()).stableNormalized();
         energy.add_pull(v, normal, normal.dot(pair.position - points.row(v).transpose()),
                         rule.weight * welsch(pair.distance, rule.scale));
     }
@@ -144,7 +151,8 @@ void add_surface_pulls(const Surface& scan, const Topology& topology, const Poin
     const auto some = Eigen::seq(0, scan.points.rows() - 1, stride);
     const Points samples = scan.points(some, Eigen::all);
     const Points sample_normals = scan.normals(some, Eigen::all);
-    const std::vector<SurfacePoint> on_mesh = nearest_points(mesh, samples, sample_normals, within);
+    const std::vector<SurfacePoint> on_mesh =
+        nearest_points(mesh, samples, sample_normals, within, last.on_mesh);
     const double share =
         static_cast<double>(topology.vertex_count()) / static_cast<double>(samples.rows());
     for (Index i = 0; i < samples.rows(); ++i) {
@@ -153,12 +161,15 @@ void add_surface_pulls(const Surface& scan, const Topology& topology, const Poin
             continue;
         const auto corners = topology.faces().row(pair.face);
         bool ends = false;
-        for (int k = 0; k < 3; ++k)
+        Vector3d normal = Vector3d::Zero();
+        for (int k = 0; k < 3; ++k) {
             ends = ends || (pair.barycentric[k] > 0.0 && pair.barycentric.minCoeff() < 1e-9 &&
                             topology.is_boundary_vertex(corners[k]));
+            normal += pair.barycentric[k] * normals.row(corners[k]).transpose();
+        }
         if (ends)
             continue;
-        const Vector3d normal = sample_normals.row(i);
+        normal = (normal.stableNormalized() + sample_normals.row(i).transpose()).stableNormalized();
         const double distance = normal.dot(samples.row(i).transpose() - pair.position);
         const double weight = share * rule.weight * welsch(pair.distance, rule.scale);
         for (int k = 0; k < 3; ++k) // as if each corner moved all of it: no less than what is meant

@@ -19,11 +19,20 @@ struct PullRule
     double scale = 1.0;  ///< Of Welsch's weights exp(-d^2 / (2 scale^2)) [length].
 };
 
+/// The faces that nearest points were found on, to begin with when they are looked for again after a small
+/// move; empty before the first time. They change no result.
+struct LastPairs
+{
+    std::vector<int> on_scan; ///< Of the mesh's vertices; -1: none.
+    std::vector<int> on_mesh; ///< Of the scan's samples.
+};
+
 /// Adds what a scan does to a mesh by pairs of nearest points whose normals agree (n . n' >= 0.3), along
-/// the scan's normal: from every vertex of the mesh, and from about as many of the scan. Pairs that end
-/// at a rim are left out: beyond it the other surface may go on unseen.
+/// n + n' (Rusinkiewicz 2019): from every vertex of the mesh, and from about as many of the scan. Pairs
+/// that end at a rim are left out: beyond it the other surface may go on unseen.
+/// @param last  Of the last call with this scan and topology.
 void add_surface_pulls(const Surface& scan, const Topology& topology, const Points& points,
-                       const PullRule& rule, GrowthEnergy& energy);
+                       const PullRule& rule, GrowthEnergy& energy, LastPairs& last);
 
 /// Adds what rims of a scan do to rims of a mesh, across the rims: pairs of loops whose mean distance
 /// is below a tenth of their lengths, the nearest first, each loop once. The longest loop of a mesh is

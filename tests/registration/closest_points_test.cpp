@@ -65,6 +65,44 @@ TEST(ClosestPoints, FindWhatTryingAllFacesFinds)
     }
 }
 
+TEST(ClosestPoints, AreTheSameWhateverTheGuess)
+{
+    const TestMesh mesh = bumpy_sphere(3, 0.3, 7);
+    const ClosestPoints tree(mesh.points, mesh.topology.faces());
+    std::mt19937 random(3);
+    std::normal_distribution<double> number(0.0, 1.0);
+    std::uniform_int_distribution<int> face(0, mesh.topology.face_count() - 1);
+    for (int trial = 0; trial < 300; ++trial) {
+        // Of a vertex, several faces are the nearest.
+        const Vector3d p = trial % 2 == 0 ? Vector3d(number(random), number(random), number(random))
+                                          : Vector3d(mesh.points.row(trial));
+        NearestRule rule;
+        rule.within = 1.0;
+        rule.normal = Vector3d(number(random), number(random), number(random)).normalized();
+        rule.least_cosine = 0.3;
+        const SurfacePoint found = tree.nearest(p, rule);
+        rule.guess = face(random);
+        const SurfacePoint guessed = tree.nearest(p, rule);
+        EXPECT_EQ(guessed.face, found.face);
+        EXPECT_EQ(guessed.position, found.position);
+    }
+}
+
+TEST(ClosestPoints, ANearPointIsHardlyFartherThanTheNearest)
+{
+    TestMesh mesh = bumpy_sphere(3, 0.3, 7);
+    mesh.points.col(0) *= 20.0;
+    const ClosestPoints tree(mesh.points, mesh.topology.faces());
+    std::mt19937 random(4);
+    std::normal_distribution<double> number(0.0, 3.0);
+    for (int trial = 0; trial < 300; ++trial) {
+        const Vector3d p(5.0 * number(random), number(random), number(random));
+        const Vector3d near = tree.near_point(p);
+        EXPECT_LE((near - p).norm(), tree.nearest(p).distance + tree.cover() + 1e-12);
+        EXPECT_NEAR(tree.nearest(near).distance, 0.0, 1e-12);
+    }
+}
+
 TEST(ClosestPoints, KeepToFacesWhoseNormalsAgreeAndToTheDistance)
 {
     const TestMesh mesh = icosphere(2);

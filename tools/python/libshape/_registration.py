@@ -21,7 +21,7 @@ def fit(
     *,
     landmark_tolerance: float = 0.0,
     boundaries: Sequence[str] = (),
-    smoothness: float = 1.0,
+    smoothness: float = 4.0,
     growth_smoothness: float = 50.0,
     search: bool = True,
 ) -> Tuple[Mesh, FitReport]:
