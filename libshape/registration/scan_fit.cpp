@@ -55,8 +55,7 @@ struct LevelRounds
     bool slides_freely;
 };
 constexpr int coarsest_rounds = 30, finer_rounds = 5;
-// Few: pairs tell how far to go across the surface, not along it, and a step solved to the end turns limbs about
-// their axes before the next pairs are known (docs/correspondence.md).
+// Few: solved to the end, steps left limbs turned about their axes more often (measured, docs/correspondence.md).
 constexpr int coarsest_steps = 12, finer_steps = 15;
 
 /// What level `number` of `count` does when the coarsest comes first.

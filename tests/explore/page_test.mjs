@@ -281,7 +281,7 @@ test("nothing lies over what one clicks", async () => {
         const page = await open("faces.html", { width, height, hash: "#s=-6" });
         await settled(page);
         for (const button of await page.locator("#take button, #controls button:visible").all()) {
-            await button.scrollIntoViewIfNeeded();
+            await button.evaluate((element) => element.scrollIntoView({ block: "center" }));
             const isFree = await button.evaluate((element) => {
                 const { x, y, width, height } = element.getBoundingClientRect();
                 const top = document.elementFromPoint(x + width / 2, y + height / 2);
