@@ -182,6 +182,8 @@ const char* kind_name(OddityKind kind)
             return "size";
         case OddityKind::Copies:
             return "copies";
+        case OddityKind::Coarse:
+            return "coarse";
     }
     return "";
 }
@@ -276,11 +278,12 @@ Result check_all(const Session& session, const Arguments& arguments)
     Result result;
     std::set<std::string> names;
     FormatNotes notes;
+    PolygonCuts cuts;
     for (std::size_t i = 0; i < files.size(); ++i) {
         progress("checking", i, files.size());
         FileContent content;
         try {
-            content = read_mesh_file(files[i], arguments.meshes.triangulate);
+            content = read_mesh_file(files[i], arguments.meshes.triangulate, &cuts);
             notes.add(files[i], content);
         } catch (const InvalidInput& error) {
             result.meshes.push_back({files[i].stem().string(),
@@ -306,6 +309,8 @@ Result check_all(const Session& session, const Arguments& arguments)
     }
     progress("checking", files.size(), files.size());
     notes.say(notices);
+    for (const std::string& folded : cuts.folded)
+        notices.warn(folded);
     check_names(result);
     check_together(result);
     return result;
@@ -401,9 +406,11 @@ Json figures(const Result& result)
 }
 
 /// Reads again, as triangles, what only polygons kept from being read.
-void read_polygons(Result& result)
+/// @return  What folds over, a sentence a mesh.
+std::vector<std::string> read_polygons(Result& result)
 {
     std::vector<NamedMesh> readable;
+    PolygonCuts cuts;
     std::size_t next = 0;
     for (const CheckedMesh& mesh : result.meshes) {
         if (mesh.is_readable) {
@@ -411,7 +418,7 @@ void read_polygons(Result& result)
             continue;
         }
         try {
-            FileContent content = read_mesh_file(mesh.path, true);
+            FileContent content = read_mesh_file(mesh.path, true, &cuts);
             for (NamedMesh& split : content.meshes) {
                 result.triangulated.insert(split.path);
                 readable.push_back(std::move(split));
@@ -421,6 +428,7 @@ void read_polygons(Result& result)
         }
     }
     result.readable = std::move(readable);
+    return std::move(cuts.folded);
 }
 
 /// Which part of a mesh that was split this is, as repair_meshes() names them: parts correspond to the same
@@ -566,7 +574,7 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
     std::map<std::string, std::size_t> rows; // of the labels
     for (std::size_t i = 0; i < result.readable.size(); ++i)
         rows.emplace(result.readable[i].name, i);
-    read_polygons(result);
+    const std::vector<std::string> folded = read_polygons(result);
     Fixed fixed;
     for (const auto& [name, why] : result.unreadable)
         fixed.leave(name, name, false, why);
@@ -589,6 +597,7 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
         repaired.changes.insert(repaired.changes.begin(), join(list_names(triangulated, all),
                                                                ": polygons split into triangles"));
     }
+    repaired.kept.insert(repaired.kept.end(), folded.begin(), folded.end());
     sort_out(std::move(repaired.meshes), arguments, fixed);
     const std::vector<std::string> outputs =
         write_fixed(session, arguments, result.labels, rows, fixed.sound);
@@ -652,10 +661,10 @@ Run set_up_check(CLI::App& command)
         "inequalities of edge-length space, and correspondence with the first mesh. Warns of what\n"
         "is seldom meant: seams (vertices that lie on or near one another), mirror images, sheets\n"
         "that bend the other way, surfaces that are inside out, sizes in other units, copies,\n"
-        "meshes far from all others, names that tables of labels take for one. Says also whether\n"
-        "`shape conformal` can map the surface to the sphere. Indices count from 0. The exit code "
-        "is 3 if anything is broken,\n"
-        "with --fix if something is left to repair; warnings alone leave it 0.");
+        "coarse coordinates, meshes far from all others, names that tables of labels take for\n"
+        "one. Says also whether `shape conformal` can map the surface to the sphere. Indices\n"
+        "count from 0. The exit code is 3 if anything is broken, with --fix if something is left\n"
+        "to repair; warnings alone leave it 0.");
     command.footer(
         "Examples:\n"
         "  shape check faces/ --verbose\n"

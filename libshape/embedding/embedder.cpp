@@ -19,6 +19,7 @@
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/working_unit.h"
 
 namespace shape {
 using namespace internal;
@@ -54,6 +55,8 @@ void check(const EmbeddingOptions& options)
 struct Embedder::State
 {
     Topology topology;
+    /// working_unit() of the first reference; a mesh in here is this times the mesh as it is.
+    double unit;
     std::vector<Points> references;
     EmbeddingOptions options;
 
@@ -70,11 +73,19 @@ struct Embedder::State
 
     State(const Topology& of, std::vector<Points> near, const EmbeddingOptions& by)
         : topology(of),
-          references(std::move(near)),
+          unit(working_unit(of, near.front())),
+          references(in_unit(std::move(near))),
           options(by),
           crossings(topology, references),
           contacts(topology, references, crossings, by.smoothness.value_or(default_smoothness))
     {
+    }
+
+    [[nodiscard]] std::vector<Points> in_unit(std::vector<Points> meshes) const
+    {
+        for (Points& mesh : meshes)
+            mesh *= unit;
+        return meshes;
     }
 
     /// Moves faces apart if that is asked for.
@@ -127,7 +138,7 @@ struct Embedder::State
 
 namespace {
 
-/// Energies and weights hold fourth powers of lengths and of their inverses.
+/// Measures of results hold fifth powers of lengths.
 void check_size(double largest, const char* what)
 {
     constexpr double limit = 1e60;
@@ -171,11 +182,14 @@ Embedder::~Embedder() = default;
 Embedder::Embedder(Embedder&&) noexcept = default;
 Embedder& Embedder::operator=(Embedder&&) noexcept = default;
 
-Embedding Embedder::embed(const ShapePoint& target) const
+Embedding Embedder::embed(const ShapePoint& point) const
 {
     State& s = *state_;
-    if (target.edge_lengths.size() > 0)
-        check_size(target.edge_lengths.cwiseAbs().maxCoeff(), "the target");
+    if (point.edge_lengths.size() > 0)
+        check_size(point.edge_lengths.cwiseAbs().maxCoeff(), "the target");
+    ShapePoint target = point;
+    target.edge_lengths *= s.unit;
+    target.positions *= s.unit;
     const EmbeddingMethod method = method_for(s.options.method, s.topology, target);
     s.prepare(method);
     const Clock::time_point start = Clock::now();
@@ -218,27 +232,30 @@ Embedding Embedder::embed(const ShapePoint& target) const
     embedding.report.setup_seconds = s.setup_seconds(method);
     s.crossings.add_to(embedding);
     embedding.report.avoidable_self_intersections = avoidable;
+    embedding.points /= s.unit;
     return embedding;
 }
 
 Embedding Embedder::embed(const DecodedShape& shape) const
 {
-    if (const Points* const points = std::get_if<Points>(&shape)) {
+    if (const Points* const whole = std::get_if<Points>(&shape)) {
         State& s = *state_;
-        Embedding embedding = as_embedding(s.topology, *points);
+        const Points points = s.unit * *whole;
+        Embedding embedding = as_embedding(s.topology, points);
         if (s.options.avoid_contact) {
             const Clock::time_point start = Clock::now();
-            const ShapePoint own{edge_lengths(s.topology, *points),
-                                 dihedral_angles(s.topology, *points)};
-            Points moved = *points;
+            const ShapePoint own{edge_lengths(s.topology, points),
+                                 dihedral_angles(s.topology, points)};
+            Points moved = points;
             const std::optional<int> avoidable = s.avoid_contact(moved, own);
-            if (moved != *points) {
-                embedding = finished_embedding(s.topology, moved, *points, own, start);
+            if (moved != points) {
+                embedding = finished_embedding(s.topology, moved, points, own, start);
                 embedding.report.converged = true;
             }
             embedding.report.avoidable_self_intersections = avoidable;
         }
         s.crossings.add_to(embedding);
+        embedding.points /= s.unit;
         return embedding;
     }
     return embed(std::get<ShapePoint>(shape));

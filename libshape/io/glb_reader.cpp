@@ -262,6 +262,8 @@ private:
 
 Eigen::Matrix4d local_matrix(const Glb& glb, const Json& node)
 {
+    constexpr double rounding_of_8_bits = 0.00769; // as the glTF validator allows it
+    constexpr double rounding_of_text = 1e-6;
     const auto numbers = [&](const char* name, std::vector<double> standard) {
         const Json& list = glb.list(node, name);
         if (list.empty())
@@ -277,13 +279,24 @@ Eigen::Matrix4d local_matrix(const Glb& glb, const Json& node)
     };
     if (node.contains("matrix")) {
         const std::vector<double> columns = numbers("matrix", std::vector<double>(16, 0.0));
-        return Eigen::Map<const Eigen::Matrix4d>(columns.data());
+        const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix4d>(columns.data());
+        const Eigen::RowVector4d last = matrix.row(3);
+        if ((last - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > rounding_of_text)
+            glb.fail(join("'matrix' of a node has the last row (", last[0], ", ", last[1], ", ",
+                          last[2], ", ", last[3],
+                          "), must be (0, 0, 0, 1): glTF knows no perspective; apply the "
+                          "transformation in the program that made it and export again"));
+        return matrix;
     }
     const std::vector<double> move = numbers("translation", {0, 0, 0});
     const std::vector<double> turn = numbers("rotation", {0, 0, 0, 1});
     const std::vector<double> scale = numbers("scale", {1, 1, 1});
+    const Eigen::Quaterniond rotation(turn[3], turn[0], turn[1], turn[2]);
+    if (!(std::abs(rotation.norm() - 1.0) <= rounding_of_8_bits))
+        glb.fail(join("'rotation' of a node has the norm ", rotation.norm(),
+                      ", must be 1 (a unit quaternion); export again, rotation applied"));
     const Eigen::Affine3d matrix = Eigen::Translation3d(move[0], move[1], move[2]) *
-                                   Eigen::Quaterniond(turn[3], turn[0], turn[1], turn[2]) *
+                                   rotation.normalized() *
                                    Eigen::Scaling(scale[0], scale[1], scale[2]);
     return matrix.matrix();
 }
@@ -571,7 +584,12 @@ MeshFileContent parse_glb(std::string_view content, const std::filesystem::path&
             throw LimitExceeded(
                 join(path.string(), ": its nodes place more than ", row_limit,
                      " vertices or faces in all, the limit; export fewer in a file"));
-        if (node.place.topLeftCorner<3, 3>().determinant() < 0.0) // glTF 2.0, section 3.7.4
+        const double volume = node.place.topLeftCorner<3, 3>().determinant();
+        if (volume == 0.0)
+            glb.fail(join("the node of mesh ", number,
+                          " flattens it (a scale of 0 makes it invisible); take the node out, or "
+                          "give it a scale, and export again"));
+        if (volume < 0.0) // glTF 2.0, section 3.7.4
             faces.col(1).swap(faces.col(2));
         std::string name = stem;
         if (placed.size() > 1) {

@@ -11,6 +11,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
+#include "libshape/mesh/polygon_cut.h"
 
 namespace shape::internal {
 
@@ -75,6 +76,10 @@ void MeshBuilder::add_polygon(std::span<const std::int64_t> corners)
         if (v < 0 || v >= count)
             fail_(join("a face names vertex ", v, " (counted from 0) after only ",
                        counted(count, "vertex", "vertices")));
+    if (corners.size() > 3) {
+        polygons_.push_back(face_count());
+        sizes_.push_back(static_cast<int>(corners.size()));
+    }
     for (std::size_t i = 2; i < corners.size(); ++i)
         corners_.insert(corners_.end(),
                         {static_cast<int>(corners[0]), static_cast<int>(corners[i - 1]),
@@ -99,9 +104,102 @@ NamedMesh MeshBuilder::finish() const
             join(path_.string(), ": the file has ", counted(vertex_count(), "vertex", "vertices"),
                  " and ", counted(face_count(), "face"),
                  "; a mesh needs some of both (export the faces as well, and only the surface)"));
+    const std::vector<int> cut = polygons_.empty() ? std::vector<int>() : cut_corners();
+    const std::vector<int>& corners = polygons_.empty() ? corners_ : cut;
     return {text_name(path_.stem().string()), path_.string(),
             Eigen::Map<const Points>(coordinates_.data(), vertex_count(), 3),
-            Eigen::Map<const Faces>(corners_.data(), face_count(), 3)};
+            Eigen::Map<const Faces>(corners.data(), face_count(), 3)};
+}
+
+/// Vertices of a polygon, from the fan that stands for it.
+std::vector<int> MeshBuilder::polygon_corners(std::size_t polygon) const
+{
+    const auto at = corners_.begin() + 3 * polygons_[polygon];
+    std::vector<int> vertices(at, at + 2);
+    for (int i = 2; i < sizes_[polygon]; ++i)
+        vertices.push_back(at[3 * (i - 2) + 2]);
+    return vertices;
+}
+
+Points MeshBuilder::positions_of(const std::vector<int>& vertices) const
+{
+    Points points(std::ssize(vertices), 3);
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+        points.row(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::RowVector3d>(
+            coordinates_.data() + 3 * std::ptrdiff_t{vertices[i]});
+    return points;
+}
+
+std::string MeshBuilder::describe(std::size_t polygon) const
+{
+    constexpr std::size_t most = 8;
+    std::int64_t face = polygons_[polygon]; // less what the polygons before have more than one
+    for (std::size_t p = 0; p < polygon; ++p)
+        face -= sizes_[p] - 3;
+    const std::vector<int> vertices = polygon_corners(polygon);
+    std::string text = join("face ", face, " (vertices ", vertices[0]);
+    for (std::size_t i = 1; i < std::min(most, vertices.size()); ++i)
+        text += join(", ", vertices[i]);
+    return text + (vertices.size() > most ? ", ...)" : ")");
+}
+
+std::vector<int> MeshBuilder::cut_corners() const
+{
+    PolygonCuts* const cuts = options_.cuts;
+    if (cuts != nullptr && cuts->polygons == polygons_ && cuts->fans == corners_) {
+        note_folded(cuts->corners);
+        return cuts->corners;
+    }
+    std::vector<int> corners = corners_;
+    for (std::size_t p = 0; p < polygons_.size(); ++p) {
+        const std::vector<int> vertices = polygon_corners(p);
+        const Points points = positions_of(vertices);
+        if (!fan_folds_over(points))
+            continue;
+        const auto cut = cut_polygon(points);
+        if (!cut)
+            throw InvalidInput(join(path_.string(), ": ", describe(p),
+                                    " crosses itself: however it is cut, a triangle folds over; "
+                                    "repair it, or cut it in "
+                                    "the program that made it (`Triangulate Faces`)"));
+        std::size_t next = to_size(3 * polygons_[p]);
+        for (const CutTriangle& triangle : *cut)
+            for (const int corner : triangle)
+                corners[next++] = vertices[to_size(corner)];
+    }
+    if (cuts != nullptr && cuts->corners.empty()) {
+        cuts->fans = corners_;
+        cuts->polygons = polygons_;
+        cuts->corners = corners;
+        cuts->first = path_.string();
+    }
+    return corners;
+}
+
+/// Polygons that fold over though those of the first mesh do not.
+void MeshBuilder::note_folded(const std::vector<int>& corners) const
+{
+    std::vector<std::size_t> folded;
+    for (std::size_t p = 0; p < polygons_.size(); ++p) {
+        const std::vector<int> vertices = polygon_corners(p);
+        std::vector<CutTriangle> cut;
+        for (int i = 0; i < sizes_[p] - 2; ++i) {
+            cut.emplace_back();
+            for (int c = 0; c < 3; ++c) {
+                const int vertex = corners[to_size(3 * (polygons_[p] + i) + c)];
+                cut.back()[to_size(c)] = static_cast<int>(
+                    std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin());
+            }
+        }
+        if (folds_over(positions_of(vertices), cut))
+            folded.push_back(p);
+    }
+    if (!folded.empty())
+        options_.cuts->folded.push_back(
+            join(path_.string(), ": ", counted(folded.size(), "polygon"), " cut as in ",
+                 options_.cuts->first, folded.size() == 1 ? " folds" : " fold",
+                 " over there, first ", describe(folded.front()),
+                 "; cut them in the program that made them, the same way in all files"));
 }
 
 } // namespace shape::internal

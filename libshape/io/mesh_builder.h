@@ -44,9 +44,16 @@ public:
     [[nodiscard]] std::int64_t vertex_count() const;
     [[nodiscard]] std::int64_t face_count() const;
 
+    /// @throws InvalidInput if there are no vertices or faces, or a polygon crosses itself.
     [[nodiscard]] NamedMesh finish() const;
 
 private:
+    [[nodiscard]] std::vector<int> cut_corners() const;
+    void note_folded(const std::vector<int>& corners) const;
+    [[nodiscard]] std::vector<int> polygon_corners(std::size_t polygon) const;
+    [[nodiscard]] Points positions_of(const std::vector<int>& vertices) const;
+    /// "face 12 (vertices 3, 4, 5, 6)", as the file counts faces.
+    [[nodiscard]] std::string describe(std::size_t polygon) const;
     void check_limit(std::string_view what, std::int64_t count, std::int64_t limit) const;
 
     std::filesystem::path path_;
@@ -54,7 +61,9 @@ private:
     Fail fail_;
     std::int64_t expected_ = 0;
     std::vector<double> coordinates_;
-    std::vector<int> corners_;
+    std::vector<int> corners_;           ///< Of triangles, polygons as fans.
+    std::vector<std::int64_t> polygons_; ///< The first triangle of each of more than 3 corners.
+    std::vector<int> sizes_;             ///< Corners of these.
 };
 
 } // namespace shape::internal

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -24,9 +25,25 @@ enum class MeshFormat
     Glb, ///< Binary glTF 2.0, single precision; see gltf_file.h.
 };
 
+/// How the polygons of the first mesh of several were cut, so that the others are cut likewise and correspond to it.
+struct PolygonCuts
+{
+    std::vector<int> fans; ///< Corners of all triangles, if every polygon were a fan.
+    std::vector<std::int64_t>
+        polygons;             ///< The first triangle of each polygon of more than 3 corners.
+    std::vector<int> corners; ///< Of the triangles as they are; empty before the first mesh.
+    std::string first;        ///< Path of that.
+    /// A sentence for each further mesh of which polygons, cut so, fold over.
+    std::vector<std::string> folded;
+};
+
 struct MeshReadOptions
 {
-    bool triangulate = false; ///< Polygons are split as fans from their first corner, else refused.
+    /// Polygons are cut into triangles, else refused: as fans from their first corner, those of which the fan folds over
+    /// (a triangle n, the polygon N, normals weighted by area, and n . N <= 0) by ears.
+    bool triangulate = false;
+    /// Meshes that are read with it, and have the polygons of the first of them, are cut as that.
+    PolygonCuts* cuts = nullptr;
 };
 
 /// The meshes of one file, and what its format has cost them.
@@ -50,7 +67,7 @@ struct MeshFileContent
 /// @throws InvalidInput naming file, line or byte offset, and rule, for anything malformed: an
 ///     unknown ending or that of a format not read, counts that disagree with the data or exceed
 ///     the file's size, coordinates that are missing or not finite, indices out of range, polygons
-///     without `triangulate`; or if the file holds several meshes.
+///     without `triangulate`, or that cross themselves; or if the file holds several meshes.
 /// Cost: linear in the size of the file, which is held in memory.
 [[nodiscard]] NamedMesh read_mesh(const std::filesystem::path& path,
                                   const MeshReadOptions& options = {});

@@ -99,10 +99,18 @@ void parse_binary(std::string_view content, const std::string& path, MeshBuilder
                   std::size_t& offset)
 {
     const std::size_t count = stated_count(content);
-    if (content.size() != head_size + face_size * count)
-        throw InvalidInput(join(path, ": byte 80: ", counted(count, "face"), " are ",
-                                head_size + face_size * count, " bytes, the file has ",
-                                content.size(), "; is this an STL file?"));
+    const std::size_t size = head_size + face_size * count;
+    if (content.size() != size)
+        throw InvalidInput(
+            join(path, ": byte 80: ", counted(count, "face"), count == 1 ? " takes " : " take ",
+                 size, " bytes, the file has ", content.size(), "; ",
+                 content.size() < size
+                     ? "is this an STL file? Then it was cut off: export or copy it again"
+                     : join("what follows byte ", size,
+                            " belongs to no face: export it again, in another format if its "
+                            "program adds something of its own; or, if it is known to be of no "
+                            "use, cut it off (truncate -s ",
+                            size, " FILE)")));
     mesh.reserve(0, static_cast<std::int64_t>(count));
     CornerMerger merger(mesh);
     for (std::size_t f = 0; f < count; ++f) {

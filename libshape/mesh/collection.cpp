@@ -69,8 +69,8 @@ std::string cause_of_flipped_faces(const NamedMesh& reference, const NamedMesh& 
     const auto is_mirrored = [&] {
         try {
             const Topology topology(reference.faces, static_cast<int>(reference.points.rows()));
-            return is_mirror_image(topology, mesh.points, reference.points) &&
-                   !may_bend_over(topology, mesh.points);
+            return !compare_handedness(topology, std::array{reference.points, mesh.points})
+                        .mirrored.empty();
         } catch (const InvalidInput&) { // the reference is broken: a thing of its own
             return false;
         }

@@ -2,7 +2,11 @@
 
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "libshape/mesh/points.h"
+#include "libshape/mesh/topology.h"
 
 namespace shape::internal {
 
@@ -14,5 +18,34 @@ namespace shape::internal {
 /// What was rounded once and then turned or scaled in double precision does not show it any more.
 /// @param points  Finite. Cost: O(#V), for full double precision that of a few vertices.
 [[nodiscard]] double coordinate_spacing(const Points& points);
+
+/// Coordinates that are coarse beside the edges of their mesh.
+struct CoarseCoordinates
+{
+    double step = 0.0;  ///< Along one axis all are multiples of it, from the first one on [length].
+    double share = 0.0; ///< Of the median edge [1].
+    double largest = 0.0;   ///< Coordinate of that axis [length].
+    bool is_single = false; ///< All of them are numbers in single precision.
+    /// Numbers of that size have no finer steps: the mesh is far from the origin. Else digits were cut off.
+    bool is_far = false;
+};
+
+/// The axis with the coarsest steps, if these are more than a hundredth of the median edge: rounding then is part of
+/// every length. Steps are found that are powers of two, or of ten, or multiples of these; what was turned or scaled
+/// after the rounding does not show them.
+///
+/// Nothing is said of fewer than 20 vertices, as made by hand in round numbers, and of axes along which 99 % of the edges run
+/// by one step at most, or, if that is so along two axes, by two: surfaces of voxels (marching cubes at half the
+/// distance included), the raster of heights and slices are exact there. Of voxels that were decimated afterwards, it is said;
+/// so it is where numbers have no finer steps.
+/// @param points  Finite. @param exempt_rasters  Without it, nothing is said of these axes.
+/// Cost: O(#F), of double precision with all digits little more than the edges' lengths.
+[[nodiscard]] std::optional<CoarseCoordinates> coarse_coordinates(const Faces& faces,
+                                                                  const Points& points,
+                                                                  bool exempt_rasters = true);
+
+/// "multiples of 0.0625, 20 % of the median edge: single precision has no finer numbers 8.8e+05 from the origin. Export
+/// relative to a local origin or in double precision".
+[[nodiscard]] std::string describe(const CoarseCoordinates& coarse);
 
 } // namespace shape::internal

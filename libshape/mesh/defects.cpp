@@ -14,6 +14,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/base/vector3.h"
 #include "libshape/base/vectorised.h"
+#include "libshape/mesh/coordinate_spacing.h"
 #include "libshape/mesh/partition.h"
 #include "libshape/mesh/triangle_area.h"
 
@@ -239,6 +240,13 @@ bool has_usual_size(const Faces& faces, const Points& points, DefectList& list)
     return false;
 }
 
+/// That coordinates are too coarse, if they are.
+std::string cause_of_collapse(const Faces& faces, const Points& points)
+{
+    const auto coarse = coarse_coordinates(faces, points, false);
+    return coarse ? join("; coordinates are ", describe(*coarse)) : "";
+}
+
 } // namespace
 
 std::vector<Defect> find_defects(const Faces& faces, int vertex_count, int limit)
@@ -281,17 +289,22 @@ std::vector<Defect> find_degenerate_geometry(const Faces& faces, const Points& p
     const bool is_finite = list.empty();
     if (is_finite && faces.rows() > 0 && !has_usual_size(faces, points, list))
         return list.take();
+    bool is_first = true;
     for (const int f : suspects(faces, points)) {
         const Eigen::RowVector3d a = points.row(faces(f, 0));
         const Eigen::RowVector3d b = points.row(faces(f, 1));
         const Eigen::RowVector3d c = points.row(faces(f, 2));
         const double area = triangle_area(a, b, c);
         const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-        if (area <= 1e-14 * longest * longest)
-            list.add(DefectKind::DegenerateTriangle, f, faces(f, 0),
-                     join("face ", f, " (", faces(f, 0), ", ", faces(f, 1), ", ", faces(f, 2),
-                          ") has no area; move one of its vertices, the triangle inequality "
-                          "must be strict"));
+        if (area > 1e-14 * longest * longest)
+            continue;
+        const std::string cause = is_finite && is_first ? cause_of_collapse(faces, points) : "";
+        is_first = false;
+        list.add(DefectKind::DegenerateTriangle, f, faces(f, 0),
+                 join("face ", f, " (", faces(f, 0), ", ", faces(f, 1), ", ", faces(f, 2),
+                      ") has no area; move one of its vertices, the triangle inequality "
+                      "must be strict",
+                      cause));
     }
     return list.take();
 }

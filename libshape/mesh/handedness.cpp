@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "libshape/base/error.h"
@@ -228,42 +229,95 @@ double curvature(const Topology& topology, const std::vector<std::vector<int>>& 
     return sum;
 }
 
-constexpr double most_of_a_sheet = 1.0; // [rad]; set by hand: see may_bend_over()
+// [rad]; set by hand: see may_bend_over() and compare_handedness()
+constexpr double most_of_a_sheet = 1.0;
+constexpr double most_of_a_membrane = 10.0;
 
-/// Whether meshes bend to both sides of flat with nothing between, as left and right ones do, and not more and less
-/// about it, as leaves that curl.
-bool has_gap(const Eigen::MatrixXd& sines, const std::vector<int>& side)
+/// How far each mesh bends along the direction that all have in common but for its sign; those left out that have
+/// nothing of it though they are as rough as others.
+/// @param sines  A row a mesh.
+std::vector<double> bends_of(const Eigen::MatrixXd& sines, const std::vector<int>& side)
 {
-    constexpr double least_gap = 10.0; // spreads, as odd_sizes() has it; of few, chance leaves six
-    const Eigen::Index count = sines.rows();
-    if (count < 5) // how they vary is not known
-        return false;
+    const Eigen::VectorXd norms = sines.rowwise().norm();
+    const double rough = 0.5 * median({norms.begin(), norms.end()});
     Eigen::VectorXd common = Eigen::VectorXd::Zero(sines.cols());
-    for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index i = 0; i < sines.rows(); ++i)
         common += side[to_size(i)] * sines.row(i).transpose().normalized();
-    const Eigen::ArrayXd bends = sines * common.normalized();
-    double squares = 0.0;
-    for (const bool above : {true, false}) {
-        const Eigen::ArrayXd within = ((bends > 0.0) == above).cast<double>();
-        const double mean = (bends * within).sum() / std::max(1.0, within.sum());
-        squares += ((bends - mean).square() * within).sum();
-    }
-    const double least = (bends > 0.0).select(bends, bends.maxCoeff()).minCoeff();
-    const double most = (bends > 0.0).select(bends.minCoeff(), bends).maxCoeff();
-    return least - most >= least_gap * std::sqrt(squares / static_cast<double>(count - 2));
+    common.normalize();
+    std::vector<double> bends;
+    for (Eigen::Index i = 0; i < sines.rows(); ++i)
+        if (side[to_size(i)] != 0 || norms[i] < rough)
+            bends.push_back(sines.row(i).dot(common));
+    return bends;
 }
 
-/// Whether meshes are such sheets and bend more or less to either side.
+/// Whether meshes bend to both sides of flat with nothing between, as left and right ones do, and not more and less
+/// about it, as leaves that curl and membranes that swing.
+bool has_gap(const std::vector<double>& bends)
+{
+    constexpr double least_gap = 10.0; // spreads, as odd_sizes() has it; of few, chance leaves six
+    double squares = 0.0;
+    double least = std::numeric_limits<double>::infinity(); // of those above 0
+    double most = -least;                                   // of the others
+    for (const bool above : {true, false}) {
+        double sum = 0.0;
+        double sum_of_squares = 0.0;
+        double count = 0.0;
+        for (const double bend : bends)
+            if ((bend > 0.0) == above) {
+                (above ? least : most) = above ? std::min(least, bend) : std::max(most, bend);
+                sum += bend;
+                sum_of_squares += bend * bend;
+                count += 1.0;
+            }
+        if (count > 0.0)
+            squares += std::max(0.0, sum_of_squares - sum * sum / count);
+    }
+    return least - most >=
+           least_gap * std::sqrt(squares / static_cast<double>(std::ssize(bends) - 2));
+}
+
+/// Whether all bend as far as one another, to 10 %.
+bool are_alike(const std::vector<double>& bends)
+{
+    double least = std::numeric_limits<double>::infinity();
+    double most = 0.0;
+    for (const double bend : bends) {
+        least = std::min(least, std::abs(bend));
+        most = std::max(most, std::abs(bend));
+    }
+    return most <= 1.1 * least;
+}
+
+/// Whether open meshes may as well bend more or less to either side.
 bool is_guess(const Topology& topology, const std::vector<std::vector<int>>& loops,
               std::span<const Points> meshes, const Eigen::MatrixXd& sines,
               const std::vector<int>& side)
 {
-    if (topology.is_closed() || topology.genus() > 0 || has_gap(sines, side))
-        return false;
+    constexpr std::size_t least_meshes = 5; // of fewer, how they vary is not known
+    const std::vector<double> bends = bends_of(sines, side);
+    if (bends.size() >= least_meshes)
+        return !has_gap(bends);
     std::vector<double> curvatures;
     for (const Points& points : meshes)
         curvatures.push_back(curvature(topology, loops, points));
-    return median(curvatures) < most_of_a_sheet;
+    const double usual = median(curvatures);
+    return usual < most_of_a_sheet || (usual < most_of_a_membrane && !are_alike(bends));
+}
+
+/// Whether those that are mirrored have their insides on the other side than the rest, so far as that can be told.
+bool are_turned_inside_out(const std::vector<int>& outward, const std::vector<int>& side, int odd)
+{
+    int others = 0;
+    for (std::size_t i = 0; i < side.size(); ++i) {
+        if (side[i] == 0)
+            continue;
+        const int expected = side[i] == odd ? -outward[i] : outward[i];
+        if (expected == 0 || expected == -others)
+            return false;
+        others = expected;
+    }
+    return others != 0;
 }
 
 } // namespace
@@ -317,7 +371,9 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
         }
     }
     result.inside_out = result.inside_out && has_others;
-    if (!result.mirrored.empty() && is_guess(topology, loops, meshes, sines, side))
+    if (!result.mirrored.empty() && !topology.is_closed() &&
+        !are_turned_inside_out(outward, side, odd) &&
+        is_guess(topology, loops, meshes, sines, side))
         std::swap(result.mirrored, result.bent);
     return result;
 }
@@ -339,6 +395,25 @@ bool is_mirror_image(const Topology& topology, const Points& mesh, const Points&
     const Eigen::VectorXd mean = mean_dihedral_angles(edges).array().sin();
     const double norm = mean.norm();
     return norm > 0.0 && side_of(bending(topology, edges, mesh).normalized().dot(mean) / norm) < 0;
+}
+
+bool may_be_bent(const Topology& topology, const Points& mesh, const Points& reference,
+                 const Eigen::VectorXd& mean_dihedral_angles)
+{
+    constexpr double alike = 1.5; // the mean of meshes is smoother than they are
+    if (topology.is_closed())
+        return false;
+    if (mean_dihedral_angles.size() == 0)
+        return !compare_handedness(topology, std::array{reference, mesh}).bent.empty();
+    if (!is_mirror_image(topology, mesh, reference, mean_dihedral_angles))
+        return false;
+    if (may_bend_over(topology, mesh))
+        return true;
+    const std::vector<int> edges = compared_edges(topology);
+    const Eigen::VectorXd mean = mean_dihedral_angles(edges).array().sin();
+    const double ratio = std::abs(bending(topology, edges, mesh).dot(mean)) / mean.squaredNorm();
+    return (ratio > alike || ratio < 1.0 / alike) &&
+           curvature(topology, boundary_loops(topology), mesh) < most_of_a_membrane;
 }
 
 bool may_bend_over(const Topology& topology, const Points& points)

@@ -23,8 +23,8 @@ struct Handedness
     /// Meshes that are mirror images of the others: the fewer of the two kinds; of equally many,
     /// those inside out. Ascending.
     std::vector<std::size_t> mirrored;
-    /// Meshes of which that is a guess: sheets that bend the other way than the others, as a mirror image would
-    /// (may_bend_over()). None of `mirrored`; ascending.
+    /// Meshes of which that is a guess: open ones that bend the other way than the others, as a mirror image would, and
+    /// may do so by nature. None of `mirrored`; ascending.
     std::vector<std::size_t> bent;
     /// The others are inside out.
     bool inside_out = false;
@@ -33,10 +33,14 @@ struct Handedness
 /// Compares the meshes. Of closed ones, the signs of their volumes tell; nothing is said of a mesh whose
 /// abs(V) / A^1.5 is below a quarter of the median, as of one whose vertices are permuted. Open ones are compared by
 /// the sines of their dihedral angles, which a mirror image negates: mesh i is of the other kind if the cosine
-/// between its sines and the mean of the others' (each turned by its sign) is < -0.5. Of sheets
-/// (may_bend_over(), by the median of what it compares) they are mirror images only where how far they bend has a gap: of
-/// five meshes and more, the products of the sines with their mean direction, those above 0 and those below, are apart by ten
-/// times their pooled standard deviation. All are inside out if V < 0 (V volume, A area) for all that are not mirrored; of open meshes, if
+/// between its sines and the mean of the others' (each turned by its sign) is < -0.5. Those are mirror images, and not
+/// `bent` as leaves and membranes are, where
+/// - the volumes with openings filled have opposite signs, by the bounds of `inside_out` below; or
+/// - of five meshes and more, how far they bend has a gap: the products of the sines with their mean direction,
+///   those above 0 and those below, are apart by ten times their pooled standard deviation; or
+/// - of fewer, the strain that may_bend_over() bounds has a median >= 10 rad (domes have 0.1 to 9, faces and hands 20
+///   and more); or >= 1 rad and all bend equally far to 10 %.
+/// All are inside out if V < 0 (V volume, A area) for all that are not mirrored; of open meshes, if
 /// V < -0.02 A^1.5 and the fans that fill their openings have an area <= A / 4: a sheet or a bowl has
 /// no inside.
 /// @param meshes  Each #V by 3.
@@ -57,12 +61,20 @@ struct Handedness
 
 /// Whether a mesh is a mirror image of another of the same triangulation, by that rule; or of meshes of which the other is
 /// one, if their mean dihedral angles are given: of open ones, these tell better than those of one mesh.
-/// Of sheets that is a guess (may_bend_over()).
+/// Of open ones that may be a guess, as compare_handedness() says.
 /// @param mean_dihedral_angles  #E [rad], or empty.
 /// @throws InvalidInput if a number of vertices or edges is another.
 /// Cost: as compare_handedness() of two.
 [[nodiscard]] bool is_mirror_image(const Topology& topology, const Points& mesh,
                                    const Points& reference,
                                    const Eigen::VectorXd& mean_dihedral_angles = {});
+
+/// Whether a mesh of which is_mirror_image() says so may as well bend the other way by nature: what compare_handedness() of
+/// the two calls `bent`; if mean angles are given, an open mesh that may_bend_over(), or of which the strain is below
+/// 10 rad and the product of its sines with the direction of theirs is not within a factor of 1.5 of their norm.
+/// @throws InvalidInput as is_mirror_image().
+[[nodiscard]] bool may_be_bent(const Topology& topology, const Points& mesh,
+                               const Points& reference,
+                               const Eigen::VectorXd& mean_dihedral_angles = {});
 
 } // namespace shape

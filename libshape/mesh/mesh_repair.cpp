@@ -94,10 +94,10 @@ void take_faces_of(const NamedMesh& first, NamedMesh& mesh, Changes& changes)
     } else if (sorted_faces(reversed(mesh.faces)) == wanted) {
         mesh.faces = first.faces;
         const auto topology = topology_of(first.faces, static_cast<int>(first.points.rows()));
-        // Of sheets that is a guess; once the faces agree, all meshes together say more.
-        const bool is_mirrored = topology &&
-                                 is_mirror_image(*topology, mesh.points, first.points) &&
-                                 !may_bend_over(*topology, mesh.points);
+        // Where that is a guess, all meshes together say more once the faces agree.
+        const bool is_mirrored =
+            topology &&
+            !compare_handedness(*topology, std::array{first.points, mesh.points}).mirrored.empty();
         if (is_mirrored)
             mesh.points = mirrored(mesh.points);
         changes.push_back(join(mesh.name, ": faces reversed",

@@ -44,7 +44,7 @@ struct RepairedMeshes
 ///    pieces are chosen, but where others meet the largest one along its rim at two places and more, within what
 ///    seam_vertices() calls near, all are kept; vertices without a face go;
 /// 4. meshes that are mirror images of the others are mirrored back, and surfaces that are inside out
-///    are reversed; of sheets that is a guess where compare_handedness() finds them `bent`;
+///    are reversed; of open ones that is a guess where compare_handedness() finds them `bent`;
 /// 5. meshes whose sizes differ from the others' by a factor of 10, 100 or 1000 are scaled to theirs, where that is
 ///    beyond doubt. With the difference d of the means of the logarithms of both parts, of n and m members, their pooled
 ///    standard deviation s, the same S with one more measurement of 0.1, and k = 3 sqrt(1/n + 1/m): d is within

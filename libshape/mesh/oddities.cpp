@@ -7,14 +7,17 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/base/order_statistics.h"
 #include "libshape/base/rounded.h"
+#include "libshape/base/threads.h"
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/congruent_meshes.h"
+#include "libshape/mesh/coordinate_spacing.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/handedness.h"
 #include "libshape/mesh/unit_ratio.h"
@@ -225,6 +228,31 @@ void find_copies(const Collection& collection, std::vector<Oddity>& oddities)
                             describe(copies, collection.names)});
 }
 
+void find_coarse(const Collection& collection, std::vector<Oddity>& oddities)
+{
+    std::vector<std::optional<CoarseCoordinates>> all(collection.size());
+    parallel_for(all.size(), 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            all[i] = coarse_coordinates(collection.topology.faces(), collection.points[i]);
+    });
+    std::vector<std::size_t> those;
+    std::size_t worst = 0;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (all[i]) {
+            if (those.empty() || all[i]->share > all[worst]->share)
+                worst = i;
+            those.push_back(i);
+        }
+    if (!those.empty())
+        oddities.push_back(
+            {OddityKind::Coarse, those,
+             join(list_names(collection.names, those),
+                  those.size() == 1 ? ": coordinates are "
+                                    : join(": coordinates are, in ", collection.names[worst], ", "),
+                  describe(*all[worst]),
+                  "; lengths, angles and all statistics hold that rounding")});
+}
+
 } // namespace
 
 std::vector<Oddity> find_oddities(const Collection& collection)
@@ -234,6 +262,7 @@ std::vector<Oddity> find_oddities(const Collection& collection)
     find_orientation(collection, oddities);
     find_sizes(collection, oddities);
     find_copies(collection, oddities);
+    find_coarse(collection, oddities);
     return oddities;
 }
 

@@ -19,6 +19,7 @@ enum class OddityKind
     InsideOut, ///< All meshes, or all but those, are inside out.
     Size,      ///< Some meshes are far larger or smaller than the others (odd_sizes()).
     Copies,    ///< Some meshes are the same one, in place or moved, give or take rounding.
+    Coarse, ///< Coordinates are rounded to more than a hundredth of the edges (coordinate_spacing.h).
 };
 
 /// One oddity: the kind, the meshes concerned, and a sentence with what, where and what to do.

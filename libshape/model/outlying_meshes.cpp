@@ -2,11 +2,13 @@
 
 #include "libshape/model/outlying_meshes.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <mutex>
 #include <numbers>
+#include <set>
 
 #include "libshape/base/format.h"
 #include "libshape/base/order_statistics.h"
@@ -31,6 +33,7 @@ struct Figure
     std::vector<double> values;
     double usual = 0.0;
     double limit = 0.0;
+    std::set<std::size_t> sound = {}; ///< Beyond the limit, and yet not far.
 
     Figure(std::vector<double> figures, double least, double factor, double deviations)
         : values(std::move(figures)), usual(median(values))
@@ -40,7 +43,10 @@ struct Figure
             distances.push_back(std::abs(value - usual));
         limit = std::max({least, factor * usual, usual + deviations * 1.4826 * median(distances)});
     }
-    [[nodiscard]] bool is_far(std::size_t mesh) const { return values[mesh] > limit; }
+    [[nodiscard]] bool is_far(std::size_t mesh) const
+    {
+        return values[mesh] > limit && !sound.contains(mesh);
+    }
 };
 
 /// Unit-sum edge lengths, a row a mesh.
@@ -105,6 +111,81 @@ std::vector<double> roots_of(const Eigen::VectorXd& squares)
     return roots;
 }
 
+/// How the meshes that are near enough spread about their mean.
+class Spread
+{
+public:
+    /// @param rows  Some of them.
+    explicit Spread(RowMatrix rows) : mean_(mean_of_rows(rows)), rows_(std::move(rows))
+    {
+        rows_.rowwise() -= mean_.transpose();
+        const Eigen::MatrixXd products = rows_ * rows_.transpose();
+        std::vector<double> norms;
+        for (const double square : products.diagonal())
+            norms.push_back(std::sqrt(square));
+        usual_ = median(norms);
+        const double squares = products.squaredNorm();
+        if (!(squares > 0.0)) // copies
+            return;
+        const double dimensions = products.trace() * products.trace() / squares;
+        const auto count = static_cast<double>(rows_.rows());
+        apart_ = 4.0 + (4.0 + 50.0 / count) / (dimensions * dimensions);
+        off_ = 2.0 + 12.0 / count;
+        axes_.compute(products);
+    }
+
+    /// Whether a mesh is far for this spread, its nearest one being at a distance: along the directions that the others
+    /// vary in, of which the last one is often far from the next if they are few, or off these.
+    [[nodiscard]] bool is_far(const Eigen::VectorXd& row, double distance) const
+    {
+        return distance > apart_ * usual_ || distance_off(row - mean_) > off_ * usual_;
+    }
+
+private:
+    /// Distance from the directions that the others vary in.
+    [[nodiscard]] double distance_off(const Eigen::VectorXd& from_mean) const
+    {
+        constexpr double rounding = 1e-10; // of the largest square
+        if (axes_.eigenvalues().size() == 0)
+            return from_mean.norm();
+        const Eigen::VectorXd along = axes_.eigenvectors().transpose() * (rows_ * from_mean);
+        double square = from_mean.squaredNorm();
+        for (Eigen::Index i = 0; i < along.size(); ++i)
+            if (axes_.eigenvalues()[i] > rounding * axes_.eigenvalues().maxCoeff())
+                square -= along[i] * along[i] / axes_.eigenvalues()[i];
+        return std::sqrt(std::max(0.0, square));
+    }
+
+    Eigen::VectorXd mean_;
+    RowMatrix rows_;
+    double usual_ = 0.0; ///< Median distance from the mean.
+    double apart_ = 0.0;
+    double off_ = 0.0;
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes_;
+};
+
+/// Takes out those that are far for their neighbours alone.
+Figure against_spread(Figure figure, const RowMatrix& rows)
+{
+    constexpr Eigen::Index most_compared = 1000;
+    std::vector<Eigen::Index> all_near;
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+        if (!figure.is_far(to_size(i)))
+            all_near.push_back(i);
+    if (std::ssize(all_near) == rows.rows())
+        return figure;
+    std::vector<Eigen::Index> some;
+    const Eigen::Index count = std::min<Eigen::Index>(std::ssize(all_near), most_compared);
+    for (Eigen::Index k = 0; k < count; ++k)
+        some.push_back(all_near[to_size(k * std::ssize(all_near) / count)]);
+    const Spread spread(rows(some, Eigen::all));
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+        if (figure.is_far(to_size(i)) &&
+            !spread.is_far(rows.row(i).transpose(), figure.values[to_size(i)]))
+            figure.sound.insert(to_size(i));
+    return figure;
+}
+
 /// Distance to the nearest of the others. Of many meshes some are compared with all, and say what is usual. How near
 /// the rest are to these is enough to know that nearly all are near enough; the others are compared with all as well.
 Figure nearest_distances(RowMatrix rows)
@@ -115,7 +196,7 @@ Figure nearest_distances(RowMatrix rows)
         return Figure(roots_of(squares), 0.0, 3.0, 8.0);
     };
     if (rows.rows() <= most_compared)
-        return figure_of(nearest_squares(rows, rows).of_all);
+        return against_spread(figure_of(nearest_squares(rows, rows).of_all), rows);
     std::vector<Eigen::Index> some;
     for (Eigen::Index k = 0; k < most_compared; ++k)
         some.push_back(k * rows.rows() / most_compared);
@@ -140,7 +221,7 @@ Figure nearest_distances(RowMatrix rows)
     if (!doubtful.empty())
         compare_with_all();
     figure.values = roots_of(squares);
-    return figure;
+    return against_spread(std::move(figure), rows);
 }
 
 RowMatrix angles_of(const Collection& collection)

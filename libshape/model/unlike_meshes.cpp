@@ -79,7 +79,8 @@ RowMatrix unlike_meshes(const KnownMeshes& known, const Collection& meshes,
         const bool is_mirrored = is_mirror_image(known.topology, meshes.points[to_size(i)],
                                                  known.reference_points, known.dihedral_angles);
         const bool is_guess =
-            is_mirrored && may_bend_over(known.topology, meshes.points[to_size(i)]);
+            is_mirrored && may_be_bent(known.topology, meshes.points[to_size(i)],
+                                       known.reference_points, known.dihedral_angles);
         marks.row(i) << (is_guess ? 2.0 : is_mirrored ? 1.0 : 0.0), odd_size(known, sizes[i]);
     }
     return marks;

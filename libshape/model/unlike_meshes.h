@@ -34,7 +34,7 @@ struct KnownMeshes
 [[nodiscard]] KnownMeshes known_meshes(const Collection& collection);
 
 /// Marks new meshes that are unlike known ones in what edge lengths do not see, or divide out: N by 2, 0 where nothing is
-/// odd; then 1 for a mirror image, 2 for a sheet that may as well bend the other way (may_bend_over()), and how many times as large as usual an odd size is.
+/// odd; then 1 for a mirror image, 2 for one that may as well bend the other way (may_be_bent()), and how many times as large as usual an odd size is.
 /// @param meshes  Of the triangulation of the known ones.
 /// @param sizes  Theirs, as those of the known ones are measured.
 /// Cost: that of is_mirror_image() for each.

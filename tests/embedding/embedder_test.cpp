@@ -97,6 +97,32 @@ TEST(Embedder, ScalesWithTheUnitOfLength)
     EXPECT_LT(rigid_distance(large / 1024.0, small), 1e-12);
 }
 
+TEST(Embedder, TakesLengthsOfTheWholeRange)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(2, 0.4, 1);
+    const test::TestMesh other = test::bumpy_sphere(2, 0.4, 2);
+    ShapePoint usual = test::shape_of(mesh.topology, mesh.points);
+    usual.edge_lengths = 0.5 * (usual.edge_lengths + edge_lengths(mesh.topology, other.points));
+    for (const EmbeddingMethod method :
+         {EmbeddingMethod::Dihedral, EmbeddingMethod::Closure, EmbeddingMethod::Multiscale})
+        for (const bool avoids : {false, true}) {
+            const EmbeddingOptions options{.method = method, .avoid_contact = avoids};
+            const Embedding expected =
+                Embedder(mesh.topology, {mesh.points, other.points}, options).embed(usual);
+            for (const int exponent : {-198, -150, -45, 45, 70, 150, 198}) { // 1e-60 to 1e60
+                const double unit = std::ldexp(1.0, exponent);
+                ShapePoint target = usual;
+                target.edge_lengths *= unit;
+                const Embedding found =
+                    Embedder(mesh.topology, {unit * mesh.points, unit * other.points}, options)
+                        .embed(target);
+                EXPECT_LT(rigid_distance(found.points / unit, expected.points), 1e-6) << exponent;
+                EXPECT_NEAR(found.report.edge_rms, expected.report.edge_rms, 1e-9) << exponent;
+                EXPECT_EQ(found.report.status, expected.report.status) << exponent;
+            }
+        }
+}
+
 TEST(Embedder, UnwindsFarBeyondAFullTurn)
 {
     const test::TestMesh cylinder = test::open_cylinder(10, 120);
@@ -251,6 +277,24 @@ TEST(Embedder, HandsItsOptionsToTheMultiscaleMethod)
                     .points;
             EXPECT_LT(rigid_distance(found, wanted), 1e-12) << seed;
         }
+}
+
+TEST(DihedralEmbedder, SweepsInAnyUnit)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(2, 0.4, 1);
+    const test::TestMesh other = test::bumpy_sphere(2, 0.4, 2);
+    const ShapePoint usual = test::shape_of(mesh.topology, mesh.points);
+    const DihedralEmbedder::Swept expected =
+        DihedralEmbedder(mesh.topology, {mesh.points}).sweep(usual, other.points, 9);
+    for (const int exponent : {-150, 150}) {
+        const double unit = std::ldexp(1.0, exponent);
+        ShapePoint target = usual;
+        target.edge_lengths *= unit;
+        const DihedralEmbedder::Swept found = DihedralEmbedder(mesh.topology, {unit * mesh.points})
+                                                  .sweep(target, unit * other.points, 9);
+        EXPECT_LT(rigid_distance(found.points / unit, expected.points), 1e-6) << exponent;
+        EXPECT_LT((found.edge_lengths / unit - expected.edge_lengths).cwiseAbs().maxCoeff(), 1e-6);
+    }
 }
 
 TEST(DihedralEmbedder, ComesNearerByEveryStepOfItsStart)

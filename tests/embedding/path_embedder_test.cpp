@@ -64,6 +64,27 @@ TEST(PathEmbedder, TurnsOverGraduallyWhatJumpsMeshByMesh)
     EXPECT_LT(distance(frames.back(), pair.points[1]), 1e-9);
 }
 
+TEST(PathEmbedder, TakesLengthsOfTheWholeRange)
+{
+    // Without folds that turn over, which magnify rounding.
+    const test::TestMesh sphere = test::bumpy_sphere(2, 0.3, 1);
+    const Collection usual{
+        sphere.topology, {"a", "b"}, {sphere.points, test::bumpy_sphere(2, 0.3, 2).points}, {}};
+    const ShapeVectors vectors = shape_vectors(usual, Scale::None);
+    const PathEmbedder expected(usual.topology, usual.points, line(vectors));
+    for (const int exponent : {-196, -90, 90, 196}) {
+        const double unit = std::ldexp(1.0, exponent);
+        Collection pair = usual;
+        for (Points& points : pair.points)
+            points *= unit;
+        const ShapeVectors scaled = shape_vectors(pair, Scale::None);
+        const PathEmbedder along(pair.topology, pair.points, line(scaled));
+        for (const double t : {0.0, 0.5, 0.8})
+            EXPECT_LT(distance(along.embed(t).points / unit, expected.embed(t).points), 1e-6)
+                << exponent << " " << t;
+    }
+}
+
 TEST(PathEmbedder, HasTheSameBitsWhateverIsAskedFor)
 {
     const Collection pair = test::dents(16);

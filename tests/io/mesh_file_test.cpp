@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <sys/types.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -411,7 +413,7 @@ TEST(PlyFile, KeepsDoublesOfBothOrdersOfBytes)
 TEST(MeshFile, SplitsPolygonsAsFansIfAsked)
 {
     const Faces fan = (Faces(3, 3) << 4, 0, 1, 4, 1, 2, 4, 2, 3).finished();
-    const std::string points = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n-1 0 0\n";
+    const std::string points = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n-1 0.5 0\n";
     EXPECT_EQ(read("m.off", "OFF\n5 1 0\n" + points + "5 4 0 1 2 3\n", true).faces, fan);
     EXPECT_EQ(read("m.ply",
                    "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
@@ -422,7 +424,7 @@ TEST(MeshFile, SplitsPolygonsAsFansIfAsked)
                   .faces,
               fan);
     EXPECT_EQ(
-        read("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0 0\nf -1 1 2 3 4\n", true).faces,
+        read("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\nf -1 1 2 3 4\n", true).faces,
         fan);
 }
 
@@ -823,6 +825,74 @@ TEST(MeshFile, ReadsOrRefusesDamagedFilesButNeverCrashes)
         }
         EXPECT_GT(refused, 20) << name;
     }
+}
+
+/// Sum of the areas of the faces, and the area that they cover seen from above.
+std::pair<double, double> areas_of(const NamedMesh& mesh)
+{
+    std::pair<double, double> areas;
+    for (const auto& face : mesh.faces.rowwise()) {
+        const Eigen::RowVector3d at = mesh.points.row(face[0]);
+        const Eigen::RowVector3d normal =
+            (mesh.points.row(face[1]) - at)
+                .cross(Eigen::RowVector3d(mesh.points.row(face[2]) - at));
+        areas.first += 0.5 * normal.norm();
+        areas.second += 0.5 * normal[2];
+    }
+    return areas;
+}
+
+/// An L of area 3 from each of its corners in turn, beside a square; OBJ.
+std::string concave_obj(int first, double notch = 1.0)
+{
+    std::string text = join("v 0 0 0\nv 2 0 0\nv 2 1 0\nv ", notch, " ", notch,
+                            " 0\nv 1 2 0\nv 0 2 0\nv 0 3 0\nv 1 3 0\nf 6 5 8 7\nf");
+    for (int i = 0; i < 6; ++i)
+        text += join(" ", (first + i) % 6 + 1);
+    return text + "\n";
+}
+
+TEST(MeshFile, CutsConcavePolygonsWithoutFolds)
+{
+    for (int first = 0; first < 6; ++first) {
+        const NamedMesh mesh = read("l.obj", concave_obj(first), true);
+        EXPECT_EQ(mesh.faces.rows(), 6);
+        EXPECT_NEAR(areas_of(mesh).first, 4.0, 1e-12) << first;
+        EXPECT_NEAR(areas_of(mesh).second, 4.0, 1e-12) << first;
+    }
+    // Fans that do stay as they were.
+    EXPECT_EQ(read("l.obj", concave_obj(3), true).faces.row(2), Eigen::RowVector3i(3, 4, 5));
+    const std::string message = test::message_of<InvalidInput>([&] {
+        (void)read("x.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 3 2 4\n", true);
+    });
+    EXPECT_NE(message.find("face 1 (vertices 0, 2, 1, 3) crosses itself"), std::string::npos)
+        << message;
+}
+
+TEST(MeshFile, CutsThePolygonsOfSeveralFilesAsThoseOfTheFirst)
+{
+    const test::TemporaryDirectory directory;
+    const auto read_with = [&](const std::string& text, PolygonCuts* cuts) {
+        test::write_bytes(directory / "m.obj", text);
+        return read_mesh(directory / "m.obj", {.triangulate = true, .cuts = cuts});
+    };
+    PolygonCuts cuts;
+    const NamedMesh concave = read_with(concave_obj(1), &cuts);
+    const std::string convex_text = concave_obj(1, 1.7);
+    EXPECT_NE(read_with(convex_text, nullptr).faces, concave.faces);
+    EXPECT_EQ(read_with(convex_text, &cuts).faces, concave.faces);
+    EXPECT_TRUE(cuts.folded.empty());
+    // The other way round, the concave one folds over, which is said.
+    PolygonCuts others;
+    const NamedMesh convex = read_with(convex_text, &others);
+    EXPECT_EQ(read_with(concave_obj(1), &others).faces, convex.faces);
+    ASSERT_EQ(others.folded.size(), 1U);
+    EXPECT_NE(others.folded[0].find("1 polygon cut as in "), std::string::npos) << others.folded[0];
+    EXPECT_NE(others.folded[0].find("folds over there, first face 1 (vertices 1, 2, 3, 4, 5, 0)"),
+              std::string::npos)
+        << others.folded[0];
+    // Other polygons are cut as they need it.
+    EXPECT_NEAR(areas_of(read_with(concave_obj(2), &others)).first, 4.0, 1e-12);
 }
 
 } // namespace

@@ -112,6 +112,11 @@ TEST(StlFile, TellsBytesFromTextByItsLength)
     expect_square(read("e.stl", "\xEF\xBB\xBF" + stl_text));
     expect_square(read("f.stl", " \n" + stl_text));
     EXPECT_NE(refusal("b.stl", std::string(200, '\1')).find("byte 80"), std::string::npos);
+    std::string longer = bytes;
+    longer[0] = 'x';
+    EXPECT_NE(refusal("l.stl", longer + std::string(6, '\0')).find("cut it off (truncate -s 184"),
+              std::string::npos);
+    EXPECT_NE(refusal("s.stl", longer.substr(0, 150)).find("it was cut off"), std::string::npos);
     EXPECT_NE(
         refusal("c.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\n").find("line 4"),
         std::string::npos);
@@ -522,6 +527,41 @@ TEST(GlbFile, LinesAndPointsBesideTrianglesAreSkipped)
         refusal("x.glb", glb_of(replaced(glb_json, triangles, triangles + "," + strip), glb_buffer))
             .find("export single triangles"),
         std::string::npos);
+}
+
+TEST(GlbFile, NormalisesRotationsThatAreNearlyUnitAndRefusesWhatBendsTheMesh)
+{
+    const std::string place = R"("scale":[2,2,2])";
+    const auto with = [&](const std::string& other) {
+        return glb_of(replaced(glb_json, place, other), glb_buffer);
+    };
+    Points turned = square;
+    turned.col(0) = 10.0 - square.col(1).array();
+    turned.col(1) = square.col(0);
+    for (const char* rotation :
+         {R"("rotation":[0,0,0.70710678,0.70710678])", R"("rotation":[0,0,0.703,0.703])",
+          R"("rotation":[0,0,0.709,0.709])"})
+        EXPECT_LT((read("x.glb", with(rotation)).meshes[0].points - turned).norm(), 1e-7)
+            << rotation;
+    for (const char* rotation :
+         {R"("rotation":[0,0,2,2])", R"("rotation":[0,0,0,0])", R"("rotation":[0,0,0.69,0.69])",
+          R"("rotation":[0,0,1e200,1e200])"})
+        EXPECT_NE(refusal("x.glb", with(rotation)).find("must be 1 (a unit quaternion)"),
+                  std::string::npos)
+            << rotation;
+    for (const char* flat : {R"("scale":[0,1,1])", R"("scale":[0,0,0])",
+                             R"("matrix":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1])"})
+        EXPECT_NE(refusal("x.glb", with(flat)).find("flattens it"), std::string::npos) << flat;
+    EXPECT_NE(refusal("x.glb", with(R"("matrix":[1,0,0,0.1,0,1,0,0,0,0,1,0,0,0,0,1])"))
+                  .find("no perspective"),
+              std::string::npos);
+    EXPECT_NE(refusal("x.glb", with(R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,2])"))
+                  .find("no perspective"),
+              std::string::npos);
+    EXPECT_EQ(read("x.glb", with(R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])"))
+                  .meshes[0]
+                  .points.col(1),
+              square.col(1));
 }
 
 TEST(GlbFile, TakesTenThousandMeshesInAllAndNoMore)

@@ -153,5 +153,22 @@ TEST(FindDegenerateGeometry, NamesTheLongestEdgeWherePowersOfItOverflow)
     EXPECT_TRUE(find_degenerate_geometry(faces, points).empty());
 }
 
+TEST(FindDegenerateGeometry, SaysWhereCoordinatesAreTooCoarse)
+{
+    const test::TestMesh sphere = test::icosphere(3);
+    const Points far = sphere.points.array() + 3.2e6;
+    const std::vector<Defect> found =
+        find_degenerate_geometry(sphere.topology.faces(), far.cast<float>().cast<double>());
+    ASSERT_GE(found.size(), 2U);
+    EXPECT_NE(found[0].message.find("; coordinates are multiples of 0.25, "), std::string::npos)
+        << found[0].message;
+    EXPECT_EQ(found[1].message.find("multiples"), std::string::npos); // once is enough
+    Points fine = sphere.points;
+    fine.row(sphere.topology.faces()(0, 0)) = fine.row(sphere.topology.faces()(0, 1));
+    EXPECT_EQ(
+        find_degenerate_geometry(sphere.topology.faces(), fine).at(0).message.find("multiples"),
+        std::string::npos);
+}
+
 } // namespace
 } // namespace shape

@@ -227,13 +227,62 @@ TEST(Handedness, SheetsThatCurlTheOtherWayMayBeMirrorImages)
     sides[4] = mirror_image(sides[4]);
     EXPECT_EQ(compare_handedness(sheet.topology, sides).mirrored, Indices{4});
     EXPECT_EQ(compare_handedness(sheet.topology, sides).bent, Indices{});
-    // What does not lie flat is mirrored however much it varies.
-    std::vector<Points> deep;
-    for (const double depth : {0.4, 0.7, 1.0, 1.5, -0.5, -1.2, 1.3}) {
-        deep.push_back(test::open_patch(11, 1).points);
-        deep.back().col(2) *= 2.0 * depth;
+}
+
+/// A membrane that domes.
+Points dome(const TestMesh& sheet, double height, double noise = 0.0, unsigned seed = 1)
+{
+    internal::Random random(seed);
+    Points points = sheet.points;
+    for (auto point : points.rowwise())
+        point[2] =
+            height * std::exp(-3.0 * point.head<2>().squaredNorm()) + noise * random.normal();
+    return points;
+}
+
+TEST(Handedness, MembranesThatDomeTheOtherWayMayBeMirrorImagesWhateverTheirStrain)
+{
+    const TestMesh sheet = test::open_patch(14, 1);
+    for (const double largest : {0.1, 0.6, 2.0})
+        for (const double noise : {0.0, 0.0002}) {
+            std::vector<Points> swinging;
+            for (int i = 0; i < 21; ++i)
+                swinging.push_back(
+                    dome(sheet, largest * (i - 10) / 10.0, noise, static_cast<unsigned>(i)));
+            const Handedness found = compare_handedness(sheet.topology, swinging);
+            EXPECT_EQ(found.mirrored, Indices{}) << largest;
+            EXPECT_GE(found.bent.size(), 8U) << largest;
+            // Of few the strain tells, and whether they are alike.
+            const std::vector<Points> few{dome(sheet, largest), dome(sheet, 0.7 * largest),
+                                          dome(sheet, -0.5 * largest)};
+            EXPECT_EQ(compare_handedness(sheet.topology, few).bent, Indices{2}) << largest;
+        }
+    // A gap between the sides tells of membranes, too.
+    std::vector<Points> sides;
+    for (const double height : {0.6, 0.61, 0.59, 0.605, -0.6, 0.6, -0.602})
+        sides.push_back(dome(sheet, height));
+    EXPECT_EQ(compare_handedness(sheet.topology, sides).mirrored, (Indices{4, 6}));
+    // What is rough and has nothing in common with the rest says nothing of that.
+    std::vector<int> order;
+    for (int v = 0; v < sheet.topology.vertex_count(); ++v)
+        order.push_back(v * 7 % sheet.topology.vertex_count()); // 15^2 vertices
+    sides.push_back(sides.front()(order, Eigen::all));
+    EXPECT_EQ(compare_handedness(sheet.topology, sides).mirrored, (Indices{4, 6}));
+    sides.pop_back();
+    sides.push_back(dome(sheet, 0.05));
+    EXPECT_EQ(compare_handedness(sheet.topology, sides).bent, (Indices{4, 6}));
+}
+
+TEST(Handedness, VolumesTellOfOpenMeshesThatHaveAnInsideHoweverMuchTheyVary)
+{
+    std::vector<Points> boxes;
+    for (const double height : {0.5, 1.0, 2.0, 1.5, 0.7, 3.0}) {
+        boxes.push_back(box().points);
+        boxes.back().col(2) *= 2.0 * height;
     }
-    EXPECT_EQ(compare_handedness(sheet.topology, deep).mirrored, (Indices{4, 5}));
+    boxes[3] = mirror_image(boxes[3]);
+    EXPECT_EQ(compare_handedness(box().topology, boxes).mirrored, Indices{3});
+    EXPECT_EQ(compare_handedness(box().topology, boxes).bent, Indices{});
 }
 
 TEST(Handedness, SheetsBendOverAndTubesBowlsAndClosedSurfacesDoNot)

@@ -259,5 +259,24 @@ TEST(Oddities, OneOfTwoIsComparedWithTheOtherMesh)
     EXPECT_NE(found[1].message.find("than the other mesh;"), std::string::npos) << found[1].message;
 }
 
+TEST(Oddities, CoarseCoordinatesAreNamedWithTheirStepAndCause)
+{
+    Collection collection = spheres();
+    for (const std::size_t i : {2U, 5U})
+        collection.points[i] = (collection.points[i].rowwise() + Eigen::RowVector3d(0.0, 8e5, 0.0))
+                                   .cast<float>()
+                                   .cast<double>();
+    const std::vector<Oddity> found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, OddityKind::Coarse);
+    EXPECT_EQ(found[0].meshes, (Indices{2, 5}));
+    EXPECT_TRUE(found[0].message.starts_with("c and f: coordinates are, in ")) << found[0].message;
+    EXPECT_NE(found[0].message.find("multiples of 0.0625, "), std::string::npos)
+        << found[0].message;
+    EXPECT_NE(found[0].message.find("single precision"), std::string::npos);
+    EXPECT_NE(found[0].message.find("local origin"), std::string::npos);
+    expect_no_command(found);
+}
+
 } // namespace
 } // namespace shape

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "libshape/base/format.h"
@@ -136,6 +137,70 @@ TEST(OutlyingMeshes, CopiesAndMirrorImagesMakeNoOutliersOfTheRest)
     }
     for (const OutlyingMesh& found : find_outlying_meshes(collection))
         ADD_FAILURE() << found.message;
+}
+
+/// Meshes that differ in a few directions alone.
+Collection family(std::size_t count, int directions, bool is_lognormal, Random& random)
+{
+    const test::TestMesh first = test::bumpy_sphere(1, 0.2, 0);
+    Collection collection{first.topology, {}, {}, {}};
+    for (std::size_t i = 0; i < count; ++i) {
+        collection.names.push_back(join("m", i));
+        Points points = first.points;
+        for (int d = 0; d < directions; ++d) {
+            const double normal = random.normal();
+            const double score = is_lognormal ? std::exp(0.5 * normal) : normal;
+            points += 0.05 * score *
+                      (test::bumpy_sphere(1, 0.5, static_cast<unsigned>(7 + d)).points -
+                       test::icosphere(1).points);
+        }
+        collection.points.push_back(points);
+    }
+    return collection;
+}
+
+TEST(OutlyingMeshes, AreSeldomInSoundFamiliesOfFewDirections)
+{
+    Random random(3);
+    for (const bool is_lognormal : {false, true}) {
+        int warned = 0;
+        int all = 0;
+        for (const int directions : {1, 2, 3})
+            for (const std::size_t count : {5U, 8U, 15U, 30U})
+                for (int round = 0; round < 25; ++round, ++all)
+                    warned +=
+                        outliers(family(count, directions, is_lognormal, random)).empty() ? 0 : 1;
+        EXPECT_LE(warned, is_lognormal ? 9 : 3)
+            << "of " << all; // 57 and 106 by the neighbours alone
+    }
+}
+
+TEST(OutlyingMeshes, AreThoseThatDifferInADirectionInWhichNoOtherDoes)
+{
+    Random random(5);
+    for (int round = 0; round < 5; ++round) {
+        Collection collection = family(30, 1, false, random);
+        EXPECT_TRUE(outliers(collection).empty());
+        collection.points[4] +=
+            0.2 * (test::bumpy_sphere(1, 0.5, 50).points - test::icosphere(1).points);
+        EXPECT_EQ(outliers(collection), std::vector<std::size_t>{4});
+    }
+}
+
+TEST(OutlyingMeshes, AreFoundInFamiliesOfFewDirections)
+{
+    Random random(4);
+    for (const int directions : {1, 2, 3})
+        for (const std::size_t count : {5U, 8U, 15U, 30U})
+            for (int round = 0; round < 5; ++round) {
+                Collection exchanged = family(count, directions, false, random);
+                exchanged.points[3].row(1).swap(exchanged.points[3].row(30));
+                EXPECT_TRUE(std::ranges::count(outliers(exchanged), 3U)) << directions << count;
+                Collection other = family(count, directions, false, random);
+                other.points[2] = test::bumpy_sphere(1, 0.9, 99).points;
+                other.points[2].col(0) *= 2.0;
+                EXPECT_TRUE(std::ranges::count(outliers(other), 2U)) << directions << count;
+            }
 }
 
 } // namespace

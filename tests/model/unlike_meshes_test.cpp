@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "libshape/base/format.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/collections.h"
 #include "tests/support/meshes.h"
@@ -130,6 +131,28 @@ TEST(UnlikeMeshes, AreComparedWithTheMeanOfOpenOnes)
     EXPECT_EQ(unlike_meshes(first, one, size)(0, 0), 1.0);
     first.dihedral_angles.resize(0); // a flat sheet says nothing
     EXPECT_EQ(unlike_meshes(first, one, size)(0, 0), 0.0);
+}
+
+TEST(UnlikeMeshes, MembranesMayDomeTheOtherWay)
+{
+    // Domes of a strain of 2 rad, which do not lie flat.
+    const test::TestMesh sheet = test::open_patch(14, 1);
+    Collection known{sheet.topology, {}, {}, {}};
+    const auto dome = [&](double height) {
+        Points points = sheet.points;
+        for (auto point : points.rowwise())
+            point[2] = height * std::exp(-3.0 * point.head<2>().squaredNorm());
+        return points;
+    };
+    for (const double height : {0.6, -0.4, 0.5, 0.2, -0.1, 0.3}) {
+        known.names.push_back(join("m", known.size()));
+        known.points.push_back(dome(height));
+    }
+    const Collection one{known.topology, {"m"}, {dome(-0.5)}, {}};
+    EXPECT_EQ(marks_of(known, one)(0, 0), 2.0);
+    const KnownMeshes first = known_meshes(known); // without mean angles
+    const Eigen::VectorXd size = Eigen::VectorXd::Constant(1, first.usual_size);
+    EXPECT_EQ(unlike_meshes(first, one, size)(0, 0), 2.0);
 }
 
 TEST(UnlikeMeshes, SizesAreOddByFarOrByTheSpreadOfFiveAndMore)

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 
+#include <Eigen/Geometry>
+
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
 #include "tests/support/seams.h"
@@ -475,6 +477,45 @@ TEST_F(Check, FixNeverWritesBesideTheInput)
     EXPECT_NE(outcome.err.find("another directory"), std::string::npos) << outcome.err;
     EXPECT_EQ(folder_.content(), before);
     EXPECT_EQ(shape({"check", "set", "--components", "split"}).exit_code, 2);
+}
+
+TEST_F(Check, CoarseCoordinatesAreSaid)
+{
+    for (unsigned i = 0; i < 7; ++i)
+        write(i, (sphere(i).points.array() + 8e5).cast<float>().cast<double>(),
+              sphere(i).topology.faces());
+    expect_said("coarse", {"multiples of 0.0625", "% of the median edge", "local origin"});
+}
+
+TEST_F(Check, ConcavePolygonsOfACollectionAreCutAlikeAndWithoutFolds)
+{
+    std::filesystem::create_directory(folder_ / "polygons");
+    // A box over an L, its floor and its lid polygons of six corners.
+    for (const double height : {1.0, 1.5, 2.0}) {
+        std::string text;
+        for (const double z : {0.0, height})
+            for (const char* xy : {"2 0", "2 1", "1 1", "1 2", "0 2", "0 0"})
+                text += join("v ", xy, " ", z, "\n");
+        for (int i = 0; i < 6; ++i)
+            text += join("f ", i + 1, " ", (i + 1) % 6 + 1, " ", (i + 1) % 6 + 7, " ", i + 7, "\n");
+        folder_.write(join("polygons/m", height, ".obj"),
+                      text + "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\n");
+    }
+    ASSERT_EQ(shape({"check", "polygons", "--fix", "cut"}).exit_code, 0);
+    ASSERT_EQ(shape({"collect", "cut", "-o", "cut.h5"}).exit_code, 0);
+    ASSERT_EQ(shape({"collect", "polygons", "--triangulate", "-o", "read.h5"}).exit_code, 0);
+    for (const char* file : {"cut.h5", "read.h5"}) {
+        const Collection boxes = read_collection(folder_ / file);
+        ASSERT_EQ(boxes.size(), 3U);
+        double area = 0.0;
+        for (const auto& face : boxes.topology.faces().rowwise()) {
+            const Eigen::RowVector3d at = boxes.points[0].row(face[0]);
+            area += 0.5 * (boxes.points[0].row(face[1]) - at)
+                              .cross(Eigen::RowVector3d(boxes.points[0].row(face[2]) - at))
+                              .norm();
+        }
+        EXPECT_NEAR(area, 2.0 * 3.0 + 8.0, 1e-12) << file;
+    }
 }
 
 } // namespace

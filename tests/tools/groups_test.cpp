@@ -601,7 +601,7 @@ TEST_F(Groups, BadInputIsNamed)
 {
     const Arguments groups{"groups", "people.h5", "-o", "out.csv"};
     expect_failure(3, groups + Arguments{"--by", "gap"},
-                   {"s5_glad", "'gap', 1 of 12 meshes; leave it out"});
+                   {"s5_glad", "'gap' (1 of 12 meshes); leave it out"});
     expect_failure(3, groups + Arguments{"--by", "mood", "--within", "gap"}, {"s5_glad", "gap"});
     expect_failure(3, groups + Arguments{"--by", "none"}, {"none", "subject, mood"});
     expect_failure(3, groups + Arguments{"--by", "same"}, {"one group"});

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <set>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
@@ -34,10 +35,13 @@ const LabelColumn& complete_label(const MeshLabels& meshes, const std::string& l
     if (missing != column.values.end()) {
         const auto mesh = to_size(missing - column.values.begin());
         const auto count = std::count(missing, column.values.end(), "");
-        throw InvalidInput(join("mesh ", meshes.names[mesh], " has no value of label '", label,
-                                count > 1 ? "', in all " : "', ", count, " of ", meshes.size(),
-                                " meshes; leave ", count > 1 ? "them" : "it", " out (", remedy,
-                                ") or label ", count > 1 ? "them" : "it"));
+        const char* const those = count > 1 ? "them" : "it";
+        throw InvalidInput(
+            join("mesh ", meshes.names[mesh],
+                 count > 1 ? join(" and ", counted(count - 1, "other"), " have") : " has",
+                 " no value of label '", label, "' (", count, " of ",
+                 counted(meshes.size(), "mesh", "meshes"), "); leave ", those, " out (", remedy,
+                 ") or label ", those));
     }
     return column;
 }

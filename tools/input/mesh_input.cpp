@@ -279,8 +279,10 @@ void add_mesh_input(CLI::App& command, MeshInput& input, const std::string& name
                     "files in natural name order) and collection files (.h5), in any mix")
         ->required()
         ->option_text("PATH ... REQUIRED");
-    command.add_flag("--triangulate", input.triangulate,
-                     "Split polygons as fans from their first corner (default: refuse them)");
+    command.add_flag(
+        "--triangulate", input.triangulate,
+        "Cut polygons into triangles: as fans from their first corner, or by ears where a fan\n"
+        "would fold over; all meshes as the first one (default: refuse them)");
 }
 
 std::optional<NamesAlike> find_names_alike(const std::vector<std::string>& names,
@@ -358,11 +360,11 @@ std::vector<fs::path> input_files(const MeshInput& input)
     return files;
 }
 
-FileContent read_mesh_file(const fs::path& path, bool triangulate)
+FileContent read_mesh_file(const fs::path& path, bool triangulate, PolygonCuts* cuts)
 {
     FileContent content;
     if (!is_collection_file(path)) {
-        MeshFileContent file = read_mesh_members(path, {.triangulate = triangulate});
+        MeshFileContent file = read_mesh_members(path, {.triangulate = triangulate, .cuts = cuts});
         return {.meshes = std::move(file.meshes),
                 .labels = {},
                 .single_precision = file.single_precision,
@@ -426,6 +428,7 @@ std::string advice_on(const Oddity& oddity)
         case OddityKind::NearSeam:
         case OddityKind::Bent:
         case OddityKind::Copies:
+        case OddityKind::Coarse:
             break;
     }
     return oddity.message;
@@ -449,8 +452,9 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
     std::vector<NamedMesh> meshes;
     Labels labels;
     FormatNotes notes;
+    PolygonCuts cuts;
     for (std::size_t i = 0; i < files.size(); ++i) {
-        FileContent content = read_mesh_file(files[i], input.triangulate);
+        FileContent content = read_mesh_file(files[i], input.triangulate, &cuts);
         notes.add(files[i], content);
         append_labels(labels, meshes.size(), content.labels, content.meshes.size());
         std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
@@ -458,6 +462,8 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
             notices.progress("reading", i + 1, files.size());
     }
     notes.say(notices);
+    for (const std::string& folded : cuts.folded)
+        notices.warn(folded);
     if (input.known)
         for (const NamedMesh& mesh : meshes)
             check_triangulation(*input.known, mesh);
@@ -475,8 +481,9 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
     collection.labels =
         input.labels.empty() ? labels : labels_of(notices, input.labels, collection.names);
     for (const Oddity& oddity : find_oddities(collection)) {
-        const bool is_of_each =
-            oddity.kind == OddityKind::Seam || oddity.kind == OddityKind::NearSeam;
+        const bool is_of_each = oddity.kind == OddityKind::Seam ||
+                                oddity.kind == OddityKind::NearSeam ||
+                                oddity.kind == OddityKind::Coarse;
         const bool is_copy = oddity.kind == OddityKind::Copies;
         if (is_of_each || (is_copy ? !input.may_repeat : !input.known))
             notices.warn(advice_on(oddity));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "libshape/base/progress.h"
+#include "libshape/io/mesh_file.h"
 #include "libshape/mesh/collection.h"
 #include "libshape/mesh/oddities.h"
 
@@ -24,7 +25,7 @@ class Session;
 struct MeshInput
 {
     std::vector<std::string> paths; ///< Files, directories and collection files, in any mix.
-    bool triangulate = false;       ///< Split polygons as fans.
+    bool triangulate = false;       ///< Cut polygons into triangles.
     bool may_repeat = false;        ///< Meshes of one name are told apart by a number.
     std::string labels;             ///< CSV file with labels; empty: those of the collections.
     /// One of the meshes, as of a model, that these are compared with, and not with each other: they must have its
@@ -80,7 +81,8 @@ struct FileContent
     bool single_precision = false;   ///< As of MeshFileContent.
     Eigen::Index merged_corners = 0; ///< Likewise.
 };
-[[nodiscard]] FileContent read_mesh_file(const std::filesystem::path& path, bool triangulate);
+[[nodiscard]] FileContent read_mesh_file(const std::filesystem::path& path, bool triangulate,
+                                         PolygonCuts* cuts = nullptr);
 
 /// What the formats of files have cost their meshes; said in a line for each kind, however many they are.
 class FormatNotes

@@ -206,7 +206,8 @@ struct CoherentPath::State
     {
         DihedralEmbeddingOptions fine;
         fine.smoothness = options.smoothness;
-        return in_rows(renumbered(system.renumbering, embedder.embed(target_at(t), fine).points));
+        return in_rows(system.unit *
+                       renumbered(system.renumbering, embedder.embed(target_at(t), fine).points));
     }
 
     /// Steps followed from the first to the last.

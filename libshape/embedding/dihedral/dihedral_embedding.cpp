@@ -186,7 +186,7 @@ DihedralEmbedder::Swept DihedralEmbedder::sweep(const ShapePoint& point, const P
     LengthDihedralEnergy energy(s.topology(), std::move(target), smoothness);
     Descender descender(energy, s.laplacian.single_precision());
     const Descent descent =
-        descender.descend(renumbered(s.renumbering, start).reshaped<Eigen::RowMajor>(),
+        descender.descend((s.unit * renumbered(s.renumbering, start)).reshaped<Eigen::RowMajor>(),
                           {.max_linear_steps = linear_steps, .first_linear_steps = linear_steps});
     if (!descent.is_measured)
         (void)energy.evaluate(descent.points);
@@ -195,7 +195,7 @@ DihedralEmbedder::Swept DihedralEmbedder::sweep(const ShapePoint& point, const P
                 descent.linear_steps, descent.converged};
     for (int e = 0; e < edges; ++e) {
         const int before = s.renumbering.edges[to_size(e)];
-        swept.edge_lengths[before] = energy.lengths()[e];
+        swept.edge_lengths[before] = energy.lengths()[e] / s.unit;
         swept.bends[before] = energy.bend(e);
     }
     return swept;

@@ -11,6 +11,7 @@
 #include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/face_patches.h"
+#include "libshape/mesh/working_unit.h"
 
 namespace shape::internal {
 namespace {
@@ -35,12 +36,13 @@ VectorXd mean_lengths(const Topology& topology, const std::vector<Points>& meshe
     return sum / static_cast<double>(meshes.size());
 }
 
-std::vector<Points> in_order(const Renumbering& renumbering, const std::vector<Points>& meshes)
+std::vector<Points> in_order(const Renumbering& renumbering, double unit,
+                             const std::vector<Points>& meshes)
 {
     std::vector<Points> ordered;
     ordered.reserve(meshes.size());
     for (const Points& mesh : meshes)
-        ordered.push_back(renumbered(renumbering, mesh));
+        ordered.push_back(unit * renumbered(renumbering, mesh));
     return ordered;
 }
 
@@ -50,7 +52,8 @@ template <class... Factor>
 DihedralSystem::DihedralSystem(int, const Topology& of, const std::vector<Points>& meshes,
                                Factor&&... factor)
     : renumbering(renumber_for_locality(of)),
-      references(in_order(renumbering, checked(of, meshes))),
+      unit(working_unit(of, checked(of, meshes).front())),
+      references(in_order(renumbering, unit, meshes)),
       laplacian(renumbering.topology, mean_lengths(renumbering.topology, references),
                 std::forward<Factor>(factor)...),
       reference(renumbering.topology, references.front()),
@@ -91,9 +94,9 @@ ShapePoint DihedralSystem::target_of(const ShapePoint& point) const
             throw InvalidInput(join("target has ", point.positions.rows(),
                                     " positions, the topology ", topology().vertex_count(),
                                     " vertices; all must be finite"));
-        positions = renumbered(renumbering, point.positions);
+        positions = unit * renumbered(renumbering, point.positions);
     }
-    return {positive_lengths(renumbered(renumbering, point.edge_lengths)),
+    return {positive_lengths(unit * renumbered(renumbering, point.edge_lengths)),
             renumbered(renumbering, point.dihedral_angles), point.patch_turns, positions};
 }
 
@@ -102,7 +105,7 @@ Points DihedralSystem::result_of(const VectorXd& points) const
     Points result = restored(renumbering,
                              Eigen::Map<const Points>(points.data(), topology().vertex_count(), 3));
     result.rowwise() -= centroid(result);
-    return result;
+    return result / unit;
 }
 
 } // namespace shape::internal

@@ -22,9 +22,11 @@ namespace shape::internal {
 struct DihedralSystem
 {
     Renumbering renumbering;
-    std::vector<Points> references;
-    EdgeLaplacian laplacian;    ///< Of the references' mean lengths.
-    ReferencePatches reference; ///< Of turns.
+    /// working_unit() of the first reference; a mesh in here is this times the mesh as it is.
+    double unit;
+    std::vector<Points> references; ///< Times `unit`.
+    EdgeLaplacian laplacian;        ///< Of the references' mean lengths.
+    ReferencePatches reference;     ///< Of turns.
     Pool<LinearStart> starts;
 
     /// @throws InvalidInput if there is no reference, or one has another size or edges of length 0.
@@ -37,11 +39,11 @@ struct DihedralSystem
 
     [[nodiscard]] const Topology& topology() const { return renumbering.topology; }
 
-    /// A target in this order, fit for the energy: lengths as in positive_lengths().
+    /// A target in this order and unit, fit for the energy: lengths as in positive_lengths().
     /// @throws InvalidInput if it has other sizes, or turns or positions that are not finite.
     [[nodiscard]] ShapePoint target_of(const ShapePoint& point) const;
 
-    /// A mesh, row by row in this order, in its own, about its centroid.
+    /// A mesh, row by row in this order and unit, in its own, about its centroid.
     [[nodiscard]] Points result_of(const Eigen::VectorXd& points) const;
 
 private:

@@ -187,7 +187,7 @@ def read(
     """Reads meshes, directories (natural name order) and collection files (.h5), in any mix.
 
     labels: a CSV file whose first column is `mesh`, or a DataFrame with that column or with the names of the
-    meshes as index. triangulate: split polygons as fans. untrusted: read files of HDF5 (.h5, .H5) in a process of
+    meshes as index. triangulate: cut polygons into triangles. untrusted: read files of HDF5 (.h5, .H5) in a process of
     their own first, which a hostile file may crash; costs a few tenths of a second each. What is odd about the
     meshes is warned of; raises InvalidInput naming mesh and place if they do not correspond.
     """
