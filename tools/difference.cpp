@@ -13,12 +13,11 @@
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/model/difference.h"
-#include "libshape/statistics/inner_products.h"
 #include "tools/commands.h"
+#include "tools/doubts.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_choice.h"
 #include "tools/input/mesh_input.h"
-#include "tools/input/repeated_rows.h"
 #include "tools/input/space_arguments.h"
 #include "tools/output/effects_output.h"
 #include "tools/output/embedding_run.h"
@@ -63,38 +62,6 @@ DifferenceOptions difference_options(const Arguments& arguments)
             .to_label = to_label,
             .to_value = to_value,
             .scale = arguments.scale};
-}
-
-/// Of groups without pairs.
-/// @param is_tested  Effects are; else the means alone count, in which whoever has more meshes weighs more.
-void warn_of_repeated_members(const Session& session, const DifferenceOptions& options,
-                              const Collection& collection, bool is_tested)
-{
-    const std::vector<std::string>& from = find_label(collection.labels, options.from_label).values;
-    const std::vector<std::string>& to = find_label(collection.labels, options.to_label).values;
-    std::vector<std::size_t> members;
-    std::vector<double> side;
-    for (std::size_t i = 0; i < collection.size(); ++i)
-        if (from[i] == options.from_value || to[i] == options.to_value) {
-            members.push_back(i);
-            side.push_back(from[i] == options.from_value ? 0.0 : 1.0);
-        }
-    const Collection compared = subset(collection, members);
-    const RepetitionQuestion rows{
-        .covariates =
-            Eigen::Map<const Eigen::VectorXd>(side.data(), static_cast<Eigen::Index>(side.size())),
-        .columns = {options.from_label, options.to_label},
-        .are_groups = true,
-        .remedy =
-            is_tested
-                ? "then chance looks significant. Take one mesh, or the mean, of each"
-                : "then those with more meshes weigh more. Take one mesh, or the mean, of each",
-        .unnamed = "set",
-        .is_of_means = !is_tested};
-    if (warn_of_repeated_rows(session, compared, rows))
-        return;
-    const ShapeSpace space = make_space(compared, {.scale = options.scale});
-    warn_of_close_rows(session, compared, rows, centred_inner_products(encode(space, compared)));
 }
 
 /// One number for each difference; 1 where nothing is said.
@@ -290,7 +257,8 @@ void run_found(const Session& session, const Arguments& arguments)
     if (!arguments.effects.empty())
         effects = difference_effects(collection, options);
     if (options.pair_by.empty())
-        warn_of_repeated_members(session, options, collection, effects.has_value());
+        if (const auto doubt = doubt_about_members(options, collection, effects.has_value()))
+            session.warn(*doubt);
     throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (transfer)

@@ -13,6 +13,7 @@
 #include "libshape/explore/block_of_model.h"
 #include "libshape/explore/model_block.h"
 #include "libshape/io/file/output_file.h"
+#include "libshape/io/label_doubts.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/io/vertex_scalars.h"
@@ -169,12 +170,19 @@ void add_regressions(const Session& session, const Arguments& arguments, const S
 {
     for (const std::string& name : arguments.regressions) {
         const LabelColumn& label = find_label(model.labels, name);
+        if (const auto doubt = doubt_about_numbers(label))
+            session.warn(*doubt);
         const std::vector<std::size_t> meshes = with_value(session, model, label);
         Eigen::MatrixXd values(static_cast<Eigen::Index>(meshes.size()), 1);
         for (std::size_t i = 0; i < meshes.size(); ++i)
             values(static_cast<Eigen::Index>(i), 0) =
                 parse_number(label.values[meshes[i]],
                              join("--regress ", name, ": mesh ", model.names[meshes[i]]));
+        if (values.minCoeff() == values.maxCoeff())
+            throw InvalidInput(
+                join("--regress ", name, ": is constant, ", values(0, 0), " for all ",
+                     counted(values.rows(), "mesh", "meshes"),
+                     "; scores are regressed on numbers that differ between meshes"));
         const RowMatrix scores = model.scores(meshes, Eigen::all);
         const Regression regression = regress(scores, values);
         // Of all meshes scores have the mean 0, but for rounding.

@@ -24,6 +24,7 @@
 #include "libshape/model/model_prior.h"
 #include "libshape/model/unlike_meshes.h"
 #include "libshape/registration/fit_verdict.h"
+#include "libshape/registration/landmark_checks.h"
 #include "libshape/registration/landmark_units.h"
 #include "libshape/registration/prior_fit.h"
 #include "libshape/registration/scan_fit.h"
@@ -332,7 +333,7 @@ public:
                 "--rounds makes a model of the fits of a template; a model is there already");
         if (pattern_.model)
             prior_ = prior_of(*pattern_.model);
-        check_unit_of_template_landmarks();
+        check_template_landmarks();
         fitter_.emplace(topology_, pattern_.points, arguments_.fit);
         std::vector<fs::path> inputs = task_.scans;
         inputs.emplace_back(arguments_.pattern);
@@ -353,21 +354,29 @@ public:
     }
 
     /// As ScanFitter::fit() does, which knows no file.
-    void check_unit_of_template_landmarks() const
+    void check_template_landmarks() const
     {
+        std::vector<std::string> names;
         std::vector<Eigen::Vector3d> places;
         for (const Landmark& mark : landmarks_.marks)
-            if (mark.scan == pattern_.name)
+            if (mark.scan == pattern_.name) {
+                names.push_back(mark.name);
                 places.push_back(mark.position);
+            }
         Points points(std::ssize(places), 3);
         for (std::size_t i = 0; i < places.size(); ++i)
             points.row(static_cast<Eigen::Index>(i)) = places[i];
         if (points.rows() == 0)
             return;
         const double within = landmark_off * bounding_box_diagonal(pattern_.points);
-        if (const auto said = other_unit_of(points, Surface(pattern_.points, topology_.faces()),
-                                            within, "the template"))
-            throw InvalidInput(join(landmarks_.of_template.string(), ": ", *said));
+        try {
+            check_not_far(names, points, pattern_.points, "the template");
+            if (const auto said = other_unit_of(points, Surface(pattern_.points, topology_.faces()),
+                                                within, "the template"))
+                throw InvalidInput(*said);
+        } catch (const InvalidInput& error) {
+            throw InvalidInput(join(landmarks_.of_template.string(), ": ", error.what()));
+        }
     }
 
     /// Those for which no vertex of the template stands.

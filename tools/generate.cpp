@@ -91,8 +91,12 @@ std::vector<double> sigma_values(const std::string& text)
         throw UsageError(join("--sigma: the number of steps ", parts[2],
                               " must be an integer in [2, ", most_meshes, "]"));
     std::vector<double> values;
-    for (double i = 0; i < count; ++i)
+    for (double i = 0; i < count; ++i) {
         values.push_back(from + (to - from) * i / (count - 1.0));
+        if (i > 0 && values.back() == values[values.size() - 2])
+            throw UsageError(join("--sigma: '", text, "' has the value ", parts[0],
+                                  " more than once; for one mesh give `--sigma ", parts[0], "`"));
+    }
     return values;
 }
 

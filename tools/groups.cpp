@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 
 #include <CLI/CLI.hpp>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -12,13 +15,13 @@
 #include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/table_file.h"
-#include "libshape/mesh/oddities.h"
 #include "libshape/model/group_means.h"
 #include "libshape/model/streamed_groups.h"
 #include "libshape/statistics/group_comparison.h"
 #include "libshape/statistics/group_fit.h"
 #include "libshape/statistics/group_spread.h"
 #include "tools/commands.h"
+#include "tools/doubts.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
 #include "tools/input/repeated_rows.h"
@@ -87,14 +90,9 @@ Json adjustment_figures(const Arguments& arguments, const Findings& findings)
     return covariates;
 }
 
-/// Whether a block has members of both groups of a pair, which are compared within such blocks then.
-bool is_within_blocks(const Findings& findings, const PairComparison& pair)
+bool is_within(const Findings& findings, const PairComparison& pair)
 {
-    std::vector<int> both = findings.members[to_size(pair.first)];
-    const std::vector<int>& second = findings.members[to_size(pair.second)];
-    both.insert(both.end(), second.begin(), second.end());
-    return block_design(subset(findings.groups, both), subset(findings.blocks, both)) ==
-           BlockDesign::Crossed;
+    return is_within_blocks(findings.groups, findings.blocks, pair.first, pair.second);
 }
 
 Json pair_figures(const Arguments& arguments, const Findings& findings)
@@ -106,9 +104,9 @@ Json pair_figures(const Arguments& arguments, const Findings& findings)
                      {"distance", pair.distance},
                      {"radius", findings.spread.distance_radii(pair.first, pair.second)}};
         if (!arguments.within.empty())
-            figures["design"] = is_within_blocks(findings, pair) ? "crossed" : "nested";
+            figures["design"] = is_within(findings, pair) ? "crossed" : "nested";
         figures.update(test_figures(pair.test));
-        figures["p_adjusted"] = pair.adjusted_p;
+        figures["p_adjusted"] = std::isnan(pair.adjusted_p) ? Json() : Json(pair.adjusted_p);
         pairs.push_back(figures);
     }
     return pairs;
@@ -125,7 +123,7 @@ Table comparison_table(const Findings& findings)
     const auto add = [&](std::vector<std::string> cells, const LinearModelTest& test, double p) {
         for (const std::string& cell : test_cells(test))
             cells.push_back(cell);
-        cells.push_back(test.permutations > 0 ? print_number(p) : "");
+        cells.push_back(std::isnan(p) ? "" : print_number(p));
         table.rows.push_back(cells);
     };
     const auto cell = [](double number) {
@@ -186,7 +184,7 @@ std::string described_distance(const Findings& findings, const PairComparison& p
 std::string described_design(const Arguments& arguments, const Findings& findings,
                              const PairComparison& pair)
 {
-    if (findings.comparison.design == BlockDesign::Nested || is_within_blocks(findings, pair))
+    if (findings.comparison.design == BlockDesign::Nested || is_within(findings, pair))
         return {};
     return join(" (not within: no ", arguments.within, " has both, its means are tested)");
 }
@@ -239,29 +237,6 @@ BootstrapOptions bootstrap_options(const Session& session, const Arguments& argu
             .seed = static_cast<std::uint64_t>(session.seed)};
 }
 
-/// Of one slip in a table that makes a design of repeated scans a crossed one: blocks of one group say nothing then.
-void warn_of_lost_meshes(const Session& session, const Arguments& arguments, const Grouping& groups,
-                         const Grouping& blocks)
-{
-    const GroupRows rows = rows_of_groups(groups, blocks, Eigen::MatrixXd(groups.size(), 0));
-    const Eigen::Index lost =
-        groups.size() - static_cast<Eigen::Index>(rows.observations.points.size());
-    if (2 * lost <= groups.size())
-        return;
-    std::vector<std::size_t> crossed;
-    const std::vector<std::vector<int>> lists = members(blocks);
-    for (std::size_t b = 0; b < lists.size(); ++b)
-        if (subset(groups, lists[b]).group_count() > 1)
-            crossed.push_back(b);
-    session.warn(join(lost, " of ", counted(groups.size(), "mesh", "meshes"), " are left out: as ",
-                      list_names(blocks.names, crossed), ", ", crossed.size(), " of ",
-                      counted(blocks.group_count(), "block"), " of --within ", arguments.within,
-                      ", ", crossed.size() == 1 ? "has" : "have",
-                      " meshes of several groups, groups are compared within such blocks alone. If "
-                      "that is a slip, correct the values of ",
-                      arguments.by, " or ", arguments.within));
-}
-
 /// The groups, the blocks, and where the means go if they are asked for.
 struct Setting
 {
@@ -279,15 +254,15 @@ Setting prepare(const Session& session, const Arguments& arguments, const MeshLa
     Setting setting{.groups = group_by_label(meshes, arguments.by),
                     .blocks = group_by_label_or_each(meshes, arguments.within)};
     if (!arguments.within.empty())
-        warn_of_lost_meshes(session, arguments, setting.groups, setting.blocks);
+        if (const auto doubt = doubt_about_lost_meshes(setting.groups, setting.blocks, arguments.by,
+                                                       arguments.within))
+            session.warn(*doubt);
+    if (const auto doubt = doubt_of_replicates(arguments.replicates))
+        session.warn(join("--bootstrap: ", *doubt));
     if (!arguments.means.path.empty())
         setting.means =
             std::make_unique<MeshOutput>(session, arguments.means, setting.groups.names, inputs);
-    setting.rows = {.covariates = codes(setting.groups),
-                    .columns = {arguments.by},
-                    .are_groups = true,
-                    .remedy = "then chance looks significant. Give --within",
-                    .unnamed = "a label that names them"};
+    setting.rows = rows_of_comparison(setting.groups, arguments.by);
     setting.are_rows_told =
         !arguments.within.empty() || warn_of_repeated_rows(session, meshes, setting.rows);
     return setting;
@@ -300,29 +275,123 @@ bool is_constant(const Eigen::VectorXd& covariate, const std::vector<int>& meshe
                                [&](int i) { return covariate[i] == covariate[meshes.front()]; });
 }
 
+/// The fewest of some columns that have a number as a combination of them, about the means of the blocks, of columns
+/// that are left out one by one; nothing if all have not, or the number does not vary so, or it were no wonder: where
+/// no two degrees of freedom are left.
+std::vector<std::size_t> explaining(const Eigen::VectorXd& number, const Eigen::MatrixXd& columns,
+                                    const Grouping& blocks)
+{
+    constexpr double rounding = 1e-9; // that of the tests
+    const auto centred = [lists = members(blocks)](Eigen::MatrixXd matrix) {
+        for (const std::vector<int>& block : lists) {
+            const Eigen::RowVectorXd mean = matrix(block, Eigen::all).colwise().mean();
+            matrix(block, Eigen::all).rowwise() -= mean;
+        }
+        return matrix;
+    };
+    const Eigen::VectorXd wanted = centred(number);
+    if (wanted.norm() <= rounding * number.norm() ||
+        number.size() < blocks.group_count() + columns.cols() + 2)
+        return {};
+    Eigen::MatrixXd given = centred(columns);
+    for (Eigen::Index c = 0; c < given.cols(); ++c)
+        given.col(c) /= std::max({given.col(c).norm(), rounding * columns.col(c).norm(),
+                                  std::numeric_limits<double>::min()});
+    const auto explain = [&](const std::vector<std::size_t>& some) {
+        const Eigen::MatrixXd chosen = given(Eigen::all, some);
+        Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(chosen);
+        qr.setThreshold(rounding);
+        return (chosen * qr.solve(wanted) - wanted).norm() <= rounding * wanted.norm();
+    };
+    std::vector<std::size_t> kept(to_size(given.cols()));
+    std::iota(kept.begin(), kept.end(), std::size_t{0});
+    if (kept.empty() || !explain(kept))
+        return {};
+    for (std::size_t c = kept.size(); c-- > 0 && kept.size() > 1;) {
+        std::vector<std::size_t> fewer = kept;
+        fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(c));
+        if (explain(fewer))
+            kept = std::move(fewer);
+    }
+    return kept;
+}
+
+/// "a", "a and b", "a, b and c".
+std::string listed(const std::vector<std::string>& names, const std::vector<std::size_t>& chosen)
+{
+    std::string text;
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+        text += join(i == 0 ? "" : i + 1 == chosen.size() ? " and " : ", ", names[chosen[i]]);
+    return text;
+}
+
+/// The observations that two groups are compared by, as compare_groups() does: the means of blocks, or the meshes of
+/// blocks that have both.
+struct ComparedRows
+{
+    Eigen::VectorXd is_second;
+    Eigen::MatrixXd covariates;
+    Grouping blocks;
+};
+
+ComparedRows compared_rows(const Grouping& groups, const Grouping& blocks,
+                           const Eigen::MatrixXd& covariates, int first, int second)
+{
+    std::vector<int> both;
+    for (std::size_t i = 0; i < groups.group_of.size(); ++i)
+        if (groups.group_of[i] == first || groups.group_of[i] == second)
+            both.push_back(static_cast<int>(i));
+    const Grouping pair = subset(groups, both);
+    const Grouping own_blocks = subset(blocks, both);
+    const Eigen::MatrixXd own = covariates(both, Eigen::all);
+    if (block_design(pair, own_blocks) == BlockDesign::Nested) {
+        const GroupRows rows = rows_of_groups(pair, own_blocks, own);
+        return {codes(rows.groups), rows.covariates, one_group(rows.groups.size())};
+    }
+    std::vector<int> kept;
+    for (const std::vector<int>& block : members(own_blocks))
+        if (subset(pair, block).group_count() > 1)
+            kept.insert(kept.end(), block.begin(), block.end());
+    return {codes(subset(pair, kept)), own(kept, Eigen::all), subset(own_blocks, kept)};
+}
+
 /// The covariates.
-/// @throws InvalidInput if one has a value for each of two groups, and so nothing tells what either does: where these
-///     are compared, what is tested would not vary beyond the covariates, whose names the test does not know.
+/// @throws InvalidInput if some of them tell two groups apart, alone or together, and so nothing tells what either does:
+///     where these are compared, what is tested would not vary beyond the covariates, whose names the test does not know.
 Eigen::MatrixXd checked_covariates(const Arguments& arguments, const MeshLabels& meshes,
-                                   const Grouping& groups, const Eigen::VectorXd& sizes)
+                                   const Grouping& groups, const Grouping& blocks,
+                                   const Eigen::VectorXd& sizes)
 {
     Eigen::MatrixXd covariates = covariates_of(meshes, sizes, arguments.covariates);
+    if (covariates.cols() == 0)
+        return covariates;
     const std::vector<std::vector<int>> lists = members(groups);
-    for (std::size_t c = 0; c < arguments.covariates.size(); ++c) {
-        const Eigen::VectorXd column = covariates.col(static_cast<Eigen::Index>(c));
-        for (std::size_t g = 0; g < lists.size(); ++g)
-            for (std::size_t h = g + 1; h < lists.size(); ++h)
-                if (lists[g].size() + lists[h].size() > arguments.covariates.size() + 2 &&
-                    is_constant(column, lists[g]) && is_constant(column, lists[h]) &&
-                    column[lists[g].front()] != column[lists[h].front()])
-                    throw InvalidInput(join(
-                        "--adjust-for ", arguments.covariates[c], ": it is ",
-                        column[lists[g].front()], " in all meshes of ", arguments.by, " = ",
-                        groups.names[g], " and ", column[lists[h].front()], " in all of ",
-                        groups.names[h], ", so that nothing tells what ", arguments.covariates[c],
-                        " does from what ", arguments.by, " does; leave --adjust-for ",
-                        arguments.covariates[c], " out, or one of these groups (--only)"));
-    }
+    for (std::size_t g = 0; g < lists.size(); ++g)
+        for (std::size_t h = g + 1; h < lists.size(); ++h) {
+            const ComparedRows rows =
+                compared_rows(groups, blocks, covariates, static_cast<int>(g), static_cast<int>(h));
+            const std::vector<std::size_t> found =
+                explaining(rows.is_second, rows.covariates, rows.blocks);
+            if (found.empty())
+                continue;
+            const std::string names = listed(arguments.covariates, found);
+            const Eigen::VectorXd column = covariates.col(static_cast<Eigen::Index>(found.front()));
+            if (found.size() == 1 && is_constant(column, lists[g]) && is_constant(column, lists[h]))
+                throw InvalidInput(join(
+                    "--adjust-for ", names, ": it is ", column[lists[g].front()],
+                    " in all meshes of ", arguments.by, " = ", groups.names[g], " and ",
+                    column[lists[h].front()], " in all of ", groups.names[h],
+                    ", so that nothing tells what ", names, " does from what ", arguments.by,
+                    " does; leave --adjust-for ", names, " out, or one of these groups (--only)"));
+            throw InvalidInput(join(
+                "--adjust-for ", names, ": ", found.size() == 1 ? "it tells" : "together they tell",
+                " ", arguments.by, " = ", groups.names[g], " from ", groups.names[h],
+                " where these are compared",
+                arguments.within.empty() ? "" : join(" (--within ", arguments.within, ")"),
+                ", so that nothing tells what ", names, found.size() == 1 ? " does" : " do",
+                " from what ", arguments.by, " does; leave ",
+                found.size() == 1 ? "it" : "one of them", " out, or one of these groups (--only)"));
+        }
     return covariates;
 }
 
@@ -332,9 +401,10 @@ void warn_of_idle_covariates(const Session& session, const Arguments& arguments,
 {
     const std::vector<std::vector<int>> blocks = members(findings.blocks);
     const bool is_crossed = findings.comparison.design == BlockDesign::Crossed;
-    const bool are_all_within = std::ranges::all_of(
-        findings.comparison.pairs,
-        [&](const PairComparison& pair) { return is_within_blocks(findings, pair); });
+    const bool are_all_within =
+        std::ranges::all_of(findings.comparison.pairs,
+                            [&](const PairComparison& pair) { return is_within(findings, pair); });
+    const Grouping about = is_crossed ? findings.blocks : one_group(findings.groups.size());
     for (std::size_t c = 0; c < arguments.covariates.size(); ++c) {
         const Eigen::VectorXd column = covariates.col(static_cast<Eigen::Index>(c));
         const auto first = arguments.covariates.begin();
@@ -350,6 +420,13 @@ void warn_of_idle_covariates(const Session& session, const Arguments& arguments,
             session.warn(join(changes, are_all_within ? "" : " of what is compared within them",
                               ": it is the same in all meshes of each ", arguments.within,
                               ", whose own effect accounts for it"));
+        else if (const auto others =
+                     explaining(column, covariates.leftCols(static_cast<Eigen::Index>(c)), about);
+                 !others.empty())
+            session.warn(join(changes, " beside ", listed(arguments.covariates, others),
+                              others.size() == 1 ? ", of which it is a multiple"
+                                                 : ", of which it is a combination",
+                              " but for a constant"));
     }
 }
 
@@ -380,7 +457,7 @@ void compare_in_memory(const Session& session, const Arguments& arguments,
     const Setting setting = prepare(session, arguments, collection, inputs);
     const Grouping& groups = setting.groups;
     const auto covariates_at = [&](const Eigen::VectorXd& sizes) {
-        return checked_covariates(arguments, collection, groups, sizes);
+        return checked_covariates(arguments, collection, groups, setting.blocks, sizes);
     };
     Findings findings{
         groups,
@@ -417,7 +494,7 @@ void compare_in_passes(const Session& session, const Arguments& arguments,
 {
     const Setting setting = prepare(session, arguments, meshes, inputs);
     const auto covariates_at = [&](const Eigen::VectorXd& sizes) {
-        return checked_covariates(arguments, meshes, setting.groups, sizes);
+        return checked_covariates(arguments, meshes, setting.groups, setting.blocks, sizes);
     };
     StreamedGroups found = compare_groups(meshes, setting.groups, setting.blocks,
                                           {.space = arguments.space,
@@ -489,8 +566,9 @@ Run set_up_groups(CLI::App& command)
                     "p_value, and p_adjusted for all pairs at once (Holm)");
     add_permutations(command, arguments->permutations);
     add_integer(command, "--bootstrap", arguments->replicates,
-                "Replicates for the confidence intervals, [1, 1000000] (default: 1000)", 1,
-                1000000);
+                "Replicates for the confidence intervals, [1, 1000000] (default: 1000); it takes\n"
+                "39 at the least",
+                1, 1000000);
     command
         .add_option("--means", arguments->means.path,
                     "Make the mean mesh of every group in this directory, named by its value")

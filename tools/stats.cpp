@@ -30,6 +30,7 @@
 #include "tools/output/model_tables.h"
 #include "tools/output/output_rules.h"
 #include "tools/output/pass_store.h"
+#include "tools/output/test_tables.h"
 #include "tools/output/unlike_warnings.h"
 #include "tools/program/arguments.h"
 #include "tools/program/memory.h"
@@ -115,6 +116,13 @@ Json figures_of_modes(const Session& session, const Arguments& arguments,
         {group_by_label_or_each(collection, arguments.within), one_group(model.scores.rows())},
         {.replicates = static_cast<int>(arguments.replicates),
          .seed = static_cast<std::uint64_t>(session.seed)});
+    if (const auto doubt = doubt_of_replicates(arguments.replicates)) {
+        session.warn(join("--bootstrap: ", *doubt));
+        for (Json& mode : modes)
+            for (const char* key : {"variance_low", "variance_high", "variance_outside"})
+                mode[key] = nullptr;
+        return modes;
+    }
     std::vector<std::size_t> below;
     std::vector<std::size_t> above;
     for (std::size_t k = 0; k < intervals.size(); ++k) {
@@ -439,7 +447,7 @@ Run set_up_stats(CLI::App& command)
     CLI::Option* bootstrap = add_integer(
         command, "--bootstrap", arguments->replicates,
         "Find 95 % intervals of the variances from N resampled collections, [0, 1000000]\n"
-        "(default: 0, none)",
+        "(default: 0, none), of which it takes 39",
         0, 1000000);
     add_label(command, "--within", arguments->within,
               "Resample meshes with the same value of it together, such as all of a subject")

@@ -29,6 +29,8 @@ class ModelDecoder
 public:
     /// @throws InvalidInput if the parts of the block do not fit each other.
     explicit ModelDecoder(ModelBlock block);
+    ModelDecoder(const ModelDecoder&) = delete;
+    ModelDecoder& operator=(const ModelDecoder&) = delete;
 
     /// @param scores  At most K coordinates along the modes; missing ones are 0.
     /// @param amounts  At most M, of the added directions.
@@ -50,6 +52,7 @@ public:
                                    double size) const;
 
     /// Pairs of faces that cross in a mesh, and those that do not in the reference mesh. Cost: a tenth of a preview.
+    /// @throws InvalidInput if it has another number of vertices.
     [[nodiscard]] CrossingCount::Count crossings(const Points& points) const;
 
     [[nodiscard]] const ModelBlock& block() const { return block_; }

@@ -7,6 +7,7 @@
 #include <bit>
 #include <charconv>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -232,14 +233,16 @@ void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels)
         labels, [](const LabelColumn& column) { return needs_escapes(column.name); });
     if (are_escaped)
         content.attributes.emplace_back(names_attribute, std::string(percent_encoded));
-    std::set<std::string_view> seen;
+    std::set<std::string> seen; // as tables spell them
     for (const LabelColumn& column : labels) {
         if (!is_storable_label(column.name))
             throw InvalidInput(
                 join("label column ", in_quotes(column.name),
                      ": a name in a file must not be empty or hold NUL; rename the column"));
-        if (!seen.insert(column.name).second)
-            throw InvalidInput(join("label column '", column.name, "' occurs twice"));
+        if (!seen.insert(label_name(column.name)).second)
+            throw InvalidInput(join("label column ", in_quotes(column.name),
+                                    " occurs twice, perhaps but for blanks or the composition of "
+                                    "accents"));
         const std::string member = are_escaped ? escaped(column.name) : column.name;
         if (member.size() > longest_string)
             throw InvalidInput(join("label column ", in_quotes(column.name), ": the name has ",
@@ -257,11 +260,17 @@ Labels read_labels(const Hdf5File& file, Eigen::Index count)
                   join("is '", file.text_attribute(names_attribute), "', must be '",
                        percent_encoded, "'"));
     Labels labels;
-    std::set<std::string> seen;
+    std::map<std::string, std::string> seen; // as tables spell them
     for (const std::string& member : file.members("/labels")) {
         const std::string name = are_escaped ? unescaped(file, member) : member;
-        if (!seen.insert(name).second)
+        const auto [known, is_new] = seen.try_emplace(label_name(name), name);
+        if (!is_new && known->second == name)
             file.fail("/labels/" + member, join("a second label is called '", name, "'"));
+        if (!is_new)
+            file.fail(
+                "/labels/" + member,
+                join("a label is called ", in_quotes(known->second), " and another one ",
+                     in_quotes(name), ", one name but for blanks or the composition of accents"));
         labels.push_back({name, file.strings("/labels/" + member, count)});
         for (std::string& value : labels.back().values)
             value = label_value(value); // whoever wrote the file

@@ -24,6 +24,15 @@ constexpr std::uint64_t largest_table = std::uint64_t{2} << 30;
 
 using Row = std::vector<std::string>;
 
+/// What is wrong if cells are separated by this. Programs in countries with a decimal comma take semicolons, others tabs.
+std::optional<std::string> wrong_separator(char separator)
+{
+    if (separator != ';' && separator != '\t')
+        return std::nullopt;
+    return join("the separator of the cells is ", separator == ';' ? "';'" : "a tab",
+                ", must be ','; save the table as CSV with commas (and decimal points)");
+}
+
 /// Splits CSV into rows; knows the line for messages.
 class CsvParser
 {
@@ -51,13 +60,16 @@ public:
         line_ = next_line_;
         Row cells;
         do
-            cells.push_back(rest_.starts_with('"') ? quoted_cell() : plain_cell());
+            cells.push_back(rest_.starts_with('"') ? quoted_cell() : plain_cell(cells.empty()));
         while (take(","));
-        if (!take("\n") && !take("\r\n") && !done())
-            fail(rest_.starts_with('\r') ? "a CR ends no line; lines must end with LF or CRLF"
-                                         : "text follows a closing quote");
-        ++next_line_;
-        return cells;
+        if (take("\n") || take("\r\n") || done()) {
+            ++next_line_;
+            return cells;
+        }
+        if (rest_.starts_with('\r'))
+            fail("a CR ends no line; lines must end with LF or CRLF");
+        fail(separator_behind_first(cells.size() == 1, rest_.front())
+                 .value_or("text follows a closing quote"));
     }
 
     [[noreturn]] void fail(std::string_view rule) const
@@ -74,12 +86,19 @@ private:
         return is_there;
     }
 
-    std::string plain_cell()
+    /// Rows whose first cell ends with a comma have commas, whatever else is wrong.
+    static std::optional<std::string> separator_behind_first(bool is_first, char character)
+    {
+        return is_first ? wrong_separator(character) : std::nullopt;
+    }
+
+    std::string plain_cell(bool is_first)
     {
         const std::size_t end = std::min(rest_.find_first_of(",\r\n"), rest_.size());
         std::string cell(rest_.substr(0, end));
-        if (cell.find('"') != std::string::npos)
-            fail(join("a quote stands within the unquoted cell ", in_quotes(cell)));
+        if (const std::size_t quote = cell.find('"'); quote != std::string::npos)
+            fail(separator_behind_first(is_first, cell[quote - 1]) // it does not begin with one
+                     .value_or(join("a quote stands within the unquoted cell ", in_quotes(cell))));
         rest_.remove_prefix(end);
         return cell;
     }
@@ -148,16 +167,13 @@ void drop_blank_columns(Table& table)
     }
 }
 
-/// Programs in countries with a decimal comma separate cells by semicolons, others by tabs.
 void check_separator(const Row& columns, const std::string& path)
 {
     if (columns.size() > 1)
         return;
-    for (const auto& [separator, name] : {std::pair{';', "';'"}, {'\t', "a tab"}})
+    for (const char separator : {';', '\t'})
         if (columns.front().find(separator) != std::string::npos)
-            throw InvalidInput(join(path, ": line 1: the separator of the cells is ", name,
-                                    ", must be ','; save the table as CSV with commas (and decimal "
-                                    "points)"));
+            throw InvalidInput(join(path, ": line 1: ", *wrong_separator(separator)));
 }
 
 void append_row(std::string& text, const Row& cells)

@@ -153,7 +153,7 @@ std::optional<CoarseCoordinates> coarse_coordinates(const Faces& faces, const Po
         rasters.push_back(is_far ? 0 : raster_steps(faces, coordinates, step));
     }
     const bool are_several =
-        std::ranges::count_if(rasters, [](int steps) { return steps > 0; }) > 1;
+        std::count_if(rasters.begin(), rasters.end(), [](int steps) { return steps > 0; }) > 1;
     std::optional<CoarseCoordinates> coarsest;
     for (std::size_t i = 0; i < found.size(); ++i) {
         const bool is_exempt =

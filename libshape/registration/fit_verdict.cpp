@@ -16,6 +16,7 @@
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/vertex_normals.h"
 #include "libshape/registration/closest_points.h"
+#include "libshape/registration/landmark_checks.h"
 #include "libshape/registration/landmark_units.h"
 
 namespace shape::internal {
@@ -143,7 +144,7 @@ VectorXd landmark_errors(const FitEvidence& evidence)
     VectorXd errors(evidence.reached.rows());
     for (Index i = 0; i < errors.size(); ++i) {
         const Vector3d reached = evidence.reached.row(i);
-        errors[i] = (reached - evidence.landmarks.row(i).transpose()).norm();
+        errors[i] = (reached - evidence.landmarks.on_scan.row(i).transpose()).norm();
     }
     return errors;
 }
@@ -174,24 +175,31 @@ void set_status(const FitEvidence& evidence, ScanFit& fit)
         say(FitStatus::Check, join(counted(fit.folded_faces, "face"), " folded"));
     // A tolerance is a standard deviation.
     const double tolerated = 3.0 * evidence.landmark_tolerance / fit.diagonal;
-    // A fit to landmarks of another unit has a size of its own: the scan's counts.
-    const double near = std::max(3.0 * evidence.landmark_tolerance,
-                                 landmark_off * bounding_box_diagonal(evidence.scan.points));
+    // A fit to landmarks that are wrong has a size of its own: the scan's counts.
+    const LandmarkPairs& landmarks = evidence.landmarks;
+    const double scan_diagonal = bounding_box_diagonal(evidence.scan.points);
+    const double near = std::max(3.0 * evidence.landmark_tolerance, landmark_off * scan_diagonal);
     const std::optional<std::string> other_unit =
-        other_unit_of(evidence.landmarks, evidence.scan, near, "the scan");
+        other_unit_of(landmarks.on_scan, evidence.scan, near, "the scan");
     if (other_unit)
         say(FitStatus::Check, *other_unit);
+    if (const auto said =
+            mistaken_landmarks(landmarks.names, landmarks.on_template, landmarks.on_scan))
+        say(FitStatus::Check, *said);
     for (Index i = 0; i < fit.landmark_errors.size(); ++i) {
         const double missed = fit.landmark_errors[i] / fit.diagonal;
-        const std::string& name = evidence.names[to_size(i)];
+        const std::string& name = landmarks.names[to_size(i)];
         hold(missed,
              {std::max(tolerated, landmark_miss.check), std::max(tolerated, landmark_miss.failed)},
              join("landmark '", name, "' is missed by ", percent(missed), " of the diagonal"));
-        const double off =
-            evidence.scan.tree.nearest(evidence.landmarks.row(i)).distance / fit.diagonal;
-        if (!other_unit && off > std::max(tolerated, landmark_off))
+        const double off = evidence.scan.tree.nearest(landmarks.on_scan.row(i)).distance;
+        if (!other_unit && off > near)
+            say(FitStatus::Check, join("landmark '", name, "' lies ", percent(off / scan_diagonal),
+                                       " of the diagonal off the scan"));
+        if (evidence.off_template[i] > near / scan_diagonal)
             say(FitStatus::Check,
-                join("landmark '", name, "' lies ", percent(off), " of the diagonal off the scan"));
+                join("landmark '", name, "' lies ", percent(evidence.off_template[i]),
+                     " of the diagonal off the template"));
     }
 }
 

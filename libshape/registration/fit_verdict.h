@@ -40,10 +40,11 @@ struct FitEvidence
     const Surface& scan;
     double diagonal;     ///< Of the template's bounding box, at the size that it started with.
     double start_growth; ///< By which that is larger than its own size in the scan's unit.
-    const std::vector<std::string>& names; ///< Of the landmarks.
-    const Points& landmarks;               ///< Where they are on the scan, one a name,
-    const Points& reached;                 ///< and on the fit.
-    double landmark_tolerance;             ///< Standard deviation.
+    const LandmarkPairs& landmarks;
+    const Eigen::VectorXd&
+        off_template;          ///< Of each, distance from the template, over its diagonal.
+    const Points& reached;     ///< Where each is on the fit.
+    double landmark_tolerance; ///< Standard deviation.
 };
 
 /// Reasons why a start may be a wrong one: from none did the template come near without bending much; turned by an angle

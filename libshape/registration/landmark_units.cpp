@@ -3,8 +3,10 @@
 #include "libshape/registration/landmark_units.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "libshape/base/format.h"
+#include "libshape/base/order_statistics.h"
 #include "libshape/mesh/unit_ratio.h"
 
 namespace shape::internal {
@@ -18,6 +20,17 @@ double largest_distance(const Points& landmarks, const Surface& surface)
     return distance;
 }
 
+/// How far landmarks spread, about their bounding box's diagonal, but not by fewer than half of them: a code for a
+/// missing one lies far off.
+double robust_spread(const Points& landmarks)
+{
+    Eigen::RowVector3d middle;
+    for (int axis = 0; axis < 3; ++axis)
+        middle[axis] = median({landmarks.col(axis).begin(), landmarks.col(axis).end()});
+    const Eigen::VectorXd distances = (landmarks.rowwise() - middle).rowwise().norm();
+    return 2.0 * median({distances.begin(), distances.end()});
+}
+
 } // namespace
 
 std::optional<std::string> other_unit_of(const Points& landmarks, const Surface& surface,
@@ -29,7 +42,7 @@ std::optional<std::string> other_unit_of(const Points& landmarks, const Surface&
     if (landmarks.rows() < 3 || largest_distance(landmarks, surface) <= within)
         return std::nullopt;
     const double diagonal = bounding_box_diagonal(surface.points);
-    const double spread = bounding_box_diagonal(landmarks);
+    const double spread = robust_spread(landmarks);
     double nearest = within;
     std::optional<std::string> said;
     for (const UnitRatio& units : unit_ratios)

@@ -11,7 +11,7 @@ namespace shape::internal {
 
 /// Whether landmarks look as if they were in another unit than a surface, or as if one were in RAS and the other in LPS,
 /// which programs of medicine confuse: some are off it, but times a ratio of units (unit_ratio.h), or with x and y times
-/// -1, all lie on it, spread over at least a tenth of its diagonal.
+/// -1, all lie on it, spread over at least a tenth of its diagonal (twice their median distance from their median).
 /// @param within  So far from the surface a landmark still lies on it [length].
 /// @param what  Whose landmarks they are, such as "the scan".
 /// @return A sentence with the cause and the factors, of several the one that brings the landmarks nearest.

@@ -6,7 +6,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -20,6 +19,7 @@
 #include "libshape/mesh/vertex_normals.h"
 #include "libshape/registration/fit_verdict.h"
 #include "libshape/registration/growth_energy.h"
+#include "libshape/registration/landmark_checks.h"
 #include "libshape/registration/landmark_units.h"
 #include "libshape/registration/rigid_start.h"
 #include "libshape/registration/scan_surface.h"
@@ -414,23 +414,6 @@ std::pair<Faces, int> turned_outwards(const Scan& scan, const Surface& pattern)
     return result;
 }
 
-/// Names the landmarks that lie nowhere near a surface though others do: -9999 is a common code for a missing one.
-std::string far_landmarks(const std::vector<std::string>& names, const Points& landmarks,
-                          const Points& surface)
-{
-    constexpr double far = 20.0; // diagonals; set by hand
-    const double diagonal = bounding_box_diagonal(surface);
-    const Eigen::RowVector3d centre =
-        0.5 * (surface.colwise().minCoeff() + surface.colwise().maxCoeff());
-    std::string text;
-    Index count = 0;
-    for (Index i = 0; i < landmarks.rows(); ++i)
-        if (const double away = (landmarks.row(i) - centre).norm() / diagonal; away > far)
-            text += join(count++ == 0 ? "" : ", ", "'", names[to_size(i)], "' lies ",
-                         std::round(away), " diagonals away");
-    return count > 0 && count < landmarks.rows() ? text : std::string();
-}
-
 void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::string>& boundaries,
                      const Points& on_template, const Points& on_scan)
 {
@@ -443,19 +426,15 @@ void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::stri
         if (std::find(landmarks.names.begin(), landmarks.names.end(), name) ==
             landmarks.names.end())
             throw InvalidInput(join("boundary '", name, "' is not the name of a landmark"));
+    check_not_far(landmarks.names, landmarks.on_template, on_template, "the template");
+    check_not_far(landmarks.names, landmarks.on_scan, on_scan, "the scan");
     if (count < 3)
         return;
-    for (const auto& [points, surface, whose] :
-         {std::tuple(&landmarks.on_template, &on_template, "the template"),
-          std::tuple(&landmarks.on_scan, &on_scan, "the scan")}) {
+    for (const Points* points : {&landmarks.on_template, &landmarks.on_scan}) {
         const Points centred = points->rowwise() - points->colwise().mean();
         const Eigen::VectorXd spread = Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
         if (spread[1] > 1e-3 * spread[0]) // else less than the error of picking them by hand
             continue;
-        if (const std::string far = far_landmarks(landmarks.names, *points, *surface); !far.empty())
-            throw InvalidInput(join("landmarks of ", whose, ": ", far,
-                                    "; is that a code for a missing one? Leave its coordinates "
-                                    "empty"));
         throw InvalidInput("landmarks: they lie on a line, which leaves a turn about it open");
     }
 }
@@ -503,14 +482,18 @@ void ScanFitter::State::finish(const Target& target, const ShapePoint& rest, dou
     for (std::size_t i = 0; i < marks.size(); ++i)
         reached.row(static_cast<Index>(i)) =
             position(marks[i], level.topology.faces(), mesh.points);
+    VectorXd off_template(target.landmarks.on_template.rows());
+    for (Index i = 0; i < off_template.size(); ++i)
+        off_template[i] =
+            surface.tree.nearest(target.landmarks.on_template.row(i)).distance / own_diagonal;
     judge({.topology = level.topology,
            .mesh = mesh,
            .strains = strains,
            .scan = target.scan,
            .diagonal = target.diagonal,
            .start_growth = start_growth,
-           .names = target.landmarks.names,
-           .landmarks = target.landmarks.on_scan,
+           .landmarks = target.landmarks,
+           .off_template = off_template,
            .reached = reached,
            .landmark_tolerance = target.landmark_tolerance},
           own_figures, fit);

@@ -108,8 +108,8 @@ public:
     ScanFitter& operator=(ScanFitter&&) noexcept;
 
     /// @param landmarks  None, or >= 1; with >= 3 they give the start.
-    /// @throws InvalidInput if there are three or more landmarks on a line, those of the template lie on it
-    ///     in another unit alone (1,000 times as large, ...), tables differ in size, or options.boundaries
+    /// @throws InvalidInput if there are three or more landmarks on a line, some but not all lie more than 20 diagonals off,
+    ///     those of the template lie on it in another unit alone (1,000 times as large, ...), tables differ in size, or options.boundaries
     ///     names a landmark that is missing, or is not empty where the template or the scan has no boundary.
     /// A scan that the template does not fit throws nothing: see ScanFit::status. Times some factor, a scan and its
     /// landmarks have the same fit but for that factor and rounding, unless the scan is a part of a shape, say, whose size

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
@@ -118,10 +119,19 @@ double quantile(VectorXd values, double probability)
     return std::lerp(values[below], values[above], place - std::floor(place));
 }
 
+int least_replicates(double confidence)
+{
+    constexpr double rounding = 1e-9; // 2 / (1 - 0.95) is a little more than 40
+    return static_cast<int>(std::ceil(2.0 / (1.0 - confidence) - 1.0 - rounding));
+}
+
 Interval percentile_interval(const VectorXd& replicates, double confidence)
 {
     if (!(confidence > 0.0 && confidence < 1.0))
         throw InvalidInput(join("interval: confidence is ", confidence, ", must be in (0, 1)"));
+    const auto count = (!replicates.array().isNaN()).count();
+    if (count < least_replicates(confidence))
+        return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     const double outside = 0.5 * (1.0 - confidence);
     return {quantile(replicates, outside), quantile(replicates, 1.0 - outside)};
 }

@@ -37,6 +37,11 @@ struct Resampling
 /// the true value lies beyond what they span about every other time.
 constexpr int least_resampled = 3;
 
+/// Of fewer replicates not even the smallest and the largest lie so far apart: between these of n lies another draw with
+/// probability (n - 1) / (n + 1). 39 for 95 %.
+/// @param confidence  In (0, 1).
+[[nodiscard]] int least_replicates(double confidence);
+
 /// An interval that holds the true value with the confidence asked for.
 struct Interval
 {
@@ -53,8 +58,9 @@ struct Interval
     const std::function<Eigen::VectorXd(const Eigen::VectorXd& times)>& statistic,
     const BootstrapOptions& options = {});
 
-/// The interval between two quantiles of replicates that leave equal shares on either side.
-/// @throws InvalidInput if there is none or confidence is not in (0, 1).
+/// The interval between two quantiles of replicates that leave equal shares on either side. NaN does not count as a
+/// replicate; both ends are NaN if there are fewer than least_replicates(confidence).
+/// @throws InvalidInput if confidence is not in (0, 1).
 [[nodiscard]] Interval percentile_interval(const Eigen::VectorXd& replicates, double confidence);
 
 /// Quantile of values by linear interpolation of their order statistics (type 7 of Hyndman & Fan
@@ -63,7 +69,7 @@ struct Interval
 /// @throws InvalidInput if there is no value or probability is out of its range.
 [[nodiscard]] double quantile(Eigen::VectorXd values, double probability);
 
-/// Percentile intervals of the K largest variances of principal components (divisor: number drawn
+/// percentile_interval() of the K largest variances of principal components (divisor: number drawn
 /// - 1), as many as asked for. The k-th largest variance of few observations is biased, the first
 /// ones upwards (Efron & Tibshirani 1993, section 7.2); the interval is of that estimate.
 /// @param coordinates  N by M observations in any orthonormal basis, such as scores of all modes.

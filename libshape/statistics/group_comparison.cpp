@@ -7,11 +7,11 @@
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
@@ -135,6 +135,19 @@ void check(const Design& design)
                                 " groups; there must be more observations than groups"));
 }
 
+/// Of blocks with members of several groups there may be few, after a slip in a table that made them so.
+void check_compared(const Design& compared, BlockDesign design)
+{
+    const int blocks = compared.blocks.group_count();
+    const int least = blocks + compared.groups.group_count();
+    if (design == BlockDesign::Crossed && compared.observations.count < least)
+        throw InvalidInput(join(
+            "groups: ", counted(blocks, "block has", "blocks have"), " members of several groups, ",
+            counted(compared.observations.count, "observation"), " in all; to compare ",
+            compared.groups.group_count(), " groups within ", blocks == 1 ? "it" : "them",
+            " takes ", least, " at the least"));
+}
+
 /// What body() gives; an error of it names the groups.
 template <class Body>
 auto of_pair(const Grouping& groups, int first, int second, const Body& body)
@@ -173,7 +186,9 @@ GroupComparisonPlan::GroupComparisonPlan(const Grouping& groups, const Grouping&
         throw InvalidInput(join("groups: ", blocks.group_count(), " blocks in ",
                                 groups.group_count(),
                                 " groups; there must be more blocks than groups"));
-    overall_ = plan_test(exchangeable(design), options);
+    Design compared = exchangeable(design);
+    check_compared(compared, design_);
+    overall_ = plan_test(std::move(compared), options);
     const std::vector<std::vector<int>> lists = members(groups);
     const int count = groups.group_count();
     for (int first = 0; count > 2 && first < count; ++first)
@@ -182,10 +197,10 @@ GroupComparisonPlan::GroupComparisonPlan(const Grouping& groups, const Grouping&
                 std::vector<int> both;
                 std::ranges::merge(lists[to_size(first)], lists[to_size(second)],
                                    std::back_inserter(both));
-                Design compared = exchangeable(subset(design, both));
-                if (!is_testable_pair(compared))
+                Design of_both = exchangeable(subset(design, both));
+                if (!is_testable_pair(of_both))
                     return {first, second, std::nullopt};
-                return {first, second, plan_test(std::move(compared), options)};
+                return {first, second, plan_test(std::move(of_both), options)};
             }));
 }
 
@@ -223,11 +238,11 @@ GroupComparison GroupComparisonPlan::conclude(const SumAnswers& answers) const
                       static_cast<int>(fit_->rows().observations.points.size());
     result.overall = conclude_overall(answers);
     if (groups_.group_count() == 2)
-        result.pairs.push_back({0, 1, distance(0, 1), result.overall, 1.0});
+        result.pairs.push_back({0, 1, distance(0, 1), result.overall});
     for (const Pair& pair : pairs_)
         result.pairs.push_back(of_pair(groups_, pair.first, pair.second, [&]() -> PairComparison {
             return {pair.first, pair.second, distance(pair.first, pair.second),
-                    pair.test ? pair.test->conclude(answers) : LinearModelTest{}, 1.0};
+                    pair.test ? pair.test->conclude(answers) : LinearModelTest{}};
         }));
     Eigen::VectorXd p_values(static_cast<Index>(result.pairs.size()));
     for (Index k = 0; k < p_values.size(); ++k)
@@ -260,11 +275,13 @@ GroupComparison compare_groups(const MatrixXd& products, const Grouping& groups,
 
 Eigen::VectorXd holm_adjusted(const Eigen::VectorXd& p_values)
 {
-    std::vector<Index> order(to_size(p_values.size()));
-    std::iota(order.begin(), order.end(), Index{0});
+    std::vector<Index> order;
+    for (Index k = 0; k < p_values.size(); ++k)
+        if (!std::isnan(p_values[k]))
+            order.push_back(k);
     std::stable_sort(order.begin(), order.end(),
                      [&](Index a, Index b) { return p_values[a] < p_values[b]; });
-    Eigen::VectorXd adjusted(p_values.size());
+    Eigen::VectorXd adjusted = Eigen::VectorXd::Constant(p_values.size(), LinearModelTest::none);
     double largest = 0.0;
     for (std::size_t k = 0; k < order.size(); ++k) {
         const double factor = static_cast<double>(order.size() - k);

@@ -26,9 +26,10 @@ struct PairComparison
 {
     int first = 0; ///< Indices of the groups, first < second.
     int second = 0;
-    double distance = 0.0;   ///< Between the means of the groups; NaN if it is not determined.
-    LinearModelTest test;    ///< These two groups alone are compared.
-    double adjusted_p = 1.0; ///< For all pairs at once (Holm 1979).
+    double distance = 0.0; ///< Between the means of the groups; NaN if it is not determined.
+    LinearModelTest test;  ///< These two groups alone are compared.
+    /// For all pairs that were tested (Holm 1979); NaN of another.
+    double adjusted_p = LinearModelTest::none;
 };
 
 /// Whether groups differ, all at once and two at a time.
@@ -62,14 +63,14 @@ struct GroupComparison
 /// @param blocks  groups_of_one() if there are none.
 /// @param covariates  N by any number, also 0: nuisance of all tests.
 /// @throws InvalidInput if there are fewer than 2 groups, no more observations (blocks, if nested)
-///     than groups, or as test_linear_model(), naming the pair. Where a pair leaves no degree of
-///     freedom, such as two groups of one observation, its test stays empty (permutations 0).
+///     than groups, if those of blocks that have several groups are too few, or as test_linear_model(), naming the
+///     pair. Where a pair leaves no degree of freedom, such as two groups of one observation, it is not tested.
 [[nodiscard]] GroupComparison compare_groups(const Eigen::MatrixXd& products,
                                              const Grouping& groups, const Grouping& blocks,
                                              const Eigen::MatrixXd& covariates,
                                              const PermutationOptions& options = {});
 
-/// Probabilities adjusted for their number by the step-down method of Holm (1979).
+/// Probabilities adjusted for their number by the step-down method of Holm (1979). NaN stays NaN and is not counted.
 [[nodiscard]] Eigen::VectorXd holm_adjusted(const Eigen::VectorXd& p_values);
 
 } // namespace shape

@@ -188,18 +188,18 @@ GroupSpread GroupSpreadPlan::conclude(const SumAnswers& answers) const
     const VectorXd measured =
         variances(VectorXd::Ones(fit.rows().observations.count), VectorXd::Zero(group_count));
     const double confidence = model_->options.confidence;
+    const bool are_enough =
+        (!replicates.rightCols<1>().array().isNaN()).count() >= least_replicates(confidence);
     const Eigen::MatrixXi tell = rows_between(fit.rows());
     for (Index g = 0; g < group_count; ++g) {
         result.counts.push_back(static_cast<int>(fit.members()[to_size(g)].size()));
         result.variances.push_back(measured[g]);
-        const bool has_interval =
-            tell(g, g) >= least_resampled && !replicates.col(g).array().isNaN().all();
-        result.variance_intervals.push_back(has_interval
+        result.variance_intervals.push_back(tell(g, g) >= least_resampled
                                                 ? percentile_interval(replicates.col(g), confidence)
                                                 : Interval{not_determined, not_determined});
         for (Index h = 0; h < g; ++h)
             result.distance_radii(g, h) = result.distance_radii(h, g) =
-                tell(g, h) >= least_resampled
+                are_enough && tell(g, h) >= least_resampled
                     ? quantile(replicates.col(group_count + g + h * group_count), confidence)
                     : not_determined;
     }

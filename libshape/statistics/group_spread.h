@@ -18,7 +18,7 @@ struct GroupSpread
     /// G: sum of squares about the mean / (n - 1). Of residuals, their degrees of freedom for n - 1. NaN where these
     /// are 0, as for n = 1.
     std::vector<double> variances;
-    /// G: percentile; NaN for n < least_resampled, or if the variance is NaN.
+    /// G: percentile; NaN for n < least_resampled, fewer replicates than least_replicates(), or if the variance is NaN.
     std::vector<Interval> variance_intervals;
     RowMatrix distances; ///< G by G, between the means; NaN if not determined.
     /// G by G: with the confidence asked for, the true vector from one mean to the other lies within

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 
 #include "libshape/statistics/grouping.h"
 
@@ -12,7 +13,7 @@ namespace shape {
 struct PermutationOptions
 {
     /// The statistic is compared with this many permutations; >= 0. The smallest p-value is
-    /// 1 / (permutations + 1).
+    /// 1 / (permutations + 1), or LinearModelTest::smallest_p if that is larger.
     int permutations = 999;
     /// All permutations depend on this.
     std::uint64_t seed = 1;
@@ -21,18 +22,27 @@ struct PermutationOptions
 /// @throws InvalidInput naming the first field that breaks its rule.
 void check(const PermutationOptions& options);
 
-/// How much of the variation of N points some columns explain, and whether that is chance.
+/// How much of the variation of N points some columns explain, and whether that is chance. Of what was not tested, all
+/// is NaN, and the counts are 0.
 struct LinearModelTest
 {
-    double sum_of_squares = 0.0;          ///< Explained by the tested columns, beyond all others.
-    double residual_sum_of_squares = 0.0; ///< Explained by nothing.
-    double total_sum_of_squares = 0.0;    ///< About the mean of all points.
-    int degrees_of_freedom = 0;           ///< Rank of the tested columns beyond all others.
+    static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+    double sum_of_squares = none;          ///< Explained by the tested columns, beyond all others.
+    double residual_sum_of_squares = none; ///< Explained by nothing.
+    double total_sum_of_squares = none;    ///< About the mean of all points.
+    int degrees_of_freedom = 0;            ///< Rank of the tested columns beyond all others.
     int residual_degrees_of_freedom = 0;
-    double f = 0.0;         ///< Ratio of the mean squares; infinite if nothing is left over.
-    double r_squared = 0.0; ///< sum_of_squares / total_sum_of_squares.
-    double p_value = 1.0;   ///< (1 + #{permuted F >= F}) / (1 + permutations).
+    double f = none;         ///< Ratio of the mean squares; infinite if nothing is left over.
+    double r_squared = none; ///< sum_of_squares / total_sum_of_squares.
+    double p_value = none;   ///< (1 + #{permuted F >= F}) / (1 + permutations); NaN without any.
     int permutations = 0;
+    /// What p_value tends to, with ever more permutations, if F is the largest that the design allows: 1 over the
+    /// number of permutations whose F may differ. 0.1 of three points against three: there are 20, and each has the F
+    /// of that which exchanges the groups. Of two groups, of several in the same numbers, and of one covariate whose
+    /// values are their own mirror image such equal ones are known; else all permutations count that change a row of
+    /// the columns. 0 if there are more than 1e308.
+    double smallest_p = none;
 };
 
 /// Tests columns of a linear model of points by permutation: the Procrustes ANOVA of morphometrics

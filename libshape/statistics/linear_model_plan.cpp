@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
@@ -122,6 +123,58 @@ struct DistinctRows
     [[nodiscard]] bool are_few() const { return rows.rows() <= 256; }
 };
 
+/// Whether the values of each block, in order, lie alike on either side of their middle.
+bool is_mirror_image(const MatrixXd& column, const Blocks& blocks)
+{
+    return std::ranges::all_of(blocks, [&](const std::vector<int>& block) {
+        std::vector<double> values;
+        for (const int i : block)
+            values.push_back(column(i, 0));
+        std::ranges::sort(values);
+        const double ends = values.front() + values.back();
+        const double rounding = 1e-12 * (std::abs(values.front()) + std::abs(values.back()));
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (std::abs(values[i] + values[values.size() - 1 - i] - ends) > rounding)
+                return false;
+        return true;
+    });
+}
+
+/// See LinearModelTest.
+/// @param rank  Of the tested columns beyond the blocks.
+double smallest_p(const MatrixXd& tested, const MatrixXd& nuisance, const Blocks& blocks, int rank)
+{
+    RowMatrix both(tested.rows(), tested.cols() + nuisance.cols());
+    both << tested, nuisance;
+    const DistinctRows distinct(both);
+    const auto kinds = to_size(distinct.rows.rows());
+    std::vector<std::vector<std::pair<std::size_t, int>>> places(kinds); // block, how often
+    double different = 1.0;
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        std::map<int, int> counts;
+        double placed = 0.0;
+        for (const int i : blocks[b]) {
+            const int kind = distinct.number_of[to_size(i)];
+            different *= ++placed / ++counts[kind]; // in the end the multinomial coefficient
+        }
+        if (counts.size() > 1) // else it says nothing of any
+            for (const auto& [kind, count] : counts)
+                places[to_size(kind)].emplace_back(b, count);
+    }
+    double alike = 1.0;
+    if (nuisance.cols() == 0 && std::cmp_equal(kinds, rank + 1)) {
+        // All functions of the kind are tested: kinds that occur alike may change their names.
+        std::ranges::sort(places);
+        for (std::size_t k = 1, run = 1; k < kinds; ++k) {
+            run = places[k] == places[k - 1] ? run + 1 : 1;
+            alike *= static_cast<double>(run);
+        }
+    } else if (nuisance.cols() == 0 && tested.cols() == 1 && is_mirror_image(tested, blocks)) {
+        alike = 2.0;
+    }
+    return alike / different;
+}
+
 /// For some members, the row of each observation after the permutation.
 struct PermutedRows
 {
@@ -192,10 +245,14 @@ LinearModelPlan::LinearModelPlan(Observations observations, const MatrixXd& test
             "linear model: what is tested does not vary beyond the blocks and the other columns; "
             "leave out the covariate that goes with it");
     if (degrees_.residual_degrees_of_freedom < 1)
-        throw InvalidInput(join("linear model: ", count, " observations in ", blocks.group_count(),
-                                " blocks with ", taken.cols(), " nuisance columns and ",
-                                degrees_.degrees_of_freedom,
-                                " tested ones leave no degree of freedom"));
+        throw InvalidInput(
+            join("linear model: ", counted(count, "observation is", "observations are"),
+                 " too few: the ", blocks.group_count() > 1 ? "means of the blocks" : "mean",
+                 " take", blocks.group_count() > 1 ? " " : "s ", blocks.group_count(),
+                 taken.cols() > 0 ? join(", the other columns ", taken.cols()) : std::string(),
+                 " and what is tested ", degrees_.degrees_of_freedom,
+                 " of them, and nothing is left to measure chance by"));
+    degrees_.smallest_p = smallest_p(tested, nuisance, lists, degrees_.degrees_of_freedom);
     model_ =
         std::make_shared<const Model>(Model{std::move(observations), lists, left, taken, options});
 }
@@ -310,7 +367,9 @@ LinearModelTest LinearModelPlan::conclude(const SumAnswers& answers) const
     const auto extreme = std::count_if(members.begin() + 1, members.end(), [&](const MatrixXd& m) {
         return explained(m) / (left - taken(m)) >= share - tie_tolerance;
     });
-    result.p_value = (1.0 + static_cast<double>(extreme)) / (1.0 + model_->options.permutations);
+    if (model_->options.permutations > 0)
+        result.p_value =
+            (1.0 + static_cast<double>(extreme)) / (1.0 + model_->options.permutations);
     return result;
 }
 

@@ -84,6 +84,22 @@ TEST(ModelDecoder, GivesPointsOfProcrustesSpaceAsTheyAre)
     EXPECT_TRUE(decoder_of(model).is_feasible(scores_of(model, 50.0), {}, model.mean_size()));
 }
 
+TEST(ModelDecoder, CountsFacesThatCross)
+{
+    const ShapeModel model = model_of();
+    const ModelDecoder decoder = decoder_of(model);
+    const Embedder embedder(model.topology, {model.reference_points});
+    EXPECT_EQ(decoder.crossings(model.reference_points).all, 0);
+    Points pierced = model.reference_points; // one vertex through the other side
+    pierced.row(0) = 2.0 * pierced.colwise().mean() - 2.0 * pierced.row(0);
+    const EmbeddingReport wanted = embedder.embed(DecodedShape(pierced)).report;
+    const CrossingCount::Count found = decoder.crossings(pierced);
+    EXPECT_GT(found.all, 0);
+    EXPECT_EQ(found.all, wanted.self_intersections);
+    EXPECT_EQ(found.in_no_reference, wanted.new_self_intersections);
+    EXPECT_THROW((void)decoder.crossings(pierced.topRows(3)), InvalidInput);
+}
+
 TEST(ModelDecoder, AddsDirectionsToThePoint)
 {
     const ShapeModel model = model_of();

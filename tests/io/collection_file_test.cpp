@@ -241,8 +241,21 @@ TEST(CollectionFile, KeepsLabelsOfAnyName)
          {rename + "'M%GG')", "/labels/M%GG", "not percent-encoded"},
          {rename + "'M%00')", "/labels/M%00", "not percent-encoded"},
          {rename + "'M%C3')", "/labels/M%C3", "not percent-encoded"},
-         {rename + "'kg%2fm2')", "/labels/kg%2fm2", "a second label is called 'kg/m2'"}},
+         {rename + "'kg%2fm2')", "/labels/kg%2fm2", "a second label is called 'kg/m2'"},
+         {rename + "'%20x')", "/labels/%20x", "one name but for blanks"}},
         [](const std::filesystem::path& file) { (void)read_collection(file); });
+}
+
+TEST(CollectionFile, WritesNoLabelsThatTablesWouldTakeForOne)
+{
+    const test::TemporaryDirectory directory;
+    Collection collection = bumpy_collection();
+    for (const char* name : {"g", " g"})
+        collection.labels.push_back({name, {"1", "2", "", "4"}});
+    EXPECT_NE(test::message_of<InvalidInput>([&] {
+                  write_collection(directory / "c.h5", collection);
+              }).find("label column ' g' occurs twice, perhaps but for blanks"),
+              std::string::npos);
 }
 
 TEST(CollectionFile, TakesNoMoreLabelsThanItCouldRead)

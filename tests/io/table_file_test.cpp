@@ -86,6 +86,13 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
              {"a,b\r1,2\r", "line 1", "CR ends no line"},
              {"mesh;sex\na;f\n", "line 1", "separator of the cells is ';'"},
              {"mesh\tsex\na\tf\n", "line 1", "separator of the cells is a tab"},
+             {"\"mesh\";\"sex\"\n\"a\";\"f\"\n", "line 1", "separator of the cells is ';'"},
+             {"\"mesh\"\t\"sex\"\na\tf\n", "line 1", "separator of the cells is a tab"},
+             {"mesh;\"sex\"\na;\"f\"\n", "line 1", "separator of the cells is ';'"},
+             {"mesh\t\"sex, age\"\na\tf\n", "line 1", "separator of the cells is a tab"},
+             {"mesh\n\"a\";\"f\"\n", "line 2", "separator of the cells is ';'"},
+             {"a,b\n1,\"2\";\n", "line 2", "text follows a closing quote"},
+             {"a,b\n1,x;\"2\"\n", "line 2", "a quote stands within"},
              {"a,b\n1,\0\n"sv, "t", "UTF-8"},
              {"a,b\n1,\xE9\n", "t", "UTF-8"},
              {"\xFF\xFE"

@@ -330,7 +330,8 @@ class Arguments(WithFaces):
         for run, kind, words in (
             (lambda: ls.read("nowhere.ply"), OSError, "nowhere.ply"),
             (lambda: ls.read(__file__), ValueError, "ending of a mesh file"),
-            (lambda: ls.collection([(V, F[:, [0, 2, 1]]), (V, F)]), ValueError, "other faces"),
+            (lambda: ls.collection([(V, F[:, [0, 2, 1]]), (V, F)]), ValueError,
+             r"meshes\[1\]: face 0 is .*, in meshes\[0\] it is .*inside out: reverse its faces"),
             (lambda: self.faces.model(modes=99), ls.InvalidInput, "modes"),
             (lambda: self.faces.model(space="flat"), ls.InvalidInput, "space: 'flat'"),
             (lambda: self.model.decode(np.zeros(99)), ls.InvalidInput, "99 given, the model has 5"),
@@ -449,7 +450,7 @@ class Behaviour(WithFaces):
         mesh, report = self.model.decode([1])
         for thing, words in (
             (mesh, r"Mesh\('scores', \d+ vertices, \d+ faces\)"),
-            (report, r"Report\(\w+: edges .* % RMS, .* % at worst; dihedral angles .* deg RMS"),
+            (report, r"Report\(\w+: edge errors RMS .* % of the mean length, largest .* % of .* own; dihedral angles .* deg RMS"),
             (self.faces, r"Collection\(12 meshes, \d+ vertices, \d+ faces, labels .*expression"),
             (self.model, r"Model\(edge space, 5 modes with .* % of the variance of 12 meshes"),
             (self.model.scores(self.faces), r"Scores\(12 meshes in 5 modes\)"),
@@ -495,6 +496,63 @@ class Behaviour(WithFaces):
         self.assertEqual(self.warnings_of(lambda: self.model.scores(sound)), [])
         self.assertEqual(self.warnings_of(lambda: self.model.scores(self.faces)), [])
         self.assertIn("V is a mirror image", self.warnings_of(lambda: self.model.scores(mirror.V))[0])
+
+    def warnings_of_program(self, *arguments: str) -> List[str]:
+        said = subprocess.run(
+            [PROGRAM, *arguments, "--force"], cwd=self.folder, stderr=subprocess.PIPE, text=True
+        ).stderr
+        mark = "shape: warning: "
+        return [line[len(mark):].replace("--", "") for line in said.split("\n") if line.startswith(mark)]
+
+    def test_groups_that_may_mislead_are_warned_of_as_by_the_program(self) -> None:
+        subjects = [f"s{i // 3}" for i in range(12)]
+        plain = ["a"] * 6 + ["b"] * 6
+        slip = plain[:5] + ["b"] + plain[6:]
+        for values, within in ((plain, ""), (slip, "subject"), (plain, "subject")):
+            made = ls.collection(list(self.faces), labels={"subject": subjects, "g": values})
+            made.write(self.folder / "g.h5")
+            wanted = self.warnings_of_program(
+                "groups", "g.h5", "--by", "g", "-o", "g.csv", *(["--within", within] if within else [])
+            )
+            self.assertEqual(len(wanted), 0 if values is plain and within else 1)
+            said = self.warnings_of(lambda: ls.groups(made, "g", within=within, permutations=99))
+            self.assertEqual(said, wanted)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            slipped = ls.groups(
+                ls.collection(list(self.faces), labels={"subject": subjects, "g": slip}), "g", within="subject"
+            )
+        self.assertEqual((slipped.design, slipped.left_out, slipped.pairs[0].design), ("crossed", 9, "crossed"))
+        nested = ls.groups(made, "g", within="subject", permutations=99)
+        self.assertEqual((nested.design, nested.left_out, nested.pairs[0].design), ("nested", 0, "nested"))
+        self.assertAlmostEqual(nested.overall.smallest_p, 1 / 3)  # 4! / 2!^2 / 2
+        self.assertEqual(
+            self.warnings_of(lambda: ls.groups(made, "g", within="subject", permutations=9, replicates=1)),
+            [text.replace("bootstrap: ", "replicates: ", 1) for text in self.warnings_of_program(
+                "groups", "g.h5", "--by", "g", "--within", "subject", "--bootstrap", "1", "-o", "g.csv")],
+        )
+
+    def test_differences_of_repeated_meshes_are_warned_of_as_by_the_program(self) -> None:
+        made = ls.collection(
+            list(self.faces),
+            labels={"subject": ["p"] * 5 + ["q"] + ["r"] * 3 + ["s"] * 3, "g": ["a"] * 6 + ["b"] * 6},
+        )
+        made.write(self.folder / "g.h5")
+        wanted = self.warnings_of_program("difference", "g.h5", "--from", "g=a", "--to", "g=b", "-o", "d.h5")
+        self.assertEqual(len(wanted), 1)
+        self.assertIn("those with more meshes weigh more", wanted[0])
+        self.assertEqual(self.warnings_of(lambda: ls.difference(made, "g=a", "g=b")), wanted)
+
+    def test_names_that_tables_cannot_tell_apart_are_warned_of(self) -> None:
+        (said,) = self.warnings_of(lambda: ls.collection(list(self.faces)[:2], names=["x", "x.ply"]))
+        self.assertIn("the names of 'x' and 'x.ply' differ by outer blanks, endings", said)
+
+    def test_what_was_not_tested_is_nan(self) -> None:
+        made = ls.collection(list(self.faces), labels={"g": ["a", "b"] + ["c"] * 10})
+        pair = ls.groups(made, "g", permutations=9).pairs[0]
+        for figure in (pair.adjusted_p, pair.test.p_value, pair.test.f, pair.test.r_squared):
+            self.assertTrue(np.isnan(figure))
+        self.assertEqual(repr(pair.test), "Test(too few meshes for a test)")
 
     def test_meshes_unlike_those_of_a_difference_are_named_as_by_the_program(self) -> None:
         sound = self.faces[0]

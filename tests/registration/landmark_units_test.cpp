@@ -75,5 +75,17 @@ TEST(LandmarkUnits, ThatMeetInOnePlaceOfTheSurfaceSayNothing)
     EXPECT_FALSE(other_unit_of(elsewhere, surface, 0.05, "the scan"));
 }
 
+TEST(LandmarkUnits, ACodeForAMissingOneIsNoUnit)
+{
+    test::TestMesh mesh = test::bumpy_sphere(2, 0.2, 1);
+    mesh.points.rowwise() -= mesh.points.row(0).eval(); // through the origin
+    const Surface surface(mesh.points, mesh.topology.faces());
+    Points marks = mesh.points(marked, Eigen::all);
+    // Divided by a thousand it lies on the surface, and all others at the origin.
+    marks.row(2) = 1000.0 * mesh.points.row(33);
+    const double near = 0.01 * bounding_box_diagonal(mesh.points);
+    EXPECT_FALSE(other_unit_of(marks, surface, near, "the scan"));
+}
+
 } // namespace
 } // namespace shape

@@ -265,6 +265,13 @@ TEST(ScanFitter, FailsOnAnotherThingAltogether)
     EXPECT_FALSE(triangle.reasons.empty());
 }
 
+bool says(const ScanFit& fit, const std::string& part)
+{
+    return std::ranges::any_of(fit.reasons, [&](const std::string& reason) {
+        return reason.find(part) != std::string::npos;
+    });
+}
+
 TEST(ScanFitter, SaysWhichLandmarksWereSwappedOrLieOffTheSurface)
 {
     const TestMesh mesh = pattern();
@@ -273,15 +280,65 @@ TEST(ScanFitter, SaysWhichLandmarksWereSwappedOrLieOffTheSurface)
     const std::vector<int> vertices{0, 100, 200, 300, 400, 500};
     LandmarkPairs swapped = marks_at(vertices, mesh.points, truth);
     swapped.on_scan.row(0).swap(swapped.on_scan.row(3));
-    EXPECT_NE(fitter.fit(scan_of(wide_scan()), swapped).status, FitStatus::Good);
+    const ScanFit slip = fitter.fit(scan_of(wide_scan()), swapped);
+    EXPECT_NE(slip.status, FitStatus::Good);
+    EXPECT_TRUE(says(slip, "landmarks 'a' and 'd' look exchanged"));
     LandmarkPairs off = marks_at(vertices, mesh.points, truth);
     off.on_scan.row(2) *= 1.3;
     const ScanFit fit = fitter.fit(scan_of(wide_scan()), off);
     EXPECT_NE(fit.status, FitStatus::Good);
-    bool named = false;
-    for (const std::string& reason : fit.reasons)
-        named = named || reason.find("'c'") != std::string::npos;
-    EXPECT_TRUE(named);
+    EXPECT_TRUE(says(fit, "landmark 'c' lies "));
+    // A code does not hide how far off it is by making the fit large: as many scan diagonals as it is away.
+    off.on_scan.row(2) = Eigen::RowVector3d(9.0, 0.0, 0.0) * bounding_box_diagonal(truth);
+    const ScanFit coded = fitter.fit(scan_of(wide_scan()), off);
+    const double reach = truth.rowwise().norm().maxCoeff() / bounding_box_diagonal(truth);
+    for (const std::string& reason : coded.reasons)
+        if (reason.starts_with("landmark 'c' lies ")) {
+            const double said = std::stod(reason.substr(18));
+            EXPECT_GE(said, 100.0 * (9.0 - reach) - 0.1);
+            EXPECT_LE(said, 900.0);
+        }
+    EXPECT_TRUE(says(coded, "landmark 'c' lies "));
+}
+
+TEST(ScanFitter, SaysWhichLandmarksLieOffTheTemplate)
+{
+    const TestMesh mesh = pattern();
+    const Points truth = widened(mesh.points);
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    LandmarkPairs marks = marks_at({0, 100, 200, 300, 400, 500}, mesh.points, truth);
+    const double diagonal = bounding_box_diagonal(mesh.points);
+    const auto moved_out = [&](double by) {
+        LandmarkPairs off = marks;
+        off.on_template.row(2) += by * diagonal * off.on_template.row(2).normalized();
+        return fitter.fit(scan_of(wide_scan()), off);
+    };
+    EXPECT_EQ(moved_out(0.003).status, FitStatus::Good); // placed by hand
+    const ScanFit fit = moved_out(0.1);
+    EXPECT_EQ(fit.status, FitStatus::Check);
+    ASSERT_EQ(std::ranges::count_if(fit.reasons,
+                                    [](const std::string& reason) {
+                                        return reason.find("off the template") != std::string::npos;
+                                    }),
+              1);
+    EXPECT_TRUE(says(fit, "landmark 'c' lies "));
+    // A tolerance is one of the scan, which is as large here: three of them are within.
+    const ScanFitter tolerant(mesh.topology, mesh.points, {.landmark_tolerance = 0.05 * diagonal});
+    LandmarkPairs off = marks;
+    off.on_template.row(2) += 0.1 * diagonal * off.on_template.row(2).normalized();
+    EXPECT_FALSE(says(tolerant.fit(scan_of(wide_scan()), off), "off the template"));
+}
+
+TEST(ScanFitter, SaysThatLandmarksFitAMirrorImage)
+{
+    const TestMesh mesh = pattern();
+    const Eigen::DiagonalMatrix<double, 3> mirror(-1.0, 1.0, 1.0);
+    TestMesh scan = wide_scan();
+    scan.points = scan.points * mirror;
+    const LandmarkPairs marks =
+        marks_at({0, 100, 200, 300, 400, 500}, mesh.points, widened(mesh.points) * mirror);
+    EXPECT_TRUE(says(ScanFitter(mesh.topology, mesh.points).fit(scan_of(scan), marks),
+                     "look like a mirror image"));
 }
 
 TEST(ScanFitter, TakesOneOrTwoLandmarksToo)
@@ -456,6 +513,17 @@ TEST(ScanFitter, RefusesLandmarksThatLeaveTheStartOpenAndOptionsOutOfRange)
     EXPECT_NE(said.find(" diagonals away, 'd' lies "), std::string::npos) << said;
     EXPECT_NE(said.find("a code for a missing one?"), std::string::npos) << said;
     EXPECT_EQ(said.find("'a'"), std::string::npos) << said;
+    // One code among landmarks that leave no turn open; and of the template.
+    LandmarkPairs one = five_landmarks(mesh);
+    one.on_scan.row(2).setConstant(-9999.0);
+    EXPECT_TRUE(message_of<InvalidInput>([&] {
+                    (void)fitter.fit(scan, one);
+                }).starts_with("landmarks of the scan: 'c' lies "));
+    one = five_landmarks(mesh);
+    one.on_template.row(4).setConstant(-9999.0);
+    EXPECT_TRUE(message_of<InvalidInput>([&] {
+                    (void)fitter.fit(scan, one);
+                }).starts_with("landmarks of the template: 'e' lies "));
     line.names.pop_back();
     EXPECT_THROW((void)fitter.fit(scan, line), InvalidInput);
     FitOptions options;

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "libshape/base/error.h"
+#include "libshape/base/random.h"
 #include "libshape/base/to_size.h"
 #include "libshape/statistics/principal_components.h"
 #include "tests/support/matrices.h"
@@ -90,6 +92,41 @@ TEST(PercentileInterval, LeavesEqualSharesOnEitherSide)
     EXPECT_NEAR(interval.high, 950.0, 1e-10);
     for (const double bad : {0.0, 1.0, -0.5})
         EXPECT_THROW((void)percentile_interval(values, bad), InvalidInput);
+}
+
+TEST(PercentileInterval, TakesAsManyReplicatesAsItsConfidenceAsksFor)
+{
+    EXPECT_EQ(least_replicates(0.95), 39);
+    EXPECT_EQ(least_replicates(0.9), 19);
+    EXPECT_EQ(least_replicates(0.99), 199);
+    EXPECT_EQ(least_replicates(0.5), 3);
+    const VectorXd values = VectorXd::LinSpaced(39, 1.0, 39.0);
+    EXPECT_GT(percentile_interval(values, 0.95).high, percentile_interval(values, 0.95).low);
+    VectorXd fewer = values;
+    fewer[7] = std::numeric_limits<double>::quiet_NaN();
+    for (const VectorXd& few : {fewer, VectorXd(values.head(38)), VectorXd(values.head(1))}) {
+        EXPECT_TRUE(std::isnan(percentile_interval(few, 0.95).low));
+        EXPECT_TRUE(std::isnan(percentile_interval(few, 0.95).high));
+    }
+    // Where another draw lies: between the least and the largest of 38 seldom enough, of 39 not.
+    Random random(1);
+    const auto share_between_ends = [&](int count) {
+        constexpr int repetitions = 100'000;
+        int held = 0;
+        for (int i = 0; i < repetitions; ++i) {
+            double low = 1.0, high = 0.0;
+            for (int k = 0; k < count; ++k) {
+                const double drawn = random.uniform();
+                low = std::min(low, drawn);
+                high = std::max(high, drawn);
+            }
+            const double other = random.uniform();
+            held += low <= other && other <= high;
+        }
+        return held / static_cast<double>(repetitions);
+    };
+    EXPECT_NEAR(share_between_ends(39), 0.95, 0.0035);
+    EXPECT_NEAR(share_between_ends(9), 0.8, 0.0065);
 }
 
 TEST(VarianceIntervals, HoldTheTrueVariances)

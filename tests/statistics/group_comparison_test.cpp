@@ -6,6 +6,7 @@
 
 #include <Eigen/QR>
 #include <cmath>
+#include <limits>
 
 #include "libshape/base/error.h"
 #include "libshape/base/random.h"
@@ -166,9 +167,17 @@ TEST(CompareGroups, LeavesAPairWithoutDegreesOfFreedomUntested)
     const GroupComparison result =
         compare(test::random_matrix(4, 2, 8), {"a", "b", "c", "c"}, groups_of_one(4));
     EXPECT_EQ(result.pairs[0].test.permutations, 0);
-    EXPECT_EQ(result.pairs[0].adjusted_p, 1.0);
+    for (const double figure :
+         {result.pairs[0].adjusted_p, result.pairs[0].test.p_value, result.pairs[0].test.f,
+          result.pairs[0].test.r_squared, result.pairs[0].test.sum_of_squares,
+          result.pairs[0].test.residual_sum_of_squares, result.pairs[0].test.smallest_p})
+        EXPECT_TRUE(std::isnan(figure)) << figure;
     EXPECT_GT(result.pairs[0].distance, 0.0);
     EXPECT_EQ(result.pairs[1].test.permutations, 99);
+    // Two tests were made, and two are counted.
+    const double a = result.pairs[1].test.p_value, b = result.pairs[2].test.p_value;
+    EXPECT_NEAR(std::min(result.pairs[1].adjusted_p, result.pairs[2].adjusted_p),
+                std::min(1.0, 2.0 * std::min(a, b)), 1e-15);
 }
 
 TEST(CompareGroups, SaysWhatIsWrong)
@@ -183,6 +192,9 @@ TEST(CompareGroups, SaysWhatIsWrong)
               "groups: 4 observations in 4 groups; there must be more observations than groups");
     EXPECT_EQ(message({"a", "a", "b", "b"}, group_by({"1", "1", "2", "2"})),
               "groups: 2 blocks in 2 groups; there must be more blocks than groups");
+    EXPECT_EQ(message({"a", "a", "b", "a"}, group_by({"1", "1", "2", "2"})),
+              "groups: 1 block has members of several groups, 2 observations in all; to compare 2 "
+              "groups within it takes 3 at the least");
     EXPECT_NE(message({"a", "b"}, groups_of_one(4)).find("all must agree"), std::string::npos);
     RowMatrix equal = data;
     equal.row(1) = equal.row(0);
@@ -201,6 +213,17 @@ TEST(HolmAdjusted, MultipliesFromTheSmallestUp)
     const Eigen::VectorXd adjusted = holm_adjusted(p_values);
     EXPECT_LE((adjusted - Eigen::Vector4d(0.04, 0.09, 0.09, 0.9)).cwiseAbs().maxCoeff(), 1e-15);
     EXPECT_EQ(holm_adjusted(Eigen::Vector2d(0.7, 0.8)), Eigen::Vector2d(1.0, 1.0));
+}
+
+TEST(HolmAdjusted, CountsNoTestThatWasNotMade)
+{
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    const Eigen::VectorXd adjusted =
+        holm_adjusted(Eigen::VectorXd{{none, 0.01, 0.04, none, 0.03, 0.9, none}});
+    const Eigen::VectorXd alone = holm_adjusted(Eigen::Vector4d(0.01, 0.04, 0.03, 0.9));
+    EXPECT_TRUE(std::isnan(adjusted[0]) && std::isnan(adjusted[3]) && std::isnan(adjusted[6]));
+    EXPECT_EQ(Eigen::Vector4d(adjusted[1], adjusted[2], adjusted[4], adjusted[5]), alone);
+    EXPECT_EQ(holm_adjusted(Eigen::VectorXd()).size(), 0);
 }
 
 /// Real faces: expressions differ, shuffled ones do not.

@@ -120,6 +120,19 @@ TEST(GroupSpread, LeavesOutReplicatesWithoutAGroup)
     EXPECT_LT(refused, 20);
 }
 
+TEST(GroupSpread, OfTooFewReplicatesHasNoIntervals)
+{
+    const RowMatrix data = two_groups(5, 0.5);
+    for (const auto& [replicates, is_known] : {std::pair(1, false), {38, false}, {39, true}}) {
+        const GroupSpread found =
+            spread_of(data, halves(), groups_of_one(60), {.replicates = replicates});
+        EXPECT_EQ(std::isfinite(found.distance_radii(0, 1)), is_known) << replicates;
+        EXPECT_EQ(std::isfinite(found.variance_intervals[0].low), is_known) << replicates;
+        EXPECT_GT(found.variances[0], 0.0);
+        EXPECT_GT(found.distances(0, 1), 0.0);
+    }
+}
+
 TEST(GroupSpread, OfTooFewIsNotDetermined)
 {
     const RowMatrix data = test::random_matrix(12, 3, 61);
@@ -388,7 +401,7 @@ TEST(GroupSpread, HasNoDistanceThatTheCovariatesLeaveOpen)
         habitat[i] = i % 3 == 0 ? 1.0 : 2.0;
     }
     const GroupSpread found = group_spread(inner_products(two_groups(41, 0.0)), group_by(groups),
-                                           groups_of_one(60), habitat, {.replicates = 20});
+                                           groups_of_one(60), habitat, {.replicates = 40});
     EXPECT_TRUE(std::isnan(found.distances(0, 1)));
     EXPECT_TRUE(std::isnan(found.distance_radii(1, 0)));
     EXPECT_GT(found.distances(1, 2), 0.0); // which have the same habitat
@@ -402,7 +415,7 @@ TEST(GroupSpread, HasTheSameBitsForAnyThreadCount)
     const Eigen::MatrixXd none(60, 0);
     const auto radii = [&](int threads) {
         const test::ThreadScope scope(threads);
-        return group_spread(products, halves(), groups_of_one(60), none, {.replicates = 20})
+        return group_spread(products, halves(), groups_of_one(60), none, {.replicates = 40})
             .distance_radii;
     };
     EXPECT_EQ(radii(1), radii(3));
@@ -487,7 +500,8 @@ TEST(SpreadTest, LeavesOutGroupsWhoseMembersAreEquallyFarFromTheirMean)
     const LinearModelTest nothing =
         spread_test_of(data, group_by(pairs), groups_of_one(60), options);
     EXPECT_EQ(nothing.permutations, 0);
-    EXPECT_EQ(nothing.p_value, 1.0);
+    EXPECT_TRUE(std::isnan(nothing.p_value));
+    EXPECT_TRUE(std::isnan(nothing.f));
     EXPECT_EQ(nothing.degrees_of_freedom, 0);
     const LinearModelTest found = spread_test_of(data, group_by(some), groups_of_one(60), options);
     some.resize(56);

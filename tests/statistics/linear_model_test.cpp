@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -147,9 +148,84 @@ TEST(LinearModel, CountsThePermutationsThatExplainAsMuch)
     const LinearModelTest result =
         test_groups(data, {"a", "a", "a", "b", "b", "b"}, one_group(6), {.permutations = 9999});
     EXPECT_NEAR(result.p_value, 0.1, 5.0 * std::sqrt(0.1 * 0.9 / 9999.0));
-    EXPECT_EQ(test_groups(data, {"a", "a", "a", "b", "b", "b"}, one_group(6), {.permutations = 0})
-                  .p_value,
-              1.0);
+    EXPECT_TRUE(std::isnan(
+        test_groups(data, {"a", "a", "a", "b", "b", "b"}, one_group(6), {.permutations = 0})
+            .p_value));
+}
+
+/// The share of all permutations within the blocks whose F is the largest, of points in general position.
+double share_of_largest(const MatrixXd& tested, const MatrixXd& nuisance, const Grouping& blocks)
+{
+    const Index count = tested.rows();
+    const RowMatrix data = test::random_matrix(count, count, 5);
+    std::vector<int> order(to_size(count));
+    std::iota(order.begin(), order.end(), 0);
+    std::vector<double> ratios;
+    do {
+        bool stays = true;
+        for (std::size_t i = 0; i < order.size(); ++i)
+            stays = stays && blocks.group_of[i] == blocks.group_of[to_size(order[i])];
+        if (stays)
+            ratios.push_back(test_linear_model(inner_products(data), tested(order, Eigen::all),
+                                               nuisance(order, Eigen::all), blocks,
+                                               {.permutations = 0})
+                                 .f);
+    } while (std::ranges::next_permutation(order).found);
+    const double largest = *std::ranges::max_element(ratios);
+    const auto as_large =
+        std::ranges::count_if(ratios, [&](double f) { return f > largest * (1.0 - 1e-9); });
+    return static_cast<double>(as_large) / static_cast<double>(ratios.size());
+}
+
+TEST(LinearModel, KnowsTheSmallestPValueOfADesign)
+{
+    const auto groups = [](const std::vector<std::string>& of) -> MatrixXd {
+        return indicators(group_by(of));
+    };
+    const Grouping pairs = group_by({"x", "x", "y", "y", "z", "z"});
+    struct Case
+    {
+        MatrixXd tested;
+        Grouping blocks;
+        double smallest;
+    };
+    for (const auto& [tested, blocks, smallest] : std::vector<Case>{
+             {groups({"a", "a", "a", "b", "b", "b"}), one_group(6), 0.1},
+             {groups({"a", "a", "b", "b", "b", "b"}), one_group(6), 1.0 / 15.0},
+             {groups({"a", "a", "b", "b", "c", "c"}), one_group(6), 1.0 / 15.0}, // 90 / 3!
+             {groups({"a", "a", "a", "b", "b", "c"}), one_group(6), 1.0 / 60.0},
+             {groups({"a", "b", "a", "b", "a", "b"}), pairs, 0.25}, // 8 / 2
+             {groups({"a", "b", "a", "b", "b", "b"}), pairs, 0.5},  // z says nothing
+             {Eigen::VectorXd::LinSpaced(6, 1.0, 6.0), one_group(6), 2.0 / 720.0},
+             {Eigen::VectorXd{{1.0, 2.0, 3.0, 4.0, 5.0, 7.0}}, one_group(6), 1.0 / 720.0},
+             {Eigen::VectorXd{{1.0, 2.0, 3.0, 5.0, 7.0, 7.0}}, pairs, 0.5}}) {
+        const LinearModelTest result =
+            test_linear_model(inner_products(test::random_matrix(6, 6, 5)), tested, no_columns(6),
+                              blocks, {.permutations = 9});
+        EXPECT_NEAR(result.smallest_p, smallest, 1e-15);
+        EXPECT_NEAR(result.smallest_p, share_of_largest(tested, no_columns(6), blocks), 1e-15);
+    }
+    // With nuisance whose values come twice.
+    const MatrixXd other = Eigen::VectorXd{{1.0, 1.0, 2.0, 2.0, 4.0, 4.0}};
+    EXPECT_NEAR(test_linear_model(inner_products(test::random_matrix(6, 6, 5)),
+                                  groups({"a", "a", "a", "b", "b", "b"}), other, one_group(6))
+                    .smallest_p,
+                1.0 / 180.0, 1e-15); // 6! / (2! 2!): the first two are alike, and the last two
+    // Of many no share is left that a double could hold.
+    EXPECT_EQ(test_linear_model(inner_products(test::random_matrix(300, 4, 1)),
+                                Eigen::VectorXd(test::random_matrix(300, 1, 2)), no_columns(300),
+                                one_group(300), {.permutations = 1})
+                  .smallest_p,
+              0.0);
+}
+
+TEST(LinearModel, TakesTheSmallestPValueForTheLargestF)
+{
+    RowMatrix data = 0.001 * test::random_matrix(6, 3, 1);
+    data.bottomRows(3).array() += 1.0;
+    const LinearModelTest result =
+        test_groups(data, {"a", "a", "a", "b", "b", "b"}, one_group(6), {.permutations = 20'000});
+    EXPECT_NEAR(result.p_value, result.smallest_p, 5.0 * std::sqrt(0.1 * 0.9 / 20'000.0));
 }
 
 TEST(LinearModel, PermutesWithinBlocksAlone)

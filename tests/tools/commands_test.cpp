@@ -200,6 +200,11 @@ TEST_F(Commands, NaturalOrder)
              {"s-1", "s-2", "s-10"},
              {"age_2.5", "age_12.25", "age_12.5"},
              {"v1.2.9", "v1.2.10"},
+             // Two points and more are none of a decimal, nor is one where others have two.
+             {"v1.2.3", "v1.10.1"},
+             {"v1.2", "v1.10", "v1.10.1", "v1.11"},
+             {"2024.1.5", "2024.2.10", "2024.10.2"},
+             {"v1.2.3_t-0.5", "v1.2.3_t-0.25", "v1.2.3_t0.1", "v1.10.0_t-0.5"},
              {"a", "a1", "a2", "a_1", "ab"},
              {"t=-1", "t=0", "t=1"},
              // Endings are not compared.
@@ -501,6 +506,10 @@ TEST_F(Commands, InfeasibleTargetsAreWrittenWithAWarning)
     EXPECT_TRUE(outcome.err.starts_with("shape: warning: mode01_")) << outcome.err;
     EXPECT_NE(outcome.err.find("infeasible target"), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("worst face"), std::string::npos) << outcome.err;
+    // Over different lengths: the first may be larger than the second.
+    EXPECT_NE(outcome.err.find("edge errors: RMS "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(" % of the mean length, largest "), std::string::npos)
+        << outcome.err;
     EXPECT_TRUE(read_mesh(folder_ / "far.ply").points.allFinite());
 }
 
@@ -821,6 +830,29 @@ TEST_F(Commands, ExploreRegressesOnMeshesThatHaveAValue)
     EXPECT_NE(few.err.find("--regress few: 2 meshes have a value of it, at least 3 are needed"),
               std::string::npos)
         << few.err;
+    // As `regress` says it.
+    std::string coded = "mesh,age,same\n";
+    count = 0;
+    for (const std::string& file : files)
+        if (file.ends_with(".ply"))
+            coded += join(file, ",", count++ == 1 ? -999 : 20 + count, ",7\n");
+    folder_.write("l.csv", coded);
+    ASSERT_EQ(run_shape(folder_.path(),
+                        {"stats", "faces", "--labels", "l.csv", "-o", "faces.h5", "--force"})
+                  .exit_code,
+              0);
+    const Outcome doubtful = run_shape(
+        folder_.path(), {"explore", "faces.h5", "--regress", "age", "-o", "p.html", "--force"});
+    EXPECT_EQ(doubtful.exit_code, 0);
+    EXPECT_NE(doubtful.err.find("warning: label 'age' is -999 in 1 mesh, apart from all other"),
+              std::string::npos)
+        << doubtful.err;
+    const Outcome same =
+        run_shape(folder_.path(), {"explore", "faces.h5", "--regress", "same", "-o", "q.html"});
+    EXPECT_EQ(same.exit_code, 3);
+    EXPECT_NE(same.err.find(join("--regress same: is constant, 7 for all ", count, " meshes")),
+              std::string::npos)
+        << same.err;
 }
 
 TEST_F(Commands, ExploreTakesModelsOfPositionsAndOfOneMode)

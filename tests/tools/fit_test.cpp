@@ -229,6 +229,15 @@ TEST_F(Fit, SaysInOneLineWhatItCannotUse)
     write_bytes(folder_ / "marks.csv", marks);
     expect({"fit", "pattern.ply", "scans", "-o", "out", "--landmarks", "marks.csv"}, 3,
            "error: marks.csv: the landmarks of the template look as if");
+    std::string coded = "scan,name,x,y,z\npattern,gone,-9999,-9999,-9999\n";
+    for (const int v : {0, 100, 200, 300, 400})
+        for (const char* mesh : {"pattern", "s0"})
+            coded += std::string(mesh) + ",l" + std::to_string(v) + "," +
+                     print_number(places(v, 0)) + "," + print_number(places(v, 1)) + "," +
+                     print_number(places(v, 2)) + "\n";
+    write_bytes(folder_ / "marks.csv", coded);
+    expect({"fit", "pattern.ply", "scans", "-o", "out", "--landmarks", "marks.csv"}, 3,
+           "error: marks.csv: landmarks of the template: 'gone' lies ");
 }
 
 } // namespace

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "libshape/base/format.h"
+#include "libshape/base/to_size.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/table_file.h"
 #include "tests/support/matrices.h"
@@ -106,10 +108,70 @@ TEST_F(Groups, WithoutPermutationsHaveNoPValue)
     const Table table = read_table(folder_ / "g.csv");
     for (const std::vector<std::string>& row : table.rows)
         EXPECT_EQ(row.back(), "");
+    EXPECT_TRUE(figures["pairs"][0]["p_adjusted"].is_null());
+    EXPECT_TRUE(figures["overall"]["smallest_p"].is_null());
     const Outcome told = run_shape(
         folder_.path(),
         {"groups", "people.h5", "--by", "mood", "--permutations", "0", "-o", "g.csv", "--force"});
     EXPECT_EQ(told.out.find("p ="), std::string::npos) << told.out;
+}
+
+TEST_F(Groups, PairsWithoutATestAreNullAndNotCounted)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    labels.columns = {"mesh", "part"};
+    for (std::size_t i = 0; i < labels.rows.size(); ++i)
+        labels.rows[i] = {labels.rows[i][0], i == 0 ? "a" : i == 1 ? "b" : "c"};
+    write_table(folder_ / "parts.csv", labels);
+    const Json pairs =
+        run({"groups", "people", "--labels", "parts.csv", "--by", "part", "-o", "g.csv"})["pairs"];
+    const std::vector<std::string> row = read_table(folder_ / "g.csv").rows[1]; // a - b
+    const Arguments columns = read_table(folder_ / "g.csv").columns;
+    for (const char* figure :
+         {"sum_of_squares", "residual_sum_of_squares", "r_squared", "f", "p_value", "p_adjusted"}) {
+        EXPECT_TRUE(pairs[0][figure].is_null()) << figure;
+        EXPECT_EQ(row[to_size(std::ranges::find(columns, figure) - columns.begin())], "") << figure;
+        EXPECT_FALSE(pairs[1][figure].is_null()) << figure;
+    }
+    EXPECT_GT(pairs[0]["distance"], 0.0);
+    const auto smaller = [&](const char* figure) {
+        return std::min(pairs[1][figure].get<double>(), pairs[2][figure].get<double>());
+    };
+    EXPECT_EQ(smaller("p_adjusted"), std::min(1.0, 2.0 * smaller("p_value")));
+}
+
+TEST_F(Groups, SayTheSmallestPValueThatTheyAllow)
+{
+    const Arguments groups{"groups",    "people.h5", "--by",  "sex",    "--only",
+                           "mood=calm", "-o",        "g.csv", "--force"};
+    EXPECT_NEAR(run(groups)["overall"]["smallest_p"], 0.1, 1e-12); // three against three
+    EXPECT_NE(run_shape(folder_.path(), groups).err.find("(so few meshes allow none below 0.1)"),
+              std::string::npos);
+    // More permutations than the design has would not help; fewer do count.
+    EXPECT_NEAR(run(groups + Arguments{"--permutations", "4"})["overall"]["smallest_p"], 0.2,
+                1e-12);
+    const Json many = run({"groups", "people.h5", "--by", "mood", "-o", "g.csv", "--force"});
+    EXPECT_NEAR(many["overall"]["smallest_p"], 1.0 / 462.0, 1e-12); // 12! / 6!^2 / 2
+}
+
+TEST_F(Groups, OfTooFewReplicatesHaveNoIntervals)
+{
+    const Arguments groups{"groups", "people.h5", "--by",        "mood", "-o",
+                           "g.csv",  "--force",   "--bootstrap", "1"};
+    const Json figures = run(groups);
+    EXPECT_TRUE(figures["groups"][0]["variance_low"].is_null());
+    EXPECT_GT(figures["groups"][0]["variance"], 0.0);
+    EXPECT_TRUE(figures["pairs"][0]["radius"].is_null());
+    const std::string err = run_shape(folder_.path(), groups).err;
+    EXPECT_NE(err.find("warning: --bootstrap: a 95 % interval takes 39 replicates, here is 1: of "
+                       "fewer even the smallest and the largest span less"),
+              std::string::npos)
+        << err;
+    EXPECT_NE(err.find("(95 %: not determined)"), std::string::npos) << err;
+    const Json modes =
+        run({"stats", "people.h5", "--modes", "2", "--bootstrap", "38", "-o", "model.h5"})["modes"];
+    for (const char* figure : {"variance_low", "variance_high", "variance_outside"})
+        EXPECT_TRUE(modes[0][figure].is_null()) << figure;
 }
 
 TEST_F(Groups, OfSubjectsAreComparedByTheirMeans)
@@ -240,6 +302,10 @@ TEST_F(Groups, BlocksThatMakeADesignCrossedByASlipAreNamed)
               std::string::npos)
         << outcome.err;
     EXPECT_NE(outcome.err.find("correct the values of sex or subject"), std::string::npos);
+    EXPECT_NE(outcome.err.find("error: groups: 1 block has members of several groups, 2 "
+                               "observations in all; to compare 2 groups within it takes 3"),
+              std::string::npos)
+        << outcome.err;
 }
 
 TEST_F(Groups, PairsThatNoBlockHasAreSaidToBeComparedOtherwise)
@@ -284,6 +350,51 @@ TEST_F(Groups, CovariatesThatTellNothingAreNamed)
                     "mood=calm", "--adjust-for", "age", "-o", "x.csv"},
                    {"--adjust-for age: it is 30 in all meshes of sex = f and 40 in all of m",
                     "leave --adjust-for age out"});
+}
+
+TEST_F(Groups, CovariatesThatTellTheSameTogetherAreNamed)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    labels.columns = {"mesh", "sex", "mood", "subject", "age", "months", "mix", "later"};
+    for (std::size_t i = 0; i < labels.rows.size(); ++i) {
+        const std::vector<std::string> row = labels.rows[i];
+        const bool is_f = row[3] == "f";
+        const auto age = static_cast<int>(20 + (3 * i * i) % 17);
+        labels.rows[i] = {row[0],
+                          row[3],
+                          row[2],
+                          row[1],
+                          std::to_string(age),
+                          std::to_string(12 * age + 5),
+                          std::to_string(2 * age + (is_f ? 7 : 0)),
+                          std::to_string(10 * static_cast<int>(i / 2) + (i % 2 == 0 ? 0 : 3))};
+    }
+    write_table(folder_ / "more.csv", labels);
+    const Arguments by_sex{"groups", "people", "--labels", "more.csv", "--by",
+                           "sex",    "-o",     "g.csv",    "--force"};
+    const Outcome same = run_shape(
+        folder_.path(), by_sex + Arguments{"--adjust-for", "age", "--adjust-for", "months"});
+    EXPECT_EQ(same.exit_code, 0);
+    EXPECT_NE(same.err.find("warning: --adjust-for months changes nothing beside age, of which it "
+                            "is a multiple but for a constant"),
+              std::string::npos)
+        << same.err;
+    const Outcome mixed = run_shape(
+        folder_.path(),
+        by_sex + Arguments{"--adjust-for", "size", "--adjust-for", "mix", "--adjust-for", "age"});
+    EXPECT_EQ(mixed.exit_code, 3);
+    EXPECT_NE(mixed.err.find("--adjust-for mix and age: together they tell sex = f from m"),
+              std::string::npos)
+        << mixed.err;
+    // Later by the same time in all subjects: within them that is what the state is.
+    const Outcome later = run_shape(
+        folder_.path(), {"groups", "people", "--labels", "more.csv", "--by", "mood", "--within",
+                         "subject", "--adjust-for", "later", "-o", "g.csv", "--force"});
+    EXPECT_EQ(later.exit_code, 3);
+    EXPECT_NE(later.err.find("--adjust-for later: it tells mood = calm from glad where these are "
+                             "compared (--within subject)"),
+              std::string::npos)
+        << later.err;
 }
 
 TEST_F(Groups, HaveAdjustedMeansDistancesAndVariances)

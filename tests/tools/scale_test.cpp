@@ -476,7 +476,7 @@ TEST_F(Scale, GroupsInPassesAreThoseOfTheRunInMemory)
     }
     folder_.write("l.csv", labels);
     const Arguments groups{"groups",         "c.h5", "--labels",    "l.csv", "--by",         "side",
-                           "--permutations", "5",    "--bootstrap", "5",     "--adjust-for", "age",
+                           "--permutations", "5",    "--bootstrap", "39",    "--adjust-for", "age",
                            "--adjust-for",   "size"};
     const Json memory = run(groups + Arguments{"-o", "a.csv", "--means", "a"});
     const Json passes = run(groups + Arguments{"-o", "b.csv", "--means", "b", "--memory", "100M"});

@@ -193,6 +193,8 @@ std::vector<WrongUsage> wrong_usages()
         {"ModeWithoutSigma", "--sigma", generate + Arguments{"--mode", "1"}},
         {"SigmaWithoutMode", "--mode", mean + Arguments{"--sigma", "1"}},
         {"SigmaOfTwoParts", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "1:2"}},
+        {"SigmaOfEqualEnds", "'1:1:3' has the value 1 more than once",
+         generate + Arguments{"--mode", "1", "--sigma", "1:1:3"}},
         {"SigmaOfOneStep", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "1:2:1"}},
         {"HugeSigma", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "0:1e300:3"}},
         {"NanSigma", "--sigma", generate + Arguments{"--mode", "1", "--sigma", "nan"}},

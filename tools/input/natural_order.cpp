@@ -44,13 +44,27 @@ struct Piece
     std::string_view fraction = {}; ///< Digits behind it, without zeros at the end.
 };
 
-Piece piece_at(std::string_view text, std::size_t begin)
+/// Whether a point and a digit stand there.
+bool is_point_at(std::string_view text, std::size_t at)
+{
+    return at + 1 < text.size() && text[at] == '.' && is_digit(text[at + 1]);
+}
+
+/// Whether a number begins there that has two points or more: no decimal, but a version or a date.
+bool is_version_at(std::string_view text, std::size_t begin)
+{
+    const std::size_t end = end_of_digits(text, begin);
+    return is_point_at(text, end) && is_point_at(text, end_of_digits(text, end + 1));
+}
+
+/// @param is_decimal  Whether a number may have digits behind a point.
+Piece piece_at(std::string_view text, std::size_t begin, bool is_decimal)
 {
     if (!is_digit(text[begin]))
         return {.text = text.substr(begin, 1)};
     std::size_t end = end_of_digits(text, begin);
     Piece piece{.is_number = true, .whole = text.substr(begin, end - begin)};
-    if (end + 1 < text.size() && text[end] == '.' && is_digit(text[end + 1])) {
+    if (is_decimal && is_point_at(text, end)) {
         const std::size_t point = end;
         end = end_of_digits(text, point + 1);
         piece.fraction = text.substr(point + 1, end - point - 1);
@@ -68,7 +82,11 @@ struct SignedPiece
     std::string_view sign = {}; ///< Right before a number.
     bool may_separate = false;  ///< It is a hyphen behind a letter or another hyphen.
     std::string place = {};     ///< Of a number: what stands before its sign, numbers as `#`.
+    bool is_version = false;    ///< It is the first of a version.
 };
+
+/// Of numbers.
+using NumberPlaces = std::set<std::string>;
 
 /// What stands at `at` if it can be the sign of the number behind it.
 std::string_view sign_at(std::string_view text, std::size_t at)
@@ -83,7 +101,8 @@ std::string_view sign_at(std::string_view text, std::size_t at)
     return {};
 }
 
-std::vector<SignedPiece> signed_pieces(std::string_view text)
+/// @param versions  Where versions stand in some name: points are none of decimals there in any.
+std::vector<SignedPiece> signed_pieces(std::string_view text, const NumberPlaces& versions)
 {
     std::vector<SignedPiece> pieces;
     std::string place;
@@ -92,19 +111,20 @@ std::vector<SignedPiece> signed_pieces(std::string_view text)
         next.may_separate =
             next.sign == hyphen && at > 0 && (is_letter(text[at - 1]) || text[at - 1] == '-');
         at += next.sign.size();
-        next.piece = piece_at(text, at);
-        at += next.piece.text.size();
-        if (next.piece.is_number)
+        if (is_digit(text[at])) {
             next.place = place;
+            next.is_version = is_version_at(text, at);
+        }
+        const bool goes_on = at > 1 && text[at - 1] == '.' && is_digit(text[at - 2]);
+        next.piece = piece_at(text, at, !next.is_version && !goes_on && !versions.contains(place));
+        at += next.piece.text.size();
         place += next.piece.is_number ? "#" : next.piece.text;
         pieces.push_back(std::move(next));
     }
     return pieces;
 }
 
-/// NumberPlaces at which numbers stand without a hyphen: one that stands there elsewhere is a sign.
-using NumberPlaces = std::set<std::string>;
-
+/// Those at which numbers stand without a hyphen: one that stands there elsewhere is a sign.
 void add_places(const std::vector<SignedPiece>& pieces, NumberPlaces& places)
 {
     for (const SignedPiece& next : pieces)
@@ -180,11 +200,17 @@ void sort_naturally(std::vector<std::string>& names)
         std::string_view name;
     };
     std::vector<std::array<std::vector<SignedPiece>, 2>> split_names;
+    NumberPlaces versions;
+    for (const std::string_view name : names)
+        for (const SignedPiece& piece :
+             signed_pieces(name.substr(0, beginning_of_ending(name)), {}))
+            if (piece.is_version)
+                versions.insert(piece.place);
     NumberPlaces places;
     for (const std::string_view name : names) {
         const std::size_t end = beginning_of_ending(name);
-        split_names.push_back(
-            {signed_pieces(name.substr(0, end)), signed_pieces(name.substr(end))});
+        split_names.push_back({signed_pieces(name.substr(0, end), versions),
+                               signed_pieces(name.substr(end), versions)});
         add_places(split_names.back()[0], places);
     }
     std::vector<Key> keys(names.size());

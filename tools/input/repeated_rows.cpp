@@ -253,11 +253,11 @@ std::vector<std::size_t> first_of(const std::vector<std::string>& values)
 
 } // namespace
 
-bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
-                           const RepetitionQuestion& question)
+std::optional<std::string> doubt_about_rows(const MeshLabels& meshes,
+                                            const RepetitionQuestion& question)
 {
     if (is_constant(question.covariates)) // refused later, by its name
-        return false;
+        return std::nullopt;
     struct Suspicion
     {
         bool (*is_of)(const LabelColumn& label);
@@ -270,24 +270,23 @@ bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
                 are_harmless(question, label.values) ||
                 !is_nested(question, label.values, most_spread))
                 continue;
-            session.warn(join("the ", meshes.size(), " meshes are not independent if those of one ",
-                              label.name, " (", counts_of(label.values).values,
-                              " of them) are repeated measurements: ", question.remedy, " ",
-                              label.name));
-            return true;
+            return join("the ", meshes.size(), " meshes are not independent if those of one ",
+                        label.name, " (", counts_of(label.values).values,
+                        " of them) are repeated measurements: ", question.remedy, " ", label.name);
         }
-    return false;
+    return std::nullopt;
 }
 
-void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
-                        const RepetitionQuestion& question, const Eigen::MatrixXd& products)
+std::optional<std::string> doubt_about_close_rows(const MeshLabels& meshes,
+                                                  const RepetitionQuestion& question,
+                                                  const Eigen::MatrixXd& products)
 {
     if (question.covariates.cols() == 0 || is_constant(question.covariates))
-        return;
+        return std::nullopt;
     const Evidence evidence{question, products};
-    const auto warn = [&](const std::string& which, const std::string& what_to_give) {
-        session.warn(join("the ", meshes.size(), " meshes are not independent if those ", which,
-                          ", are repeated measurements: ", question.remedy, " ", what_to_give));
+    const auto doubt = [&](const std::string& which, const std::string& what_to_give) {
+        return join("the ", meshes.size(), " meshes are not independent if those ", which,
+                    ", are repeated measurements: ", question.remedy, " ", what_to_give);
     };
     const auto such_as_the_first = [&](const std::vector<std::string>& values) {
         return join(", such as ", list_names(meshes.names, first_of(values)), " (",
@@ -295,20 +294,37 @@ void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
     };
     for (const LabelColumn& label : meshes.labels)
         if (!has_column(question, label.name) && evidence.is_for(label.values))
-            return warn(join("of one ", label.name, " (", counts_of(label.values).values,
-                             " of them), whose shapes are much alike"),
-                        label.name);
+            return doubt(join("of one ", label.name, " (", counts_of(label.values).values,
+                              " of them), whose shapes are much alike"),
+                         label.name);
     const std::vector<std::string> begun = beginnings(meshes.names);
     if (evidence.is_for(begun))
-        return warn(
+        return doubt(
             "whose names begin alike and whose shapes are much alike" + such_as_the_first(begun),
             question.unnamed);
     const std::optional<Grouping> sets = single_linkage_sets(products);
     if (!sets)
-        return;
+        return std::nullopt;
     const std::vector<std::string> members = in_words(*sets);
     if (evidence.is_for(members))
-        warn("whose shapes are much alike" + such_as_the_first(members), question.unnamed);
+        return doubt("whose shapes are much alike" + such_as_the_first(members), question.unnamed);
+    return std::nullopt;
+}
+
+bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
+                           const RepetitionQuestion& question)
+{
+    const auto doubt = doubt_about_rows(meshes, question);
+    if (doubt)
+        session.warn(*doubt);
+    return doubt.has_value();
+}
+
+void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
+                        const RepetitionQuestion& question, const Eigen::MatrixXd& products)
+{
+    if (const auto doubt = doubt_about_close_rows(meshes, question, products))
+        session.warn(*doubt);
 }
 
 } // namespace shape::tools

@@ -29,22 +29,29 @@ struct RepetitionQuestion
     bool is_of_means = false;
 };
 
-/// Warns if labels say that meshes are repeated measurements. Within the meshes of one value all covariates are the
+/// What is said if labels say that meshes are repeated measurements. Within the meshes of one value all covariates are the
 /// same (sizes: have a standard deviation of at most half that of all, or in the second case a quarter), and
 /// - the label is called as those of a person or a specimen are (subject, patient_id, ...), and at least two meshes
 ///   and a tenth of all repeat another one's value; or
 /// - all meshes have a value, and there are at least 5 of them, of 2 to 20 meshes on average.
-/// @return Whether it warned.
-bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
-                           const RepetitionQuestion& question);
+[[nodiscard]] std::optional<std::string> doubt_about_rows(const MeshLabels& meshes,
+                                                          const RepetitionQuestion& question);
 
-/// Warns if shapes say so, of six meshes or more: in three blocks or more, of two meshes or more on average, within
+/// What is said if shapes say so, of six meshes or more: in three blocks or more, of two meshes or more on average, within
 /// which all covariates are the same (sizes as in the first case above), meshes differ much less from one another than from those of other blocks with
 /// the same covariates. Blocks are the values of a label, or what names have before their last separator (_, -, . or
 /// a blank), where the distances (root mean square) differ by a factor of two; or the sets of single_linkage_sets().
 /// Where all blocks differ in their covariates they may be what these do: then of groups nothing is said, and of
 /// numbers only if distances differ by a factor of four.
 /// @param products  N by N inner products of the shapes, about any point.
+[[nodiscard]] std::optional<std::string> doubt_about_close_rows(const MeshLabels& meshes,
+                                                                const RepetitionQuestion& question,
+                                                                const Eigen::MatrixXd& products);
+
+/// Say that on stderr.
+/// @return Whether there was anything to say.
+bool warn_of_repeated_rows(const Session& session, const MeshLabels& meshes,
+                           const RepetitionQuestion& question);
 void warn_of_close_rows(const Session& session, const MeshLabels& meshes,
                         const RepetitionQuestion& question, const Eigen::MatrixXd& products);
 

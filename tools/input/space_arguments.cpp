@@ -103,12 +103,19 @@ Json space_figures(const ShapeSpace& space)
     return figures;
 }
 
-void warn_of_alignment(const Session& session, const ShapeSpace& space)
+std::optional<std::string> doubt_about_alignment(const ShapeSpace& space)
 {
     const ProcrustesSpace* procrustes = std::get_if<ProcrustesSpace>(&space);
-    if (procrustes && !procrustes->converged)
-        session.warn(join("the Procrustes alignment still moved after ", procrustes->iterations,
-                          " iterations"));
+    if (!procrustes || procrustes->converged)
+        return std::nullopt;
+    return join("the Procrustes alignment still moved after ", procrustes->iterations,
+                " iterations");
+}
+
+void warn_of_alignment(const Session& session, const ShapeSpace& space)
+{
+    if (const auto doubt = doubt_about_alignment(space))
+        session.warn(*doubt);
 }
 
 } // namespace shape::tools

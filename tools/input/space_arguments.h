@@ -2,6 +2,9 @@
 
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "libshape/edge_space/shape_space.h"
 #include "tools/program/session.h"
 
@@ -29,7 +32,10 @@ void check_space_options(const SpaceOptions& options);
 /// with_positions.
 [[nodiscard]] Json space_figures(const ShapeSpace& space);
 
-/// What Procrustes alignment that stopped short is worth a warning.
+/// What is said of a Procrustes alignment that stopped short.
+[[nodiscard]] std::optional<std::string> doubt_about_alignment(const ShapeSpace& space);
+
+/// Says that on stderr.
 void warn_of_alignment(const Session& session, const ShapeSpace& space);
 
 } // namespace shape::tools

@@ -152,6 +152,11 @@ public:
     }
 
 private:
+    static std::string percent(double share)
+    {
+        return print_row(share < 0.995 ? "%.2g %%" : "%.0f %%", 100.0 * share);
+    }
+
     [[nodiscard]] std::string severity() const
     {
         const char* const shows = worst_rms_ < 1e-3   ? "which does not show"
@@ -159,9 +164,9 @@ private:
                                   : worst_rms_ < 5e-2 ? "which shows in places"
                                                       : "another shape than was asked for: the "
                                                         "target lies far outside the data";
-        return print_row("edge errors %.2g %% RMS, %.2g %% at worst, ", 100.0 * worst_rms_,
-                         100.0 * worst_edge_) +
-               shows;
+        // Over different lengths: of long edges that are missed by much the first may be larger than the second.
+        return join("edge errors: RMS ", percent(worst_rms_), " of the mean length, largest ",
+                    percent(worst_edge_), " of the edge's own, ", shows);
     }
 
     const Topology& topology_;

@@ -2,6 +2,8 @@
 
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -22,6 +24,7 @@
 #include "libshape/synthetic/synthetic.h"
 #include "tools/input/mesh_input.h"
 #include "tools/input/path_arguments.h"
+#include "tools/input/space_arguments.h"
 #include "tools/python/handles.h"
 #include "tools/python/jobs.h"
 
@@ -123,7 +126,10 @@ py::tuple from_arrays(const std::vector<Doubles>& vertices, const Integers& face
     Made made = run([meshes, columns, may_repeat](const Progress&) {
         Collection collection = collect(meshes);
         collection.labels = columns;
-        std::vector<std::string> warnings = doubts_about(columns);
+        std::vector<std::string> warnings;
+        if (const auto alike = tools::find_names_alike(collection.names, collection.names))
+            warnings.push_back(alike->message);
+        std::ranges::copy(doubts_about(columns), std::back_inserter(warnings));
         for (const Oddity& oddity : find_oddities(collection))
             if (!(may_repeat && oddity.kind == OddityKind::Copies))
                 warnings.push_back(tools::advice_on(oddity));
@@ -137,6 +143,18 @@ py::tuple read_labels(const std::string& path, const std::vector<std::string>& n
 {
     const LabelFile file = run([=](const Progress&) { return read_label_file(path, names); });
     return py::make_tuple(to_python(file.labels), file.unused);
+}
+
+/// Refuses a mesh whose faces are not those of another one.
+void check_same_faces(const Doubles& points, const Integers& faces, const std::string& name,
+                      const Doubles& known_points, const Integers& known_faces,
+                      const std::string& known)
+{
+    const std::string difference = describe_correspondence_break(
+        {known, known, points_of(known_points), faces_of(known_faces)},
+        {name, name, points_of(points), faces_of(faces)});
+    if (!difference.empty())
+        throw InvalidInput(difference);
 }
 
 CollectionPointer choose(const CollectionPointer& handle, const std::vector<std::size_t>& meshes)
@@ -209,12 +227,15 @@ py::list interpolate(const CollectionPointer& handle, const std::vector<Doubles>
     return result;
 }
 
-Doubles distances(const CollectionPointer& handle, const SpaceOptions& space)
+/// (matrix, warnings)
+py::tuple distances(const CollectionPointer& handle, const SpaceOptions& space)
 {
-    RowMatrix matrix = run([=](const Progress&) {
-        return RowMatrix(shape_distances(handle->collection, space).matrix);
-    });
-    return array_of(std::move(matrix));
+    const ShapeDistances found =
+        run([=](const Progress&) { return shape_distances(handle->collection, space); });
+    std::vector<std::string> warnings;
+    if (const auto doubt = tools::doubt_about_alignment(found.space))
+        warnings.push_back(*doubt);
+    return py::make_tuple(array_of(RowMatrix(found.matrix)), warnings);
 }
 
 void write(const std::string& path, const Doubles& points, const Integers& faces, bool ascii,
@@ -319,6 +340,7 @@ void add_collections(py::module_& module)
     module.def("read", read);
     module.def("from_arrays", from_arrays);
     module.def("read_labels", read_labels);
+    module.def("check_same_faces", check_same_faces);
     module.def("interpolate", interpolate);
     module.def("distances", distances);
     module.def("write", write);

@@ -24,7 +24,10 @@
 #include "libshape/statistics/group_comparison.h"
 #include "libshape/statistics/group_spread.h"
 #include "tools/commands.h"
+#include "tools/doubts.h"
 #include "tools/input/complete_labels.h"
+#include "tools/input/space_arguments.h"
+#include "tools/output/test_tables.h"
 #include "tools/output/unlike_warnings.h"
 #include "tools/program/progress_listener.h"
 #include "tools/program/session.h"
@@ -149,13 +152,21 @@ using CollectionPointer = std::shared_ptr<CollectionHandle>;
 using ModelPointer = std::shared_ptr<ModelHandle>;
 using DifferencePointer = std::shared_ptr<DifferenceHandle>;
 
-ModelPointer fit(const CollectionPointer& handle, int modes, double variance,
-                 const SpaceOptions& space)
+/// A list of what there is.
+std::vector<std::string> said(const std::optional<std::string>& doubt)
 {
-    return std::make_shared<ModelHandle>(run([=](const Progress&) {
+    return doubt ? std::vector{*doubt} : std::vector<std::string>{};
+}
+
+/// (model, warnings)
+py::tuple fit(const CollectionPointer& handle, int modes, double variance,
+              const SpaceOptions& space)
+{
+    const auto model = std::make_shared<ModelHandle>(run([=](const Progress&) {
         return fit_model(handle->collection,
                          {.modes = modes, .variance = variance, .space = space});
     }));
+    return py::make_tuple(model, said(tools::doubt_about_alignment(model->model.space)));
 }
 
 /// Scores in standard deviations, as `shape generate --scores` takes them.
@@ -252,10 +263,10 @@ Doubles sample(const ModelPointer& handle, int count, std::uint64_t seed)
     return array_of(std::move(rows));
 }
 
-DifferencePointer find_difference(const CollectionPointer& handle, const std::string& pair_by,
-                                  const std::pair<std::string, std::string>& from,
-                                  const std::pair<std::string, std::string>& to,
-                                  const std::string& scale)
+/// (difference, warnings)
+py::tuple find_difference(const CollectionPointer& handle, const std::string& pair_by,
+                          const std::pair<std::string, std::string>& from,
+                          const std::pair<std::string, std::string>& to, const std::string& scale)
 {
     const DifferenceOptions options{.pair_by = pair_by,
                                     .from_label = from.first,
@@ -263,8 +274,20 @@ DifferencePointer find_difference(const CollectionPointer& handle, const std::st
                                     .to_label = to.first,
                                     .to_value = to.second,
                                     .scale = scale == "none" ? Scale::None : Scale::Unit};
-    return std::make_shared<DifferenceHandle>(
-        run([=](const Progress&) { return mean_difference(handle->collection, options); }));
+    struct Found
+    {
+        DifferenceVector difference;
+        std::vector<std::string> warnings;
+    };
+    Found found = run([=](const Progress&) {
+        const Collection& collection = handle->collection;
+        Found result{mean_difference(collection, options), {}};
+        if (pair_by.empty())
+            result.warnings = said(tools::doubt_about_members(options, collection, false));
+        return result;
+    });
+    return py::make_tuple(std::make_shared<DifferenceHandle>(std::move(found.difference)),
+                          found.warnings);
 }
 
 /// The difference added to meshes, or to the mean that it starts from if there are none: (meshes, warnings of those that
@@ -328,19 +351,22 @@ py::dict to_python(const LinearModelTest& test)
     figures["r_squared"] = test.r_squared;
     figures["p_value"] = test.p_value;
     figures["permutations"] = test.permutations;
+    figures["smallest_p"] = test.permutations > 0 ? tools::smallest_p(test) : LinearModelTest::none;
     return figures;
 }
 
-/// (group names, members of each, overall test, list of (first, second, distance, radius, test,
-/// adjusted p))
+/// (group names, members of each, overall test, list of (first, second, distance, radius, test, adjusted p, whether
+/// within blocks), whether within blocks as a whole, meshes left out, warnings)
 py::tuple compare(const CollectionPointer& handle, const std::string& by, const std::string& within,
                   const SpaceOptions& space, int permutations, int replicates, std::uint64_t seed)
 {
     struct Found
     {
         Grouping groups;
+        Grouping blocks;
         GroupComparison comparison;
         GroupSpread spread;
+        std::vector<std::string> warnings;
     };
     const Found found = run([=](const Progress&) {
         const Collection& collection = handle->collection;
@@ -350,24 +376,44 @@ py::tuple compare(const CollectionPointer& handle, const std::string& by, const 
         };
         const Grouping groups = grouped(by);
         const Grouping blocks = within.empty() ? groups_of_one(groups.size()) : grouped(within);
+        std::vector<std::string> warnings;
+        const auto warn = [&](const std::optional<std::string>& doubt) {
+            if (doubt)
+                warnings.push_back(*doubt);
+            return doubt.has_value();
+        };
+        if (!within.empty())
+            warn(tools::doubt_about_lost_meshes(groups, blocks, by, within));
+        if (const auto doubt = tools::doubt_of_replicates(replicates))
+            warnings.push_back(join("replicates: ", *doubt));
+        const tools::RepetitionQuestion rows = tools::rows_of_comparison(groups, by);
+        const bool are_rows_told =
+            !within.empty() || warn(tools::doubt_about_rows(collection, rows));
         const GroupedShapes shapes = group_shapes(collection, groups, space);
+        warn(tools::doubt_about_alignment(shapes.space));
+        if (!are_rows_told)
+            warn(tools::doubt_about_close_rows(collection, rows, shapes.products));
         const Eigen::MatrixXd no_covariates(groups.size(), 0);
-        return Found{groups,
+        return Found{groups, blocks,
                      compare_groups(shapes.products, groups, blocks, no_covariates,
                                     {.permutations = permutations, .seed = seed}),
                      group_spread(shapes.products, groups, blocks, no_covariates,
-                                  {.replicates = replicates, .seed = seed})};
+                                  {.replicates = replicates, .seed = seed}),
+                     warnings};
     });
     std::vector<std::size_t> counts;
     for (const std::vector<int>& of_group : members(found.groups))
         counts.push_back(of_group.size());
     py::list pairs;
     for (const PairComparison& pair : found.comparison.pairs)
-        pairs.append(py::make_tuple(found.groups.names[to_size(pair.first)],
-                                    found.groups.names[to_size(pair.second)], pair.distance,
-                                    found.spread.distance_radii(pair.first, pair.second),
-                                    to_python(pair.test), pair.adjusted_p));
-    return py::make_tuple(found.groups.names, counts, to_python(found.comparison.overall), pairs);
+        pairs.append(py::make_tuple(
+            found.groups.names[to_size(pair.first)], found.groups.names[to_size(pair.second)],
+            pair.distance, found.spread.distance_radii(pair.first, pair.second),
+            to_python(pair.test), pair.adjusted_p,
+            tools::is_within_blocks(found.groups, found.blocks, pair.first, pair.second)));
+    return py::make_tuple(found.groups.names, counts, to_python(found.comparison.overall), pairs,
+                          found.comparison.design == BlockDesign::Crossed,
+                          found.comparison.left_out, found.warnings);
 }
 
 /// Carries out a command of the program that writes files, silently.
@@ -485,6 +531,11 @@ void add_difference_class(py::module_& module)
         .def_property_readonly(
             "vertex_count",
             [](const DifferenceHandle& d) { return d.difference.topology.vertex_count(); })
+        .def("reference_points",
+             [](const DifferencePointer& d) {
+                 return view(d, d->difference.reference_points.data(),
+                             {d->difference.reference_points.rows(), 3});
+             })
         .def(
             "faces",
             [](const DifferenceHandle& d) { return array_of_faces(d.difference.topology.faces()); })

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from . import _arrays, _core, _files, _labels
 from ._arrays import Array, Columns, Indices, Path, Progress
-from ._errors import InvalidInput
+from ._errors import InvalidInput, warn
 from ._mesh import Mesh, MeshLike, name_of, read_only
 from ._model import Model
 from ._options import space_options
@@ -157,11 +157,11 @@ class Collection:
         chosen = space_options(
             space, scale, coordinates, area_weighted, with_dihedrals, with_positions
         )
-        return Model(
-            _core.fit(
-                self._core, _arrays.integer(modes, "modes", 0), _arrays.number(variance, "variance"), chosen
-            )
+        core, warned = _core.fit(
+            self._core, _arrays.integer(modes, "modes", 0), _arrays.number(variance, "variance"), chosen
         )
+        warn(warned)
+        return Model(core)
 
     def write(self, path: Path) -> None:
         """Writes a collection file (.h5) that the program reads; a file that is there is replaced."""
@@ -265,7 +265,7 @@ def gather(
             if corners is None:
                 corners = own
             elif own is not corners and not np.array_equal(own, corners):
-                raise InvalidInput(f"meshes[{i}]: has other faces than meshes[0]")
+                _core.check_same_faces(points, own, f"meshes[{i}]", vertices[0], corners, "meshes[0]")
             vertices.append(points)
         found_names.append(name_of(item, f"mesh_{i:04}"))
     if corners is None or not vertices:

@@ -11,7 +11,7 @@ import numpy as np
 from . import _arrays, _core, _files, _labels
 from ._arrays import Array, Indices, Path
 from ._collection import Collection, core_of
-from ._errors import InvalidInput
+from ._errors import warn
 from ._mesh import Mesh, MeshLike, name_of, read_only
 from ._options import embedding_options, space_options
 from ._results import Report
@@ -78,7 +78,8 @@ class Difference:
         if onto is not None:
             vertices, corners = _arrays.mesh(onto, "onto")
             if not np.array_equal(corners, self.F):
-                raise InvalidInput("onto: has other faces than the difference")
+                known = self._core.reference_points()
+                _core.check_same_faces(vertices, corners, "onto", known, self.F, "the difference")
             starts = [_arrays.finite(vertices, "onto.V")]
             name = name_of(onto, name)
         ((points, figures),), warned = _core.apply(
@@ -109,19 +110,20 @@ def difference(
 
     from_, to: "LABEL=VALUE". pair_by: meshes with the same value of this label are a pair, others are left out;
     default: the means of the groups are compared. scale: "unit" (lengths are divided by their sum; what is added
-    keeps the size of a mesh) or "none" (lengths stay as they are). Raises InvalidInput if a rule is broken or a
+    keeps the size of a mesh) or "none" (lengths stay as they are). Warns where, without pairs, meshes look like repeated
+    measurements of some more often than of others. Raises InvalidInput if a rule is broken or a
     group has no mesh.
     """
     space_options("edge", scale, "plain", False, 0.0, 0.0)  # refuses an unknown scale
-    return Difference(
-        _core.difference(
-            core_of(meshes),
-            _arrays.text(pair_by, "pair_by"),
-            _labels.label_and_value(from_, "from_"),
-            _labels.label_and_value(to, "to"),
-            scale,
-        )
+    core, warned = _core.difference(
+        core_of(meshes),
+        _arrays.text(pair_by, "pair_by"),
+        _labels.label_and_value(from_, "from_"),
+        _labels.label_and_value(to, "to"),
+        scale,
     )
+    warn(warned)
+    return Difference(core)
 
 
 def read_difference(path: Path, *, untrusted: bool = False) -> Difference:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import re
-from typing import Dict, Type
+import warnings
+from typing import Dict, Iterable, Type
 
 
 class Error(Exception):
@@ -107,6 +108,12 @@ def in_python_words(message: str) -> str:
         text = re.sub(r"^-o: ", "path: ", text)
         parts[i] = re.sub(r"(?<!\w)--([a-z][a-z-]*)", _argument_of_option, text)
     return "`".join(parts)
+
+
+def warn(messages: Iterable[str]) -> None:
+    """Warns the caller of the function that calls this."""
+    for text in messages:
+        warnings.warn(in_python_words(text), stacklevel=3)
 
 
 def invalid_input(message: str) -> InvalidInput:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from . import _arrays, _core
 from ._collection import Collection, core_of
-from ._errors import InvalidInput
+from ._errors import InvalidInput, warn
 from ._mesh import MeshLike
 from ._options import space_options
 from ._results import Distances, Edges, Groups, PairTest, Test
@@ -32,7 +32,9 @@ def distance(meshes: Collection, metric: str = "edge-unit") -> Distances:
         raise InvalidInput(f"metric: {metric!r} must be one of {', '.join(spaces)}")
     space, scale = spaces[metric]
     options = space_options(space, scale, "plain", False, 0.0, 0.0)
-    return Distances(meshes.names, _core.distances(core, options))
+    matrix, warned = _core.distances(core, options)
+    warn(warned)
+    return Distances(meshes.names, matrix)
 
 
 def groups(
@@ -56,8 +58,9 @@ def groups(
     labels are permuted; where each block lies in one group, their means are compared. Distances and radii are of
     what is compared: each block counts once, and those of one group not at all where others have several. A mesh
     without a value of either is refused.
-    permutations: of each test, at random, >= 0; the smallest p-value is 1 / (permutations + 1).
-    replicates: draws of the bootstrap behind the radii of differences, >= 1.
+    permutations: of each test, at random, >= 0; the smallest p-value is 1 / (permutations + 1), or what the design
+    allows (Test.smallest_p).
+    replicates: draws of the bootstrap behind the radii of differences, >= 1; radii take 39 at the least.
     seed: of both, in [0, 2**64 - 1].
     space: "edge" (edge lengths) or "procrustes" (vertex positions after generalised Procrustes alignment), where
     what follows scale stays as it is.
@@ -68,11 +71,12 @@ def groups(
     length by this; at most 1e6.
     with_positions: > 0: aligned positions are coordinates too, and moving all vertices by 1 % of the diagonal
     counts as much as changing all lengths by this number of percent; at most 1e6.
-    Raises InvalidInput if a rule is broken, or there are no more meshes (or blocks, if their means are compared)
+    Warns of meshes that look like repeated measurements, and of a slip that leaves most of them out, as the program
+    does. Raises InvalidInput if a rule is broken, or there are no more meshes (or blocks, if their means are compared)
     than groups.
     """
     chosen = space_options(space, scale, coordinates, area_weighted, with_dihedrals, with_positions)
-    names, counts, overall, pairs = _core.groups(
+    names, counts, overall, pairs, is_crossed, left_out, warned = _core.groups(
         core_of(meshes),
         _arrays.text(by, "by"),
         _arrays.text(within, "within"),
@@ -81,12 +85,17 @@ def groups(
         _arrays.integer(replicates, "replicates", 1),
         _arrays.seed(seed),
     )
+    warn(warned)
     return Groups(
         tuple(names),
         tuple(counts),
+        "crossed" if is_crossed else "nested",
+        left_out,
         Test(**overall),
         tuple(
-            PairTest(first, second, apart, radius, Test(**test), adjusted)
-            for first, second, apart, radius, test, adjusted in pairs
+            PairTest(
+                first, second, apart, radius, "crossed" if is_within else "nested", Test(**test), adjusted
+            )
+            for first, second, apart, radius, test, adjusted, is_within in pairs
         ),
     )

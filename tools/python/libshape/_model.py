@@ -183,7 +183,8 @@ class Model:
         if _arrays.is_mesh(meshes):
             vertices, corners = _arrays.mesh(meshes, "meshes")
             if corners is not self.F and not np.array_equal(corners, self.F):
-                raise InvalidInput("meshes: has other faces than the model")
+                known = self._core.reference_points()
+                _core.check_same_faces(vertices, corners, "meshes", known, self.F, "the model")
         else:
             vertices = _arrays.points(meshes, "V")
         name = name_of(meshes, "V")

@@ -39,8 +39,8 @@ class Report:
 
     def __repr__(self) -> str:
         text = (
-            f"Report({self.status}: edges {100 * self.edge_rms:.3g} % RMS, "
-            f"{100 * self.edge_max:.3g} % at worst; dihedral angles {self.dihedral_rms_deg:.3g} deg RMS"
+            f"Report({self.status}: edge errors RMS {100 * self.edge_rms:.3g} % of the mean length, largest "
+            f"{100 * self.edge_max:.3g} % of the edge's own; dihedral angles {self.dihedral_rms_deg:.3g} deg RMS"
         )
         return text + (f"; {self.reason})" if self.reason else ")")
 
@@ -130,7 +130,7 @@ class Frames:
 
     def __repr__(self) -> str:
         worst = max((report.edge_rms for report in self.reports), default=0.0)
-        return f"Frames({len(self)} meshes, edges {100 * worst:.3g} % RMS at worst)"
+        return f"Frames({len(self)} meshes, edge errors at worst RMS {100 * worst:.3g} % of the mean length)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +165,7 @@ class Scores:
 
 @dataclass(frozen=True)
 class Test:
-    """A test by permutation; see docs/groups.md."""
+    """A test by permutation; see docs/groups.md. Of what was not tested, all is NaN and the counts are 0."""
 
     sum_of_squares: float  #: Explained by the groups.
     residual_sum_of_squares: float  #: Explained by nothing.
@@ -176,12 +176,18 @@ class Test:
     r_squared: float  #: sum_of_squares / total_sum_of_squares.
     p_value: float  #: (1 + #{permuted F >= F}) / (1 + permutations).
     permutations: int  #: 0 where no degree of freedom is left.
+    smallest_p: float  #: The smallest p_value there is: 1 / (permutations + 1), or what the design allows.
 
     def __repr__(self) -> str:
-        return (
+        if self.residual_degrees_of_freedom == 0:
+            return "Test(too few meshes for a test)"
+        text = (
             f"Test(F({self.degrees_of_freedom}, {self.residual_degrees_of_freedom}) = {self.f:.4g}, "
-            f"R2 = {self.r_squared:.4g}, p = {self.p_value:.4g})"
+            f"R2 = {self.r_squared:.4g}, "
         )
+        if self.permutations == 0:
+            return text + "not tested)"
+        return text + f"p = {self.p_value:.4g})"
 
 
 @dataclass(frozen=True)
@@ -192,8 +198,9 @@ class PairTest:
     second: str
     distance: float  #: Between the means of the groups.
     radius: float  #: The true difference lies so near to the measured one, at 95 % (bootstrap).
+    design: str  #: "crossed" (within blocks that have both groups) or "nested".
     test: Test
-    adjusted_p: float  #: For all pairs at once (Holm).
+    adjusted_p: float  #: For all pairs that were tested (Holm).
 
 
 #: Columns of the program's table -> fields of Test.
@@ -215,6 +222,8 @@ class Groups:
 
     names: Tuple[str, ...]
     counts: Tuple[int, ...]  #: Meshes in each group.
+    design: str  #: "crossed" (compared within blocks) or "nested"; see docs/groups.md.
+    left_out: int  #: Meshes of blocks that lie in one group, where others have several.
     overall: Test
     pairs: Tuple[PairTest, ...]
 
