@@ -4,7 +4,7 @@
 // in DATA, photographed in Chromium. Needs playwright-core by NODE_PATH.
 
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
+import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -34,7 +34,8 @@ const browser = await chromium.launch({
 });
 try {
     for (const { name, collection, modes, title, colour, hash, context, options } of pictures) {
-        shape("stats", join(data, collection), "-o", `${collection}.h5`, "--modes", String(modes), "--force");
+        const labels = join(data, collection, "labels.csv");
+        shape("stats", join(data, collection), ...(existsSync(labels) ? ["--labels", labels] : []), "-o", `${collection}.h5`, "--modes", String(modes), "--force");
         shape("explore", `${collection}.h5`, "-o", `${name}.html`, "--title", title, ...options);
         const page = await (await browser.newContext(context)).newPage();
         page.setDefaultTimeout(300_000);
