@@ -39,8 +39,8 @@ namespace shape::tools {
 using namespace internal;
 namespace {
 
-constexpr int pictured_modes = 3;      ///< Where no mesh can be drawn.
-constexpr double plot_width = 490.0;   ///< [px]; two side by side fill the page.
+constexpr int pictured_modes = 3;    ///< Where no mesh can be drawn.
+constexpr double plot_width = 490.0; ///< [px]; two side by side fill the page.
 constexpr double plot_height = 400.0;
 
 struct Arguments
@@ -186,9 +186,9 @@ void add_regressions(const Session& session, const Arguments& arguments, const S
         const RowMatrix scores = model.scores(meshes, Eigen::all);
         const Regression regression = regress(scores, values);
         // Of all meshes scores have the mean 0, but for rounding.
-        const Eigen::RowVectorXd offset =
-            meshes.size() == model.names.size() ? Eigen::RowVectorXd::Zero(scores.cols()).eval()
-                                                : scores.colwise().mean().eval();
+        const Eigen::RowVectorXd offset = meshes.size() == model.names.size()
+                                              ? Eigen::RowVectorXd::Zero(scores.cols()).eval()
+                                              : scores.colwise().mean().eval();
         to.regressions.push_back({{"name", name},
                                   {"low", values.minCoeff()},
                                   {"high", values.maxCoeff()},

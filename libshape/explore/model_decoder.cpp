@@ -64,8 +64,7 @@ ModelDecoder::ModelDecoder(ModelBlock block)
             block_.linear.directions.rows() != block_.directions.edge_lengths.rows() ||
             (block_.linear.directions.rows() > 0 && block_.linear.directions.cols() != vertices))
             throw InvalidInput("decoder: the linear vertices do not fit the mesh");
-        embedder_.emplace(block_.topology, references_,
-                          std::move(block_.factor.front()));
+        embedder_.emplace(block_.topology, references_, std::move(block_.factor.front()));
     }
     block_.factor.clear();
 }

@@ -61,8 +61,9 @@ int decode(const double* scores, int score_count, const double* amounts, int amo
         shown = quality == 0   ? decoder->draft(coordinates, added, size)
                 : quality == 1 ? decoder->decode(coordinates, added, size, dihedral_preview())
                                : decoder->decode(coordinates, added, size, {});
-        const CrossingCount::Count crossings =
-            quality == 2 ? decoder->crossings(shown.embedding.points) : CrossingCount::Count{-1, -1};
+        const CrossingCount::Count crossings = quality == 2
+                                                   ? decoder->crossings(shown.embedding.points)
+                                                   : CrossingCount::Count{-1, -1};
         const shape::EmbeddingReport& report = shown.embedding.report;
         figures = {static_cast<double>(report.status),
                    report.edge_rms,
