@@ -49,7 +49,8 @@ TEST_F(LabelledMeshes, MissingValuesAreNotAGroupAndCanBeLeftOut)
     const Arguments groups{"groups", "set", "--labels", "l.csv", "--by", "sex", "-o", "g.csv"};
     const Outcome refused = shape(groups);
     EXPECT_EQ(refused.exit_code, 3);
-    EXPECT_NE(refused.err.find("and 5 others have no value of label"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("and 5 others have no value of label"), std::string::npos)
+        << refused.err;
     EXPECT_NE(refused.err.find("--only sex"), std::string::npos) << refused.err;
     const Json found = run(groups + Arguments{"--only", "sex"});
     EXPECT_EQ(found["meshes"], 4);
