@@ -182,15 +182,15 @@ Embedder::~Embedder() = default;
 Embedder::Embedder(Embedder&&) noexcept = default;
 Embedder& Embedder::operator=(Embedder&&) noexcept = default;
 
-Embedding Embedder::embed(const ShapePoint& point) const
+Embedding Embedder::embed(const ShapePoint& target) const
 {
     State& s = *state_;
-    if (point.edge_lengths.size() > 0)
-        check_size(point.edge_lengths.cwiseAbs().maxCoeff(), "the target");
-    ShapePoint target = point;
-    target.edge_lengths *= s.unit;
-    target.positions *= s.unit;
-    const EmbeddingMethod method = method_for(s.options.method, s.topology, target);
+    if (target.edge_lengths.size() > 0)
+        check_size(target.edge_lengths.cwiseAbs().maxCoeff(), "the target");
+    ShapePoint wanted = target; // in the working unit
+    wanted.edge_lengths *= s.unit;
+    wanted.positions *= s.unit;
+    const EmbeddingMethod method = method_for(s.options.method, s.topology, wanted);
     s.prepare(method);
     const Clock::time_point start = Clock::now();
     const Points& reference = s.references.front();
@@ -204,24 +204,24 @@ Embedding Embedder::embed(const ShapePoint& point) const
             options.smoothness = s.options.smoothness.value_or(default_smoothness);
             options.anchor = s.options.anchor.value_or(default_anchor);
             options.position_anchor = s.options.anchor.value_or(default_position_anchor);
-            DihedralEmbedding nearest = s.dihedral->embed(target, options);
-            avoidable = s.avoid_contact(nearest.points, target);
-            embedding = finished_embedding(s.topology, nearest, reference, target, start);
+            DihedralEmbedding nearest = s.dihedral->embed(wanted, options);
+            avoidable = s.avoid_contact(nearest.points, wanted);
+            embedding = finished_embedding(s.topology, nearest, reference, wanted, start);
             break;
         }
         case EmbeddingMethod::Closure: {
-            ClosureEmbedding closed = embed_by_closure(s.topology, target);
-            avoidable = s.avoid_contact(closed.points, target);
-            embedding = finished_embedding(s.topology, closed.points, reference, target, start);
+            ClosureEmbedding closed = embed_by_closure(s.topology, wanted);
+            avoidable = s.avoid_contact(closed.points, wanted);
+            embedding = finished_embedding(s.topology, closed.points, reference, wanted, start);
             embedding.report.iterations = closed.solution.iterations;
             embedding.report.converged = closed.solution.converged;
             embedding.report.closure_energy = closed.solution.energy;
             break;
         }
         case EmbeddingMethod::Multiscale: {
-            MultiscaleEmbedding pose = s.multiscale->embed(target);
-            avoidable = s.avoid_contact(pose.points, target);
-            embedding = finished_embedding(s.topology, pose.points, reference, target, start);
+            MultiscaleEmbedding pose = s.multiscale->embed(wanted);
+            avoidable = s.avoid_contact(pose.points, wanted);
+            embedding = finished_embedding(s.topology, pose.points, reference, wanted, start);
             embedding.multiscale = {s.multiscale->setup_times(), pose.times};
             embedding.report.converged = true; // a fixed number of passes
             break;

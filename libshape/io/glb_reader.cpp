@@ -279,7 +279,7 @@ Eigen::Matrix4d local_matrix(const Glb& glb, const Json& node)
     };
     if (node.contains("matrix")) {
         const std::vector<double> columns = numbers("matrix", std::vector<double>(16, 0.0));
-        const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix4d>(columns.data());
+        Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix4d>(columns.data());
         const Eigen::RowVector4d last = matrix.row(3);
         if ((last - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > rounding_of_text)
             glb.fail(join("'matrix' of a node has the last row (", last[0], ", ", last[1], ", ",

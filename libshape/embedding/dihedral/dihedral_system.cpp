@@ -42,7 +42,7 @@ std::vector<Points> in_order(const Renumbering& renumbering, double unit,
     std::vector<Points> ordered;
     ordered.reserve(meshes.size());
     for (const Points& mesh : meshes)
-        ordered.push_back(unit * renumbered(renumbering, mesh));
+        ordered.emplace_back(unit * renumbered(renumbering, mesh));
     return ordered;
 }
 
