@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,24 @@
 #include "libshape/explore/model_decoder.h"
 
 using namespace shape::internal;
+
+// emscripten's malloc() aligns to 8 bytes, and Eigen adds in another order where an array does not begin at 16: the
+// same scores would not have the same bits every time.
+void* operator new(std::size_t size)
+{
+    constexpr std::size_t alignment = 16;
+    if (void* const memory = std::aligned_alloc(alignment, (size / alignment + 1) * alignment))
+        return memory;
+    throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept
+{
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept
+{
+    std::free(memory);
+}
 
 namespace {
 
