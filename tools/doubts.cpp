@@ -80,7 +80,7 @@ std::optional<std::string> doubt_about_members(const DifferenceOptions& options,
                 : "then those with more meshes weigh more. Take one mesh, or the mean, of each",
         .unnamed = "set",
         .is_of_means = !is_tested};
-    if (const auto doubt = doubt_about_rows(compared, rows))
+    if (auto doubt = doubt_about_rows(compared, rows))
         return doubt;
     const ShapeSpace space = make_space(compared, {.scale = options.scale});
     return doubt_about_close_rows(compared, rows, centred_inner_products(encode(space, compared)));
