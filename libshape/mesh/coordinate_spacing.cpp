@@ -169,11 +169,13 @@ std::string describe(const CoarseCoordinates& coarse)
     const char* const precision = coarse.is_single ? "single precision" : "double precision";
     return join("multiples of ", rounded(coarse.step), ", ", rounded(100.0 * coarse.share),
                 " % of the median edge: ",
-                coarse.is_far ? join(precision, " has no finer numbers ", rounded(coarse.largest),
-                                     " from the origin. Export relative to a local origin",
-                                     coarse.is_single ? ", or in double precision" : "")
-                              : "digits were cut off. Export with more digits, or relative to a "
-                                "local origin");
+                coarse.is_far
+                    ? join(precision, " has no finer numbers ", rounded(coarse.largest),
+                           " from the origin. Export relative to a local origin",
+                           coarse.is_single ? ", or in double precision" : "")
+                    : "digits were cut off, unless the mesh was made of round numbers (by "
+                      "hand, of slices). Export with more digits, or relative to a "
+                      "local origin");
 }
 
 double coordinate_spacing(const Points& points)

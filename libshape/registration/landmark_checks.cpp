@@ -64,6 +64,14 @@ std::optional<std::string> mistaken_landmarks(const std::vector<std::string>& na
 {
     constexpr double least_misfit = 0.05, explained = 1.0 / 3.0; // see the header
     const Index count = on_scan.rows();
+    for (Index i = 0; i < count; ++i)
+        for (Index j = i + 1; j < count; ++j) {
+            const bool are_one_there = on_template.row(i) == on_template.row(j);
+            if (are_one_there != (on_scan.row(i) == on_scan.row(j)))
+                return join("landmarks '", names[to_size(i)], "' and '", names[to_size(j)],
+                            "' lie on one point of the ", are_one_there ? "template" : "scan",
+                            ", but not of the ", are_one_there ? "scan" : "template");
+        }
     if (count < 4)
         return std::nullopt;
     const Eigen::MatrixXd from = normed(on_template), to = normed(on_scan);

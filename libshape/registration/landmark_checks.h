@@ -22,7 +22,8 @@ void check_not_far(const std::vector<std::string>& names, const Points& landmark
 /// of the sum of squares) or more, and with two rows exchanged, or the template's points reflected, by at most a third of
 /// that. Of 4 to 12 random landmarks that differ by random errors of 20 % (standard deviation, of theirs) 1 set of
 /// 1,500 does so, of 40 % two, with no slip at all.
-/// @return A sentence with the slip that explains most. Nothing of fewer than four landmarks, and no mirror image of
+/// @return A sentence with the slip that explains most, or the first two that are one point on one side alone. Of fewer than
+///     four landmarks nothing else, and no mirror image of
 ///     landmarks in a plane, which have none.
 /// Cost: 3 by 3 singular values for each pair of landmarks.
 [[nodiscard]] std::optional<std::string> mistaken_landmarks(const std::vector<std::string>& names,

@@ -35,7 +35,8 @@ struct LinearModelTest
     int residual_degrees_of_freedom = 0;
     double f = none;         ///< Ratio of the mean squares; infinite if nothing is left over.
     double r_squared = none; ///< sum_of_squares / total_sum_of_squares.
-    double p_value = none;   ///< (1 + #{permuted F >= F}) / (1 + permutations); NaN without any.
+    /// (1 + #{permuted F >= F}) / (1 + permutations), or smallest_p if that is larger; NaN without permutations.
+    double p_value = none;
     int permutations = 0;
     /// What p_value tends to, with ever more permutations, if F is the largest that the design allows: 1 over the
     /// number of permutations whose F may differ. 0.1 of three points against three: there are 20, and each has the F

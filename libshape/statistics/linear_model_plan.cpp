@@ -369,7 +369,8 @@ LinearModelTest LinearModelPlan::conclude(const SumAnswers& answers) const
     });
     if (model_->options.permutations > 0)
         result.p_value =
-            (1.0 + static_cast<double>(extreme)) / (1.0 + model_->options.permutations);
+            std::max((1.0 + static_cast<double>(extreme)) / (1.0 + model_->options.permutations),
+                     result.smallest_p); // chance may draw fewer of the largest than there are
     return result;
 }
 

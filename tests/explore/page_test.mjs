@@ -229,7 +229,10 @@ test("where there is no mesh none is shown as if there were", async () => {
         assert.equal(await page.locator("#edge-rms").textContent(), "");
         await page.locator("[data-save=ply]").click();
         await page.waitForFunction(() => /no mesh to save/.test(document.querySelector("#said").textContent), null, { timeout: patience });
-        await after(page, () => page.locator("#mean").click());
+        assert.match(await page.locator("#command").textContent(), /^None: there is no mesh/);
+        const download = page.waitForEvent("download");
+        await after(page, () => page.evaluate(() => (document.querySelector("#mean").click(), document.querySelector("[data-save=ply]").click())));
+        assert.equal((await download).suggestedFilename(), "faces_mean.ply");
         assert.equal(await page.locator("#status").textContent(), "approximate");
         assert.ok(await page.locator("#waiting").isHidden());
         await close(page);
@@ -276,6 +279,13 @@ test("the mean is nowhere displaced from itself", async () => {
     await close(page);
 });
 
+test("the key of many numbers says them", async () => {
+    const page = await open("years.html");
+    await settled(page);
+    assert.deepEqual(await page.locator(".key span").allTextContents(), ["1990", "1992.8", "1995.5", "1998.3", "2001", "no value"]);
+    await close(page);
+});
+
 test("nothing lies over what one clicks", async () => {
     for (const [width, height] of [[1280, 600], [1366, 768], [1920, 1080], [844, 390], [640, 360], [390, 844]]) {
         const page = await open("faces.html", { width, height, hash: "#s=-6" });
@@ -319,9 +329,10 @@ test("what is taken away is what is shown", async () => {
     const moved = await page.evaluate(() => {
         window.explore.goTo({ ...window.explore.place, scores: window.explore.place.scores.map((_, k) => (k === 0 ? -1 : 0)) });
         document.querySelector("[data-save=ply]").click();
+        window.explore.goTo({ ...window.explore.place, scores: window.explore.place.scores.map((_, k) => (k === 1 ? 0.5 : 0)) });
         return window.explore.shown.quality;
     });
-    assert.equal(moved, "fine"); // of the place before
+    assert.equal(moved, "fine"); // of the place before; then one moves on
     const late = await page.waitForEvent("download");
     assert.equal(late.suggestedFilename(), "faces_pc1-1.00.ply");
     await late.saveAs(file("late.ply"));
@@ -518,7 +529,7 @@ function prepare() {
     shape("synth", "faces", "--count", "8", "--vertices", "400", "--seed", "1", "-o", "faces");
     const labels = readFileSync(file("faces/labels.csv"), "utf8").trim().split("\n");
     writeFileSync(file("labels.csv"), labels.map((line, i) =>
-        `${line},${i === 0 ? "age,height" : `${(i % 7) / 7},${/happy/.test(line) ? 1 + (i % 5) / 5 : ""}`}`).join("\n") + "\n");
+        `${line},${i === 0 ? "age,height,year" : `${(i % 7) / 7},${/happy/.test(line) ? 1 + (i % 5) / 5 : ""},${i === 1 ? "" : 1990 + (i % 12)}`}`).join("\n") + "\n");
     shape("collect", "faces", "--labels", "labels.csv", "-o", "all.h5");
     shape("stats", "all.h5", "-o", "faces.h5", "--modes", "12");
     shape("difference", "all.h5", "--pair-by", "subject", "--from", "expression=neutral", "--to", "expression=happy", "-o", "smile.h5",
@@ -526,6 +537,7 @@ function prepare() {
     shape("explore", "faces.h5", "-o", "faces.html", "--color-by", "expression", "--regress", "age", "--difference", "smile.h5",
         "--effects", "effects.ply", "--title", "Made-up faces");
     shape("explore", "faces.h5", "-o", "partial.html", "--regress", "height");
+    shape("explore", "faces.h5", "-o", "years.html", "--color-by", "year");
     shape("synth", "faces", "--count", "68", "--vertices", "300", "--seed", "2", "-o", "many");
     shape("stats", "many", "-o", "many.h5", "--modes", "201");
     shape("explore", "many.h5", "-o", "many.html", "--modes", "201", "--title", "Many modes", "--about", "Scanned on <Tuesdays> & at night");

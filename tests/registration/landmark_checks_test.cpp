@@ -77,6 +77,18 @@ TEST(LandmarkChecks, NameTheTwoThatWereExchanged)
     }
 }
 
+TEST(LandmarkChecks, NameTwoThatAreOnePointOnOneSideAlone)
+{
+    const Points pattern = random_points(5, 4);
+    Points scan = measured_anew(pattern, 0.01);
+    scan.row(4) = scan.row(2);
+    EXPECT_EQ(mistaken_landmarks(names_of(5), pattern, scan),
+              "landmarks 'L2' and 'L4' lie on one point of the scan, but not of the template");
+    EXPECT_EQ(mistaken_landmarks(names_of(5), scan, pattern),
+              "landmarks 'L2' and 'L4' lie on one point of the template, but not of the scan");
+    EXPECT_FALSE(mistaken_landmarks(names_of(5), scan, scan));
+}
+
 TEST(LandmarkChecks, SayThatAllFitAMirrorImage)
 {
     const Points pattern = random_points(8, 5);

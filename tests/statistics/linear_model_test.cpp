@@ -228,6 +228,18 @@ TEST(LinearModel, TakesTheSmallestPValueForTheLargestF)
     EXPECT_NEAR(result.p_value, result.smallest_p, 5.0 * std::sqrt(0.1 * 0.9 / 20'000.0));
 }
 
+TEST(LinearModel, HasNoPValueBelowWhatTheDesignAllows)
+{
+    RowMatrix data = 0.001 * test::random_matrix(6, 3, 1);
+    data.bottomRows(3).array() += 1.0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed)
+        for (const int permutations : {19, 99})
+            EXPECT_GE(test_groups(data, {"a", "a", "a", "b", "b", "b"}, one_group(6),
+                                  {.permutations = permutations, .seed = seed})
+                          .p_value,
+                      0.1);
+}
+
 TEST(LinearModel, PermutesWithinBlocksAlone)
 {
     // Each of three pairs can be swapped: two of the eight arrangements have all changes alike.

@@ -107,6 +107,7 @@ export class Decoder {
         clearTimeout(this.rest);
         const quality = this.previewTime > this.frame && this.previewTime < Infinity ? "draft" : "preview";
         this.quick.ask(requestOf(target, quality), (answer) => {
+            if (answer.kind === "failure" && move !== this.moves) return; // nobody is there any more
             const isThere = this.deliver(answer, target);
             if (move !== this.moves || !isThere) return;
             this.practise(target);

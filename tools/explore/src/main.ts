@@ -58,6 +58,7 @@ const targetOf = (at: Place): Target => {
 const isSame = (a: Place, b: Place) => JSON.stringify(a) === JSON.stringify(b);
 
 function show() {
+    failure = ""; // of the place before; what is dimmed stays so until there is a mesh
     decoder.show(targetOf(place));
     const scores = totalScores(facts, place);
     if (specimen && !isSame(specimen, place)) forgetSpecimen();
@@ -75,7 +76,7 @@ function settle() {
 }
 
 function showHistory() {
-    find<HTMLButtonElement>("#undo").disabled = !history.canUndo;
+    find<HTMLButtonElement>("#undo").disabled = !history.canUndo && !playing;
     find<HTMLButtonElement>("#redo").disabled = !history.canRedo;
 }
 
@@ -104,12 +105,13 @@ function goTo(to: Place, text = "") {
 }
 
 function showCommand() {
-    const command = commandOf(facts, place, shown?.quality ?? "preview");
-    find("#command").textContent = command ?? "None: `shape generate` adds no differences. Save the mesh instead.";
+    const command = failure ? null : commandOf(facts, place, shown?.quality ?? "preview");
+    find("#command").textContent = command ?? (failure ? "None: there is no mesh here." : "None: `shape generate` adds no differences. Save the mesh instead.");
     find<HTMLButtonElement>("#copy-command").disabled = command === null;
     const scores = find<HTMLButtonElement>("[data-save=csv]");
-    scores.disabled = command === null;
-    scores.title = command === null ? "Scores hold no differences. Save the mesh instead." : "";
+    const isDifference = place.amounts.some((amount) => amount !== 0);
+    scores.disabled = isDifference;
+    scores.title = isDifference ? "Scores hold no differences. Save the mesh instead." : "";
 }
 
 // The mesh and its certificate.
@@ -149,7 +151,7 @@ function tellFailure(message: string) {
     giveReason(`There is no mesh here: ${message}.${shown ? " The last one that there was is shown, dimmed." : ""}`);
     find("#window").classList.add("stale");
     find("#waiting").textContent = "There is no mesh here; the mean is one.";
-    wakeSavers();
+    showCommand();
 }
 
 const effects = facts.effects ? new Float32Array(bytesOf(facts.effects.values).buffer) : null;
@@ -186,8 +188,11 @@ function colouring(shape: Shape): { values: Float32Array; scale: Scale; name: st
 let colours = new Float32Array(0);
 
 function draw() {
-    if (!shown) return;
-    const colour = colouring(shown);
+    if (shown) drawShape(shown);
+}
+
+function drawShape(shape: Shape) {
+    const colour = colouring(shape);
     find("#legend").hidden = !colour;
     if (colour) {
         if (colours.length !== 3 * colour.values.length) colours = new Float32Array(3 * colour.values.length);
@@ -197,7 +202,7 @@ function draw() {
         find("#legend-name").textContent = colour.name;
         find("#legend i").style.background = cssGradient(colour.scale);
     }
-    viewer.setShape(shown.points, shown.normals, shown.broken, colour ? colours : null);
+    viewer.setShape(shape.points, shape.normals, shape.broken, colour ? colours : null);
 }
 
 let shapes = 0; // that came since the page was opened
@@ -218,26 +223,13 @@ function take(shape: Shape) {
         find<HTMLSelectElement>("#view").value = "front";
         find("#waiting").hidden = true;
     }
-    if (shape.quality === "fine") wakeSavers();
 }
 
-let savers: (() => void)[] = [];
-
-function wakeSavers() {
-    const woken = savers;
-    savers = [];
-    woken.forEach((wake) => wake());
-}
-
-/// The fine mesh of the place, once it is there, or null: what is taken away is what the command makes.
-async function fineShape(): Promise<Shape | null> {
-    stopPlaying();
-    settle();
-    while (!failure && !(shown?.quality === "fine" && isSame(shown.place, place))) {
-        say("Waiting for the fine mesh …");
-        await new Promise<void>((wake) => savers.push(wake));
-    }
-    return failure ? null : shown;
+/// The fine mesh of a place, which stays that of the click whatever moves meanwhile: what is taken away is what the command makes.
+async function fineShape(at: Place): Promise<Shape> {
+    if (shown?.quality === "fine" && isSame(shown.place, at)) return shown;
+    say("Waiting for the fine mesh …");
+    return decoder.once(targetOf(at), "fine");
 }
 
 function showGhost() {
@@ -279,6 +271,7 @@ function playAlong(k: number) {
     const radians = 700; // [ms]
     playing = { slider: modeSliders[k], k, begin: performance.now() - radians * Math.asin(share) };
     playing.slider.play!.setAttribute("aria-pressed", "true");
+    showHistory();
     const step = (now: number) => {
         if (playing?.k !== k) return;
         const phase = Math.sin((now - playing.begin) / radians);
@@ -456,8 +449,9 @@ function setUpButtons() {
     on("#undo", () => goBack(() => history.undo()));
     on("#redo", () => goBack(() => history.redo()));
     on("#pin", () => {
-        pin(shown, "pinned shape");
-        say("The shape shown is the ghost now.");
+        const isThere = shown && !failure;
+        if (isThere) pin(shown, "pinned shape");
+        say(isThere ? "The shape shown is the ghost now." : "There is no mesh to pin.");
     });
     find("#colour").addEventListener("change", draw);
     find("#ghost").addEventListener("change", showGhost);
@@ -537,8 +531,13 @@ function setUpButtons() {
 async function saveAs(kind: string) {
     if (kind === "svg" && plot) return saved(`${stemOf(facts, place)}_scores.svg`, plot.document(), "image/svg+xml");
     if (kind === "csv") return saved(`${stemOf(facts, place)}.csv`, csvOf(stemOf(facts, place), facts.size, coordinates(place)), "text/csv");
-    const shape = await fineShape();
-    if (!shape) return say(`There is no mesh to save here: ${failure}.`);
+    const at = structuredClone(place);
+    let shape: Shape;
+    try {
+        shape = await fineShape(at);
+    } catch (error) {
+        return say(`There is no mesh to save here: ${(error as Error).message}.`);
+    }
     const stem = stemOf(facts, shape.place);
     const comment = `${facts.file}, ${linkOf(shape.place, facts) || "mean"}, ${facts.space === "edge" ? "fine, " : ""}by libshape ${facts.version}`;
     const { points, normals } = shape;
@@ -547,8 +546,10 @@ async function saveAs(kind: string) {
     else if (kind === "glb") saved(`${stem}.glb`, glbOf(points, normals, faces, stem, `libshape ${facts.version}`), "model/gltf-binary");
     else if (kind === "png") {
         const { backgroundColor, color } = getComputedStyle(document.body);
-        const picture = await viewer.picture(backgroundColor);
         const colour = colouring(shape);
+        drawShape(shape);
+        const picture = await viewer.picture(backgroundColor);
+        draw();
         saved(`${stem}.png`, colour ? await withLegend(picture, colour.scale, colour.print, colour.name, color) : picture, "image/png");
     }
 }

@@ -97,8 +97,13 @@ export class ScorePlot {
     }
 
     private chooseBeneath({ clientX, clientY }: PointerEvent) {
-        const beneath = document.elementsFromPoint(clientX, clientY).find((element) => element.matches(".specimen"));
-        if (beneath) this.onChoose(Number(beneath.getAttribute("data-specimen")));
+        const distance = (element: Element) => {
+            const { x, y, width, height } = element.getBoundingClientRect();
+            return Math.hypot(x + width / 2 - clientX, y + height / 2 - clientY);
+        };
+        const beneath = document.elementsFromPoint(clientX, clientY).filter((element) => element.matches(".specimen"));
+        const nearest = beneath.sort((a, b) => distance(a) - distance(b))[0];
+        if (nearest && !beneath.some((element) => element.matches(".chosen"))) this.onChoose(Number(nearest.getAttribute("data-specimen")));
     }
 
     private at: [number, number] = [0, 0];
@@ -185,9 +190,11 @@ export class ScorePlot {
         const missing = label.values.some((value) => !value) ? [{ ...withoutValue, text: "no value" }] : [];
         const range = this.numbers();
         if (range) {
-            const steps = [0, 0.25, 0.5, 0.75, 1].map((share) => range.low + share * (range.high - range.low));
+            const quarter = (range.high - range.low) / 4;
+            const steps = [0, 1, 2, 3, 4].map((k) => range.low + k * quarter);
+            const decimals = Math.min(20, Math.max(0, 1 - Math.floor(Math.log10(quarter))));
             const scale = rampScale(range.low, range.high);
-            return [...steps.map((value) => ({ colour: cssOf(colourOf(scale, value)), mark: marks.circle, text: String(Number(value.toPrecision(3))) })), ...missing];
+            return [...steps.map((value) => ({ colour: cssOf(colourOf(scale, value)), mark: marks.circle, text: String(Number(value.toFixed(decimals))) })), ...missing];
         }
         const groups = groupsOf(label);
         const first = groups.slice(0, groupColours.length).map((text, group) => ({ ...lookOf(group), text }));
@@ -222,8 +229,12 @@ export class ScorePlot {
     document(): string {
         const copy = this.svg.cloneNode(true) as SVGSVGElement;
         copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-        const key = this.key();
-        const [columns, line] = [3, 16];
+        const most = 54; // letters in the width of the plot
+        const cut = (text: string) => (text.length > most ? `${text.slice(0, most - 1)}…` : text);
+        const name = this.label < 0 ? [] : [{ colour: "none", mark: "", text: `${this.facts.labels[this.label].name}:` }];
+        const key = [...name, ...this.key()].map((entry) => ({ ...entry, text: cut(entry.text) }));
+        const columns = Math.max(1, Math.min(3, Math.floor(most / (3 + Math.max(...key.map(({ text }) => text.length))))));
+        const line = 16;
         const tall = height + line * Math.ceil(key.length / columns) + (key.length ? 4 : 0);
         copy.setAttribute("viewBox", `0 0 ${width} ${tall}`);
         copy.setAttribute("width", String(2 * width));
