@@ -80,8 +80,8 @@ std::string read_file(const std::filesystem::path& path)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// @throws std::runtime_error if the process ended by a signal or an error.
-void run_alone(const shape::fuzz::Target& target, const std::string& input)
+/// How the process ended; empty if as it should.
+std::string run_alone(const shape::fuzz::Target& target, const std::string& input)
 {
     const pid_t child = fork();
     if (child < 0)
@@ -96,8 +96,10 @@ void run_alone(const shape::fuzz::Target& target, const std::string& input)
         _exit(code);
     }
     int status = 0;
-    if (waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-        throw std::runtime_error("a finding; it lies in ./last_input");
+    if (waitpid(child, &status, 0) == child && status == 0)
+        return {};
+    return WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status))
+                               : "exit code " + std::to_string(WEXITSTATUS(status));
 }
 
 /// @param file  Empty: there is none.
@@ -109,10 +111,13 @@ int run_random(const shape::fuzz::Target& target, long runs, unsigned long seed,
     for (long i = 0; i < runs; ++i) {
         const std::string input = file.empty() ? random_input(random) : changed(file, random);
         last.set(input);
-        if (alone)
-            run_alone(target, input);
-        else
+        if (!alone)
             target.run(input);
+        else if (const std::string end = run_alone(target, input); !end.empty()) {
+            std::fprintf(stderr, "input %ld: %s; it lies in ./%s\n", i + 1, end.c_str(),
+                         LastInput::name);
+            return 1;
+        }
     }
     std::filesystem::remove(LastInput::name);
     std::printf("%ld random inputs of %s\n", runs, target.name.c_str());
