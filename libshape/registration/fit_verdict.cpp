@@ -11,6 +11,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/format.h"
 #include "libshape/base/order_statistics.h"
+#include "libshape/base/percent.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/mesh/dihedral_angles.h"
@@ -52,11 +53,6 @@ DistanceSummary summary_of(const std::vector<double>& distances)
     summary.p95 = quantile_of(distances, 0.95);
     summary.max = *std::max_element(distances.begin(), distances.end());
     return summary;
-}
-
-std::string percent(double share)
-{
-    return join(std::round(share * 1000.0) / 10.0, " %");
 }
 
 /// Which vertices have a counterpart, and how far all of them and those are from the scan.

@@ -9,6 +9,7 @@
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/percent.h"
 #include "libshape/base/to_size.h"
 
 namespace shape::internal {
@@ -32,11 +33,6 @@ double misfit(const Eigen::Matrix3d& product, double turn)
     const Eigen::Vector3d values = Eigen::JacobiSVD<Eigen::Matrix3d>(product).singularValues();
     const double last = product.determinant() * turn < 0.0 ? -values[2] : values[2];
     return std::sqrt(std::max(0.0, 2.0 - 2.0 * (values[0] + values[1] + last)));
-}
-
-std::string percent(double share)
-{
-    return join(std::round(share * 1000.0) / 10.0, " %");
 }
 
 } // namespace
