@@ -395,7 +395,7 @@ int guarded_run(std::vector<std::string> arguments)
 int main(int argc, char** argv)
 {
     shape::tools::use_all_processors();
-    shape::rehearse_hdf5_files(true);
+    shape::isolate_hdf5_files(true);
     shape::tools::return_large_arrays();
     shape::tools::catch_signals();
     return shape::tools::leave_ranks(

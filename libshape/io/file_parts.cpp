@@ -224,7 +224,7 @@ std::string unescaped(const Hdf5File& file, const std::string& member)
 void add_labels(Hdf5Content& content, Eigen::Index count, const Labels& labels)
 {
     // A dataset each, which HDF5 opens and checks in some 0.3 ms: files that are opened in more than seconds are taken
-    // for hostile (hdf5/rehearsal.cpp).
+    // for hostile (hdf5/isolation.cpp).
     constexpr std::size_t most_columns = 4096;
     if (labels.size() > most_columns)
         throw LimitExceeded(join("there are ", labels.size(), " label columns; a file takes ",

@@ -103,7 +103,7 @@ Target reading_hdf5(const std::string& name, const Read& read)
 {
     return {name, [=](std::string_view bytes) {
                 make_hdf5_files_cheap();
-                rehearse_hdf5_files(true);
+                isolate_hdf5_files(true);
                 std::string mended(bytes);
                 mend_checksums(mended);
                 const fs::path path = file(name + ".h5", mended);
@@ -183,7 +183,7 @@ Target reading_content(const std::string& kind, const Read& read, const IsSound&
                 }();
                 if (bytes.empty())
                     return;
-                rehearse_hdf5_files(false);
+                isolate_hdf5_files(false);
                 StoredFile changed = whole[static_cast<unsigned char>(bytes[0]) % whole.size()];
                 changed.change(bytes.substr(1));
                 const fs::path path = folder() / "changed.h5";

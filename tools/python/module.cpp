@@ -69,7 +69,7 @@ PYBIND11_MODULE(_core, module)
     module.def("thread_count", &thread_count);
     module.def("set_thread_count", &set_thread_count);
     module.def("label_value", [](const std::string& cell) { return label_value(cell); });
-    module.def("rehearse_hdf5_files", &rehearse_hdf5_files);
+    module.def("isolate_hdf5_files", &isolate_hdf5_files);
     // For the tests: work that takes this long and looks up every so often, or nothing at all.
     module.def("wait", [](double seconds, double step, const py::object& callback) {
         return python::run(

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "libshape/base/memory_limit.h"
-#include "libshape/io/hdf5/rehearsal.h"
 
 namespace shape::internal {
 namespace {
@@ -39,7 +38,7 @@ LastError last_error()
 void throw_last_failure()
 {
     const LastError last = last_error();
-    if (last.is_allocation && (is_memory_limited() || was_sound_in_rehearsal()))
+    if (last.is_allocation && is_memory_limited())
         throw std::bad_alloc();
     throw Hdf5Failure(last.text.empty() ? "unknown cause" : last.text);
 }

@@ -15,7 +15,8 @@
 
 namespace shape::internal {
 
-/// An HDF5 file open for reading. Every member throws InvalidInput naming file, dataset and rule.
+/// An HDF5 file for reading. Every member throws InvalidInput naming file, dataset and rule. HDF5 itself is
+/// done with it once it is constructed (file_content.h).
 ///
 /// Only what write_hdf5() (writer.h) could have written is read: plain datasets in plain groups, of 32-bit
 /// integers, doubles and fixed-length UTF-8 strings, with no filter but the checksum and, below it, the
@@ -25,6 +26,7 @@ class Hdf5File
 {
 public:
     /// @throws FileError if the file cannot be read.
+    /// @throws InvalidInput if it is no HDF5 file, or as of isolation.h.
     explicit Hdf5File(const std::filesystem::path& path);
     ~Hdf5File();
 
@@ -32,7 +34,6 @@ public:
 
     [[nodiscard]] bool has(const std::string& name) const;
     [[nodiscard]] std::vector<std::string> members(const std::string& group) const;
-    [[nodiscard]] Extents extents(const std::string& name) const;
     [[nodiscard]] bool is_compressed(const std::string& name) const; ///< A dataset.
 
     /// Rows of a dataset of doubles, to be read when they are needed.
@@ -47,7 +48,6 @@ public:
                                                    Eigen::Index expected) const;
 
     [[nodiscard]] bool has_attribute(const std::string& name) const;
-    [[nodiscard]] std::vector<std::string> attributes() const;
     [[nodiscard]] std::string text_attribute(const std::string& name) const;
     [[nodiscard]] std::int64_t integer_attribute(const std::string& name) const;
 
@@ -58,10 +58,5 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
-
-/// Does to all attributes, groups and datasets what the members of Hdf5File make HDF5 do, and keeps
-/// nothing.
-/// @throws InvalidInput if it cannot list attributes or members of the file, at the end.
-void read_everything(const Hdf5File& file);
 
 } // namespace shape::internal

@@ -31,6 +31,11 @@ struct ChunkTable
     std::vector<Chunk> chunks{}; ///< In row-major order of their places.
 };
 
+[[nodiscard]] constexpr bool lies_in_file(const ChunkTable::Chunk& chunk, std::uint64_t file_size)
+{
+    return chunk.offset <= file_size && chunk.size <= file_size - chunk.offset;
+}
+
 /// Rows of a dataset, read past HDF5: bytes are fetched, checked against their checksum the first time, and
 /// unpacked here, chunk by chunk. So HDF5 meets no data of a stranger, and memory is that of the rows asked for.
 /// Every member may be called from several threads at once.

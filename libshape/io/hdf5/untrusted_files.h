@@ -4,12 +4,13 @@
 
 namespace shape {
 
-/// For programs that open HDF5 files of strangers. From now on each is read in a child process first,
-/// which has limits of time and memory; the crash of HDF5 on a crafted file (docs/reliability.md) is
-/// then an InvalidInput. Off until asked for: a library must not fork behind its program's back.
+/// For programs that open HDF5 files of strangers. From now on a child process asks HDF5 what is in such a
+/// file, and passes it on; it has limits of time and memory. The crash of HDF5 on a crafted file
+/// (docs/reliability.md) is then an InvalidInput. Off until asked for: a library must not fork behind
+/// its program's back.
 ///
 /// The child has the calling thread alone. Where other threads may be inside HDF5 just then, the
 /// child may wait for what they hold until its time is over, and a sound file be refused.
-void rehearse_hdf5_files(bool wanted);
+void isolate_hdf5_files(bool wanted);
 
 } // namespace shape

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from contextlib import nullcontext
 from functools import cached_property
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union, overload
 
@@ -187,8 +188,8 @@ def read(
     """Reads meshes, directories (natural name order) and collection files (.h5), in any mix.
 
     labels: a CSV file whose first column is `mesh`, or a DataFrame with that column or with the names of the
-    meshes as index. triangulate: cut polygons into triangles. untrusted: read files of HDF5 (.h5, .H5) in a process of
-    their own first, which a hostile file may crash; costs a few tenths of a second each. What is odd about the
+    meshes as index. triangulate: cut polygons into triangles. untrusted: a child process, which a hostile file
+    may crash, reads files of HDF5 (.h5, .H5); costs some milliseconds each. What is odd about the
     meshes is warned of; raises InvalidInput naming mesh and place if they do not correspond.
     """
     if isinstance(paths, (str, os.PathLike)):
@@ -201,14 +202,9 @@ def read(
         raise InvalidInput("paths: there is none")
     triangulate = _arrays.flag(triangulate, "triangulate")
     told = _arrays.progress(progress)
-    for file in files:
-        if file.lower().endswith(".h5"):  # as the library tells a collection file
-            _files.rehearse(file, untrusted)
-    if labels is None:
-        core, messages, warned = _core.read(files, "", triangulate, told)
-    else:
-        with _labels.file_of(labels) as table:
-            core, messages, warned = _core.read(files, table, triangulate, told)
+    label_file = nullcontext("") if labels is None else _labels.file_of(labels)
+    with _files.isolated(untrusted), label_file as table:
+        core, messages, warned = _core.read(files, table, triangulate, told)
     for text in warned:
         warnings.warn(text, stacklevel=2)
     return Collection(core, messages)

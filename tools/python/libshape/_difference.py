@@ -129,8 +129,8 @@ def difference(
 def read_difference(path: Path, *, untrusted: bool = False) -> Difference:
     """Reads a difference of `shape difference` or Difference.write(). untrusted: as of read()."""
     file = _arrays.path(path)
-    _files.rehearse(file, untrusted)
-    return Difference(_core.read_difference(file))
+    with _files.isolated(untrusted):
+        return Difference(_core.read_difference(file))
 
 
 def _difference_of_bytes(content: bytes) -> Difference:

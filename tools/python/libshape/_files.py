@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-import subprocess
-import sys
 import tempfile
+import threading
 from contextlib import contextmanager
 from typing import Any, Callable, Iterator
 
-from . import _arrays
+from . import _arrays, _core
 from ._errors import InvalidInput, file_error
 
 _PREFIX = "libshape-"
@@ -74,33 +73,26 @@ def write_text(path: str, content: str) -> None:
         raise file_error(f"cannot write {path}: {error.strerror}") from None
 
 
-_REHEARSAL = """
-import sys
-sys.path[:] = sys.argv[2:]
-from libshape import _core, _errors
-_core.rehearse_hdf5_files(True)
-try:
-    _core.read_model(sys.argv[1])
-except _errors.Error as error:
-    if "the HDF5 file is damaged" in str(error):
-        print(error)
-        sys.exit(1)
-"""
+_isolating = 0  # blocks that ask for it just now
+_isolating_lock = threading.Lock()
 
 
-def rehearse(path: str, untrusted: bool) -> None:
-    """Reads a file of HDF5 in a process of its own, if it is not trusted: a hostile one may crash its reader.
+@contextmanager
+def isolated(untrusted: bool) -> Iterator[None]:
+    """While the block lasts, HDF5 is asked about files in child processes, if they are not trusted.
 
-    Raises InvalidInput if it does, or takes too much time or memory.
+    The same goes for what other threads read meanwhile, which costs them time and nothing else.
     """
-    if not _arrays.flag(untrusted, "untrusted") or not os.path.isfile(path):
+    global _isolating
+    if not _arrays.flag(untrusted, "untrusted"):
+        yield
         return
-    done = subprocess.run(
-        [sys.executable, "-c", _REHEARSAL, os.path.abspath(path), *sys.path],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        check=False,
-    )
-    if done.returncode != 0:
-        said = done.stdout.decode("utf-8", "replace").strip()
-        raise InvalidInput(said or f"{path}: a process that only read it failed ({done.returncode})")
+    with _isolating_lock:
+        _isolating += 1
+        _core.isolate_hdf5_files(True)
+    try:
+        yield
+    finally:
+        with _isolating_lock:
+            _isolating -= 1
+            _core.isolate_hdf5_files(_isolating > 0)

@@ -259,8 +259,8 @@ class Model:
 def read_model(path: Path, *, untrusted: bool = False) -> Model:
     """Reads a model of `shape stats` or Model.write(). untrusted: as of read()."""
     file = _arrays.path(path)
-    _files.rehearse(file, untrusted)
-    return Model(_core.read_model(file), file)
+    with _files.isolated(untrusted):
+        return Model(_core.read_model(file), file)
 
 
 def _model_of_bytes(content: bytes, file: str) -> Model:
