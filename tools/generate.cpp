@@ -118,6 +118,13 @@ std::vector<std::string> mode_names(std::int64_t mode, const std::vector<double>
     }
 }
 
+Eigen::VectorXd scores_along(const ShapeModel& model, std::int64_t mode, double sigma)
+{
+    Eigen::VectorXd scores = Eigen::VectorXd::Zero(mode);
+    scores[mode - 1] = sigma * std::sqrt(model.variances[mode - 1]);
+    return scores;
+}
+
 std::vector<ModelPoint> mode_points(const ShapeModel& model, const Arguments& arguments)
 {
     if (arguments.mode > model.mode_count())
@@ -126,11 +133,9 @@ std::vector<ModelPoint> mode_points(const ShapeModel& model, const Arguments& ar
     const std::vector<double> sigmas = sigma_values(arguments.sigma);
     const std::vector<std::string> names = mode_names(arguments.mode, sigmas);
     std::vector<ModelPoint> points;
-    for (std::size_t i = 0; i < sigmas.size(); ++i) {
-        Eigen::VectorXd scores = Eigen::VectorXd::Zero(arguments.mode);
-        scores[arguments.mode - 1] = sigmas[i] * std::sqrt(model.variances[arguments.mode - 1]);
-        points.push_back({names[i], scores, size_of(model, arguments)});
-    }
+    for (std::size_t i = 0; i < sigmas.size(); ++i)
+        points.push_back(
+            {names[i], scores_along(model, arguments.mode, sigmas[i]), size_of(model, arguments)});
     return points;
 }
 
@@ -269,6 +274,39 @@ std::vector<ModelPoint> wanted_points(const Session& session, const ShapeModel& 
     return {{"mean", Eigen::VectorXd(), size_of(model, arguments)}};
 }
 
+/// The ends of a sweep and whole numbers between them, all up to a range of 12: there it passes through the meshes that
+/// are made of these points alone.
+std::vector<double> stations_of(double from, double to)
+{
+    const auto [low, high] = std::minmax(from, to);
+    double spacing = 1.0;
+    while ((high - low) / spacing > 12.0)
+        spacing *= 2.0;
+    std::vector<double> stations{low};
+    for (double k = std::floor(low / spacing) + 1.0; k * spacing < high; ++k)
+        stations.push_back(k * spacing);
+    stations.push_back(high);
+    return stations;
+}
+
+/// The path along a mode [standard deviations], if its points are those of edge-length space alone.
+/// @param model  Outlives it.
+std::optional<FramePath> sweep_of(const ShapeModel& model, const Arguments& arguments)
+{
+    const std::vector<double> sigmas = sigma_values(arguments.sigma);
+    const double size = size_of(model, arguments);
+    const auto shape = [&model, size, mode = arguments.mode](double sigma) {
+        return model_point(model, scores_along(model, mode, sigma), size);
+    };
+    const DecodedShape first = shape(sigmas.front());
+    const ShapePoint* const point = std::get_if<ShapePoint>(&first);
+    if (sigmas.size() < 2 || point == nullptr || point->positions.rows() > 0)
+        return {};
+    return FramePath{{[shape](double sigma) { return std::get<ShapePoint>(shape(sigma)); },
+                      stations_of(sigmas.front(), sigmas.back())},
+                     sigmas};
+}
+
 /// What the meshes of all shards depend on.
 Json settings_of(const Session& session, const Arguments& arguments, const ShapeModel& model,
                  const std::vector<ModelPoint>& points)
@@ -347,7 +385,8 @@ void run(const Session& session, const Arguments& arguments)
     const bool is_sequence = arguments.mode > 0 && !arguments.shard.is_given();
     Json figures =
         embed_and_write(session, arguments.embedding, model.topology, {model.reference_points},
-                        targets, output, is_sequence ? TargetOrder::Sequence : TargetOrder::Any);
+                        targets, output, is_sequence ? TargetOrder::Sequence : TargetOrder::Any,
+                        is_sequence ? sweep_of(model, arguments) : std::nullopt);
     if (arguments.feasible)
         tell_moved(session, own, arguments.embedding.verbose, figures);
     session.print_figures(figures);
@@ -380,8 +419,9 @@ Run set_up_generate(CLI::App& command)
     points->add_flag("--mean", arguments->mean, "The mean (mean.ply)");
     CLI::Option* mode = add_integer(
         *points, "--mode", arguments->mode,
-        "Points along mode K, [1, number of modes]; needs --sigma. Names: mode01_-2.00.ply", 1,
-        std::numeric_limits<int>::max());
+        "Points along mode K, [1, number of modes]; needs --sigma. Names: mode01_-2.00.ply.\n"
+        "Neighbours of 31 or more agree on every fold",
+        1, std::numeric_limits<int>::max());
     points
         ->add_option("--scores", arguments->scores,
                      "One point, scores of the first modes in standard deviations, any sign;\n"

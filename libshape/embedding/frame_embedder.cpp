@@ -40,12 +40,12 @@ FrameEmbedder::FrameEmbedder(const Topology& topology, const std::vector<Points>
 Embedding FrameEmbedder::embed(std::size_t frame, const ShapePoint& target,
                                const Points& place) const
 {
-    Embedding made = unplaced(frame, target);
+    Embedding made = embed(frame, target);
     made.points = best_rigid_motion(made.points, place)(made.points);
     return made;
 }
 
-Embedding FrameEmbedder::unplaced(std::size_t frame, const ShapePoint& target) const
+Embedding FrameEmbedder::embed(std::size_t frame, const ShapePoint& target) const
 {
     if (!motion_)
         return alone_.embed(target);

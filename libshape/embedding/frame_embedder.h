@@ -47,9 +47,10 @@ public:
     [[nodiscard]] Embedding embed(std::size_t frame, const ShapePoint& target,
                                   const Points& place) const;
 
-private:
-    [[nodiscard]] Embedding unplaced(std::size_t frame, const ShapePoint& target) const;
+    /// The same, placed as Embedder does.
+    [[nodiscard]] Embedding embed(std::size_t frame, const ShapePoint& target) const;
 
+private:
     Embedder alone_;
     std::optional<FramePath> along_;
     std::optional<PathEmbedder> motion_;

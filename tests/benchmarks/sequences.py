@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Prints the table of docs/embedding.md on sequences: jumps, largest steps and errors along paths.
+"""Prints the table of docs/embedding.md on sequences: jumps, largest steps and errors along paths, and along modes of models.
 
-  sequences.py SHAPE DATA [--frames 61,121] [--names arm,hand,...] [--beside OTHER]
+  sequences.py SHAPE DATA [--frames 61,121] [--names 'arm;hand, mode 1;...'] [--beside OTHER]
 
 SHAPE is the program, DATA the folder of the real datasets; OTHER is another build of the program, whose figures go before
 those of SHAPE. Steps are those of libshape/embedding/sequence_jumps.h, each over the median of the up to eight around it (at
@@ -26,6 +26,9 @@ PATHS = {"arm": ("mh_arm", ["elbow_000", "elbow_1000"]), "hand": ("mh_hand", ["f
          "face": ("ict_faces_full", ["s000_neutral", "s000_happy"]), "gestures": ("mh_hand", GESTURES),
          "arm 100-25": ("mh_arm", ["elbow_1000", "elbow_250"]), "kick": ("mh_body_poses", ["squat", "kick"]),
          "twist": ("mh_body_poses", ["twist", "tpose"]), "bow": ("mh_body_poses", ["bow", "arms_up"])}
+
+MODES = {"arm, mode 1": ("mh_arm", 1), "arm, mode 2": ("mh_arm", 2), "hand, mode 1": ("mh_hand", 1),
+         "hand, mode 2": ("mh_hand", 2), "bodies, mode 1": ("mh_body_poses", 1)}
 
 
 def hinges(faces):
@@ -59,14 +62,14 @@ def ratio(steps, least):
     return max(s / max(numpy.median(around(k)), least) for k, s in enumerate(steps))
 
 
-def figures(shape, meshes, frames):
+def figures(shape, make, order):
+    """make: arguments of a run; order: sorts its files."""
     with tempfile.TemporaryDirectory() as folder:
         start = os.times()
-        text = subprocess.run([shape, "interpolate", *meshes, "--frames", str(frames), "-o", f"{folder}/", "--threads", "1",
-                               "--json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True).stdout
+        text = subprocess.run([shape, *make, "-o", f"{folder}/", "--threads", "1", "--json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True).stdout
         seconds = os.times().children_user - start.children_user
         report = json.loads(text)
-        made = [read_ply(file) for file in sorted(Path(folder).glob("*.ply"))]
+        made = [read_ply(file) for file in sorted(Path(folder).glob("*.ply"), key=order)]
     corners = hinges(made[0][1])
     steps = [step(a, b, faces, corners) for (a, faces), (b, _) in zip(made, made[1:])]
     embedded = report["embeddings"]
@@ -75,21 +78,34 @@ def figures(shape, meshes, frames):
             f"{max(e['dihedral_rms_deg'] for e in embedded):.2f}°", f"{seconds:.1f}")
 
 
+def runs(name, frames, data, shape, work):
+    """Arguments of the run, and the key that sorts its files; models are made in the folder `work`."""
+    if name in PATHS:
+        folder, files = PATHS[name]
+        return ["interpolate", *(str(data / folder / f"{file}.ply") for file in files), "--frames", str(frames)], None
+    folder, mode = MODES[name]
+    model = Path(work) / f"{folder}.h5"
+    if not model.exists():
+        subprocess.run([shape, "stats", str(data / folder), "-o", str(model), "--quiet"], check=True)
+    sigma = lambda file: float(file.stem.split("_")[1])
+    return ["generate", str(model), "--mode", str(mode), "--sigma", f"-1:1:{frames}"], sigma
+
+
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("shape")
     options.add_argument("data", type=Path)
     options.add_argument("--frames", default="61,121")
-    options.add_argument("--names", default=",".join(PATHS))
+    options.add_argument("--names", default=";".join([*PATHS, *MODES]))
     options.add_argument("--beside")
     chosen = options.parse_args()
     table(["path", "frames", "jumps", "largest step: displacement, bending", "edge RMS", "worst edge", "drift RMS", "seconds"])
-    for name in chosen.names.split(","):
-        folder, files = PATHS[name]
-        meshes = [str(chosen.data / folder / f"{file}.ply") for file in files]
-        for frames in map(int, chosen.frames.split(",")):
-            found = [figures(program, meshes, frames) for program in (chosen.beside, chosen.shape) if program]
-            row(name, frames, *(" → ".join(pair) for pair in zip(*found)))
+    with tempfile.TemporaryDirectory() as work:
+        for name in chosen.names.split(";"):
+            for frames in map(int, chosen.frames.split(",")):
+                run = runs(name, frames, chosen.data, chosen.shape, work)
+                found = [figures(program, *run) for program in (chosen.beside, chosen.shape) if program]
+                row(name, frames, *(" → ".join(pair) for pair in zip(*found)))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 
+#include <filesystem>
+
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/vertex_scalars.h"
 #include "libshape/mesh/alignment.h"
+#include "tests/support/data.h"
 #include "tests/support/glb.h"
 #include "tests/tools/program_test.h"
 
@@ -80,6 +83,37 @@ TEST_F(Sequences, AModeIsAnAnimationToo)
     EXPECT_EQ(figures["animation"]["seconds"], 8.0 / 25.0);
     EXPECT_EQ(figures["jumps"], Json::array());
     EXPECT_FALSE(run({"generate", "model.h5", "--sample", "3", "-o", "new"}).contains("jumps"));
+}
+
+TEST_F(Sequences, AModeGoesThroughTheMeshesOfWholeNumbers)
+{
+    (void)run({"stats", "a.ply", "b.ply", "c.ply", "-o", "model.h5"});
+    const auto along = [&](const std::string& sigma, const std::string& to) {
+        return run({"generate", "model.h5", "--mode", "1", "--sigma", sigma, "-o", to});
+    };
+    EXPECT_EQ(along("1.5:-1.5:61", "dense")["jumps"], Json::array());
+    (void)along("-1:1:3", "alone");
+    for (const char* sigma : {"-1.00", "0.00", "1.00"}) {
+        const std::string name = std::string("/mode01_") + sigma + ".ply";
+        const Points a = read_mesh(folder_ / ("dense" + name)).points;
+        const Points b = read_mesh(folder_ / ("alone" + name)).points;
+        EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-6 * bounding_box_diagonal(b)) << sigma;
+    }
+}
+
+TEST_F(Sequences, AModeOfAnArmDoesNotJump)
+{
+    const std::filesystem::path arms = data_dir() / "mh_arm";
+    if (!std::filesystem::exists(arms))
+        GTEST_SKIP() << "no data";
+    (void)run({"stats", arms.string(), "-o", "model.h5"});
+    const auto jumps = [&](const std::string& quality) {
+        return json_of(
+            run_shape(folder_.path(), {"generate", "model.h5", "--mode", "1", "--sigma", "-1:1:61",
+                                       "--quality", quality, "-o", quality, "--json"}))["jumps"];
+    };
+    EXPECT_GE(jumps("preview").size(), 1U); // frame by frame
+    EXPECT_EQ(jumps("fine"), Json::array());
 }
 
 TEST_F(Sequences, SeparateMeshesCanBeGlbFiles)

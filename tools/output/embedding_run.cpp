@@ -323,10 +323,19 @@ void add_embedding_options(CLI::App& command, EmbeddingArguments& arguments, dou
 Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
                      const Topology& topology, std::vector<Points> references,
                      const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
-                     TargetOrder order)
+                     TargetOrder order, std::optional<FramePath> along)
 {
     const EmbeddingOptions options = embedding_options(session, arguments.options);
     prepare_output(arguments, topology, targets, output);
+    if (along) {
+        const FrameEmbedder frames(topology, references, options, std::move(along),
+                                   session.progress());
+        const auto make = [&](std::size_t i, const DecodedShape& shape) {
+            return finish(targets[i].name, name(options.method),
+                          [&] { return frames.embed(i, std::get<ShapePoint>(shape)); });
+        };
+        return make_and_write(session, arguments, topology, targets, make, output, order);
+    }
     const Embedder embedder(topology, std::move(references), options);
     const auto make = [&](std::size_t i, const DecodedShape& shape) {
         return finished_mesh(embedder, options, targets[i].name, shape);

@@ -10,6 +10,7 @@
 
 #include "libshape/edge_space/shape_space.h"
 #include "libshape/embedding/embedder.h"
+#include "libshape/embedding/frame_embedder.h"
 #include "tools/output/mesh_output.h"
 #include "tools/program/session.h"
 
@@ -70,6 +71,8 @@ enum class TargetOrder
 /// Embeds all targets that are not meshes yet and writes them, target i into output i; prints a table
 /// of what they are worth and warns of infeasible ones and of jumps.
 /// @param references  As Embedder takes them.
+/// @param along  The path that all targets, points of edge-length space, are frames of; none: they are embedded by
+///     themselves.
 /// @return The fields `outputs` and `embeddings`; `jumps` of a sequence; `animation` if one is
 ///     written.
 /// @throws NumericalError if a target is infeasible and `strict` is set; InvalidInput and
@@ -77,7 +80,8 @@ enum class TargetOrder
 [[nodiscard]] Json embed_and_write(const Session& session, const EmbeddingArguments& arguments,
                                    const Topology& topology, std::vector<Points> references,
                                    const std::vector<EmbeddingTarget>& targets, MeshOutput& output,
-                                   TargetOrder order = TargetOrder::Any);
+                                   TargetOrder order = TargetOrder::Any,
+                                   std::optional<internal::FramePath> along = {});
 
 /// Makes the mesh of target `index`, whose shape is given.
 using MeshMaker = std::function<FinishedMesh(std::size_t index, const DecodedShape& shape)>;
