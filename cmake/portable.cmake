@@ -43,6 +43,7 @@ set(SHAPE_PORTABLE_SOURCES
     libshape/linalg/single_precision_solve.cpp
     libshape/mesh/alignment.cpp
     libshape/mesh/defects.cpp
+    libshape/mesh/coordinate_lattice.cpp
     libshape/mesh/coordinate_spacing.cpp
     libshape/mesh/corner_angles.cpp
     libshape/mesh/dihedral_angles.cpp

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -269,16 +271,27 @@ void check_together(Result& result)
         warn("outlier", {outlier.mesh}, outlier.vertex, outlier.message);
 }
 
-Result check_all(const Session& session, const Arguments& arguments)
+/// Warns of polygons that fold over as they are cut.
+void check_folded(const PolygonCuts& cuts, Result& result)
+{
+    for (const PolygonCuts::Folded& folded : cuts.folded) {
+        const Finding finding{"folded", -1, -1, folded.message};
+        result.warnings.push_back(finding);
+        for (CheckedMesh& mesh : result.meshes)
+            if (mesh.path == folded.path)
+                mesh.warnings.push_back(finding);
+    }
+}
+
+/// @param cuts  How polygons are cut; what is read is added to it.
+Result check_all(const Session& session, const Arguments& arguments, PolygonCuts& cuts)
 {
     const Progress progress = session.progress();
     const std::vector<std::filesystem::path> files = mesh_files(arguments.meshes);
     const MeshNotices notices = notices_of(session);
-    note_passed_over(notices, arguments.meshes);
     Result result;
     std::set<std::string> names;
     FormatNotes notes;
-    PolygonCuts cuts;
     for (std::size_t i = 0; i < files.size(); ++i) {
         progress("checking", i, files.size());
         FileContent content;
@@ -308,9 +321,13 @@ Result check_all(const Session& session, const Arguments& arguments)
         }
     }
     progress("checking", files.size(), files.size());
+    if (auto better = better_cuts(cuts)) {
+        cuts = std::move(*better);
+        return check_all(session, arguments, cuts);
+    }
+    note_passed_over(notices, arguments.meshes);
     notes.say(notices);
-    for (const std::string& folded : cuts.folded)
-        notices.warn(folded);
+    check_folded(cuts, result);
     check_names(result);
     check_together(result);
     return result;
@@ -411,6 +428,8 @@ std::vector<std::string> read_polygons(Result& result)
 {
     std::vector<NamedMesh> readable;
     PolygonCuts cuts;
+    if (!result.readable.empty()) // what the others are compared with
+        add_triangulation(cuts, result.readable.front());
     std::size_t next = 0;
     for (const CheckedMesh& mesh : result.meshes) {
         if (mesh.is_readable) {
@@ -428,7 +447,13 @@ std::vector<std::string> read_polygons(Result& result)
         }
     }
     result.readable = std::move(readable);
-    return std::move(cuts.folded);
+    std::vector<std::string> folded;
+    for (const Finding& warning : result.warnings)
+        if (warning.kind == "folded")
+            folded.push_back(warning.message);
+    for (const PolygonCuts::Folded& mesh : cuts.folded)
+        folded.push_back(mesh.message);
+    return folded;
 }
 
 /// Which part of a mesh that was split this is, as repair_meshes() names them: parts correspond to the same
@@ -568,6 +593,46 @@ std::vector<std::string> write_fixed(const Session& session, const Arguments& ar
     return output.paths();
 }
 
+/// A number that tells a mesh from what it was before.
+std::uint64_t fingerprint(const NamedMesh& mesh)
+{
+    std::uint64_t hash = 1469598103934665603U; // FNV-1a, of words, whose upper bits it leaves above
+    const auto add = [&](std::uint64_t word) {
+        hash = (hash ^ word) * 1099511628211U;
+        hash ^= hash >> 32U;
+    };
+    add(static_cast<std::uint64_t>(mesh.points.rows()));
+    for (const double x : mesh.points.reshaped())
+        add(std::bit_cast<std::uint64_t>(x));
+    for (const int v : mesh.faces.reshaped())
+        add(static_cast<std::uint64_t>(v));
+    return hash;
+}
+
+/// The names of the meshes written that are not what was read.
+std::vector<std::string> names_of_repaired(const std::vector<NamedMesh>& written,
+                                           const std::map<std::string, std::uint64_t>& before,
+                                           const std::vector<std::string>& triangulated)
+{
+    std::vector<std::string> names;
+    for (const NamedMesh& mesh : written) {
+        const auto was = before.find(mesh.name);
+        if (was == before.end() || was->second != fingerprint(mesh) ||
+            std::ranges::find(triangulated, mesh.name) != triangulated.end())
+            names.push_back(mesh.name);
+    }
+    return names;
+}
+
+/// "repaired: m2 of 7 meshes; the others are as they were".
+std::string describe_repaired(const std::vector<std::string>& names, std::size_t written)
+{
+    std::vector<std::size_t> all(names.size());
+    std::iota(all.begin(), all.end(), 0);
+    return join("  repaired: ", list_names(names, all), " of ", counted(written, "mesh", "meshes"),
+                names.size() == written ? "" : "; the others are as they were", "\n");
+}
+
 /// Writes what can be repaired; returns the figures.
 Json fix(const Session& session, const Arguments& arguments, Result& result)
 {
@@ -583,6 +648,9 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
     for (const NamedMesh& mesh : result.readable)
         if (result.triangulated.contains(mesh.path))
             triangulated.push_back(mesh.name);
+    std::map<std::string, std::uint64_t> before;
+    for (const NamedMesh& mesh : result.readable)
+        before.emplace(mesh.name, fingerprint(mesh));
     RepairedMeshes repaired = repair_meshes(
         std::move(result.readable),
         {.components = arguments.components, .find_outliers = [](const Collection& collection) {
@@ -611,10 +679,14 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
     if (outputs.size() > fixed.sound.size())
         fixed.text += join("  labels: ", outputs.back(), ", for --labels: files of single meshes ",
                            "hold none\n");
+    const std::vector<std::string> changed = names_of_repaired(fixed.sound, before, triangulated);
+    if (!changed.empty())
+        fixed.text += describe_repaired(changed, fixed.sound.size());
     session.message(join(arguments.fixed.path, ": ", counted(fixed.sound.size(), "mesh", "meshes"),
                          " written, ", counted(repaired.changes.size(), "change"),
                          repaired.changes.empty() ? "" : ":", "\n", list, fixed.text));
     return {{"outputs", outputs},
+            {"repaired", changed},
             {"changes", repaired.changes},
             {"kept", repaired.kept},
             {"left", fixed.left}};
@@ -624,7 +696,8 @@ void run(const Session& session, const Arguments& arguments)
 {
     if (!arguments.fixed.path.empty())
         check_fix_directory(arguments);
-    Result result = check_all(session, arguments);
+    PolygonCuts cuts;
+    Result result = check_all(session, arguments, cuts);
     const auto broken = count_broken(result);
     if (!session.json)
         session.print(session.readable(print(result, arguments.verbose)));

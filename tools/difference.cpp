@@ -116,7 +116,8 @@ public:
     {
         std::vector<std::string> names{"applied"};
         if (!arguments.onto.empty()) {
-            const MeshChoice choice{"--onto", arguments.onto, arguments.input.meshes.triangulate};
+            const MeshChoice choice{"--onto", arguments.onto, arguments.input.meshes.triangulate,
+                                    notices_of(session).warn};
             for (std::filesystem::path& file : chosen_files(choice, run.names))
                 inputs.push_back(std::move(file));
             onto_ = choose_meshes(choice, run, known);

@@ -370,6 +370,7 @@ public:
             return;
         const double within = landmark_off * bounding_box_diagonal(pattern_.points);
         try {
+            check_not_zero(names, points, pattern_.points, "the template");
             check_not_far(names, points, pattern_.points, "the template");
             if (const auto said = other_unit_of(points, Surface(pattern_.points, topology_.faces()),
                                                 within, "the template"))

@@ -100,7 +100,8 @@ void run(const Session& session, const Arguments& arguments)
     std::vector<std::filesystem::path> inputs = input_files(arguments.input.meshes);
     if (read)
         inputs.emplace_back(file);
-    const MeshChoice like{"--like", {arguments.like}, arguments.input.meshes.triangulate};
+    const MeshChoice like{
+        "--like", {arguments.like}, arguments.input.meshes.triangulate, notices_of(session).warn};
     if (!arguments.like.empty())
         for (const std::filesystem::path& path : chosen_files(like, collection.names))
             inputs.push_back(path);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -13,6 +14,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/rounded.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/json_depth.h"
 #include "libshape/io/file/line_reader.h"
@@ -278,6 +280,11 @@ Eigen::Matrix4d local_matrix(const Glb& glb, const Json& node)
         return standard;
     };
     if (node.contains("matrix")) {
+        for (const char* other : {"translation", "rotation", "scale"})
+            if (node.contains(other)) // glTF 2.0, section 5.25
+                glb.fail(join("a node has both 'matrix' and '", other,
+                              "', which glTF forbids as one may say other than the other; take one "
+                              "of them out, or export again"));
         const std::vector<double> columns = numbers("matrix", std::vector<double>(16, 0.0));
         Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix4d>(columns.data());
         const Eigen::RowVector4d last = matrix.row(3);
@@ -351,6 +358,25 @@ std::vector<PlacedMesh> placed_meshes(const Glb& glb)
         push(glb.list(node, "children"), place);
     }
     return meshes;
+}
+
+/// Refuses what hides a mesh: scales of 0 and near it, as animations have them.
+void check_scales(const Glb& glb, std::int64_t mesh, const Eigen::Matrix4d& place)
+{
+    constexpr double flat = 1.0001e-4; // of the largest scale
+    constexpr double no_unit = 1e-10;  // an angstrom in metres
+    const Eigen::Matrix3d linear = place.topLeftCorner<3, 3>();
+    if (!linear.allFinite())
+        glb.fail(join("the node of mesh ", mesh, " scales it by a number that is not finite"));
+    const Eigen::Vector3d scales = Eigen::JacobiSVD<Eigen::Matrix3d>(linear).singularValues();
+    const char* const remedy = "; take the node out, or give it a scale, and export again";
+    if (!(scales[0] >= no_unit))
+        glb.fail(join("the node of mesh ", mesh, " shrinks it to nothing (a scale of ",
+                      rounded(scales[0]), " makes it invisible)", remedy));
+    if (scales[2] <= flat * scales[0])
+        glb.fail(join("the node of mesh ", mesh, " flattens it (a scale of ", rounded(scales[2]),
+                      scales[2] > 0.0 ? join(" beside one of ", rounded(scales[0])) : "", ")",
+                      remedy));
 }
 
 Points moved(const Points& points, const Eigen::Matrix4d& place)
@@ -584,12 +610,8 @@ MeshFileContent parse_glb(std::string_view content, const std::filesystem::path&
             throw LimitExceeded(
                 join(path.string(), ": its nodes place more than ", row_limit,
                      " vertices or faces in all, the limit; export fewer in a file"));
-        const double volume = node.place.topLeftCorner<3, 3>().determinant();
-        if (volume == 0.0)
-            glb.fail(join("the node of mesh ", number,
-                          " flattens it (a scale of 0 makes it invisible); take the node out, or "
-                          "give it a scale, and export again"));
-        if (volume < 0.0) // glTF 2.0, section 3.7.4
+        check_scales(glb, number, node.place);
+        if (node.place.topLeftCorner<3, 3>().determinant() < 0.0) // glTF 2.0, section 3.7.4
             faces.col(1).swap(faces.col(2));
         std::string name = stem;
         if (placed.size() > 1) {

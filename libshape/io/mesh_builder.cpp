@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "libshape/base/counted.h"
@@ -111,16 +112,6 @@ NamedMesh MeshBuilder::finish() const
             Eigen::Map<const Faces>(corners.data(), face_count(), 3)};
 }
 
-/// Vertices of a polygon, from the fan that stands for it.
-std::vector<int> MeshBuilder::polygon_corners(std::size_t polygon) const
-{
-    const auto at = corners_.begin() + 3 * polygons_[polygon];
-    std::vector<int> vertices(at, at + 2);
-    for (int i = 2; i < sizes_[polygon]; ++i)
-        vertices.push_back(at[3 * (i - 2) + 2]);
-    return vertices;
-}
-
 Points MeshBuilder::positions_of(const std::vector<int>& vertices) const
 {
     Points points(std::ssize(vertices), 3);
@@ -136,70 +127,95 @@ std::string MeshBuilder::describe(std::size_t polygon) const
     std::int64_t face = polygons_[polygon]; // less what the polygons before have more than one
     for (std::size_t p = 0; p < polygon; ++p)
         face -= sizes_[p] - 3;
-    const std::vector<int> vertices = polygon_corners(polygon);
+    const std::vector<int> vertices = fans().vertices_of(polygon);
     std::string text = join("face ", face, " (vertices ", vertices[0]);
     for (std::size_t i = 1; i < std::min(most, vertices.size()); ++i)
         text += join(", ", vertices[i]);
     return text + (vertices.size() > most ? ", ...)" : ")");
 }
 
+void MeshBuilder::refuse_crossing(std::size_t polygon) const
+{
+    throw InvalidInput(join(path_.string(), ": ", describe(polygon),
+                            " crosses itself: however it is cut, a triangle folds over; "
+                            "repair it, or cut it in "
+                            "the program that made it (`Triangulate Faces`)"));
+}
+
+void MeshBuilder::cut_alone(std::size_t polygon, std::vector<int>& corners) const
+{
+    const std::vector<int> vertices = fans().vertices_of(polygon);
+    const Points points = positions_of(vertices);
+    if (!fan_folds_over(points))
+        return;
+    const auto cut = cut_polygon(points);
+    if (!cut)
+        refuse_crossing(polygon);
+    std::size_t next = to_size(3 * polygons_[polygon]);
+    for (const CutTriangle& triangle : *cut)
+        for (const int corner : triangle)
+            corners[next++] = vertices[to_size(corner)];
+}
+
 std::vector<int> MeshBuilder::cut_corners() const
 {
     PolygonCuts* const cuts = options_.cuts;
-    if (cuts != nullptr && cuts->polygons == polygons_ && cuts->fans == corners_) {
-        note_folded(cuts->corners);
-        return cuts->corners;
+    const KnownTriangulation* nearest = nullptr;
+    KnownCut cut{corners_, {}};
+    cut.missed.resize(polygons_.size());
+    std::iota(cut.missed.begin(), cut.missed.end(), std::size_t{0});
+    if (cuts != nullptr) {
+        ++cuts->cut_meshes;
+        for (const KnownTriangulation& known : cuts->known) {
+            if (known.vertices != vertex_count() || known.faces.rows() != face_count())
+                continue;
+            KnownCut as_this = cut_as_known(fans(), known.faces);
+            if (as_this.missed.size() >= cut.missed.size())
+                continue;
+            nearest = &known;
+            cut = std::move(as_this);
+            if (cut.missed.empty())
+                break;
+        }
     }
-    std::vector<int> corners = corners_;
-    for (std::size_t p = 0; p < polygons_.size(); ++p) {
-        const std::vector<int> vertices = polygon_corners(p);
-        const Points points = positions_of(vertices);
-        if (!fan_folds_over(points))
-            continue;
-        const auto cut = cut_polygon(points);
-        if (!cut)
-            throw InvalidInput(join(path_.string(), ": ", describe(p),
-                                    " crosses itself: however it is cut, a triangle folds over; "
-                                    "repair it, or cut it in "
-                                    "the program that made it (`Triangulate Faces`)"));
-        std::size_t next = to_size(3 * polygons_[p]);
-        for (const CutTriangle& triangle : *cut)
-            for (const int corner : triangle)
-                corners[next++] = vertices[to_size(corner)];
-    }
-    if (cuts != nullptr && cuts->corners.empty()) {
-        cuts->fans = corners_;
-        cuts->polygons = polygons_;
-        cuts->corners = corners;
-        cuts->first = path_.string();
-    }
-    return corners;
+    for (const std::size_t polygon : cut.missed)
+        cut_alone(polygon, cut.corners);
+    if (nearest != nullptr)
+        note_folded(cut.corners, *nearest);
+    if (cut.has_all) // the triangles of a polygon have no order of their own
+        cut.corners.assign(nearest->faces.data(), nearest->faces.data() + nearest->faces.size());
+    return std::move(cut.corners);
 }
 
-/// Polygons that fold over though those of the first mesh do not.
-void MeshBuilder::note_folded(const std::vector<int>& corners) const
+/// Polygons that fold over as they are cut, though they would not if they were cut alone.
+void MeshBuilder::note_folded(const std::vector<int>& corners,
+                              const KnownTriangulation& known) const
 {
-    std::vector<std::size_t> folded;
+    std::size_t count = 0;
+    std::size_t first = 0;
     for (std::size_t p = 0; p < polygons_.size(); ++p) {
-        const std::vector<int> vertices = polygon_corners(p);
-        std::vector<CutTriangle> cut;
-        for (int i = 0; i < sizes_[p] - 2; ++i) {
-            cut.emplace_back();
-            for (int c = 0; c < 3; ++c) {
-                const int vertex = corners[to_size(3 * (polygons_[p] + i) + c)];
-                cut.back()[to_size(c)] = static_cast<int>(
-                    std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin());
+        const std::vector<int> vertices = fans().vertices_of(p);
+        const Points points = positions_of(vertices);
+        std::vector<CutTriangle> cut(to_size(sizes_[p] - 2));
+        for (std::size_t i = 0; i < cut.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c) {
+                const int vertex = corners[3 * (to_size(polygons_[p]) + i) + c];
+                cut[i][c] =
+                    static_cast<int>(std::ranges::find(vertices, vertex) - vertices.begin());
             }
-        }
-        if (folds_over(positions_of(vertices), cut))
-            folded.push_back(p);
+        if (!folds_over(points, cut))
+            continue;
+        if (!cut_polygon(points))
+            refuse_crossing(p);
+        if (count++ == 0)
+            first = p;
     }
-    if (!folded.empty())
+    if (count > 0)
         options_.cuts->folded.push_back(
-            join(path_.string(), ": ", counted(folded.size(), "polygon"), " cut as in ",
-                 options_.cuts->first, folded.size() == 1 ? " folds" : " fold",
-                 " over there, first ", describe(folded.front()),
-                 "; cut them in the program that made them, the same way in all files"));
+            {path_.string(),
+             join(path_.string(), ": ", counted(count, "polygon"), " cut as in ", known.path,
+                  count == 1 ? " folds" : " fold", " over there, first ", describe(first),
+                  "; cut them in the program that made them, the same way in all files")});
 }
 
 } // namespace shape::internal

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "libshape/io/mesh_file.h"
+#include "libshape/mesh/known_cut.h"
 
 namespace shape::internal {
 
@@ -49,8 +50,10 @@ public:
 
 private:
     [[nodiscard]] std::vector<int> cut_corners() const;
-    void note_folded(const std::vector<int>& corners) const;
-    [[nodiscard]] std::vector<int> polygon_corners(std::size_t polygon) const;
+    void cut_alone(std::size_t polygon, std::vector<int>& corners) const;
+    [[noreturn]] void refuse_crossing(std::size_t polygon) const;
+    void note_folded(const std::vector<int>& corners, const KnownTriangulation& known) const;
+    [[nodiscard]] Fans fans() const { return {corners_, polygons_, sizes_}; }
     [[nodiscard]] Points positions_of(const std::vector<int>& vertices) const;
     /// "face 12 (vertices 3, 4, 5, 6)", as the file counts faces.
     [[nodiscard]] std::string describe(std::size_t polygon) const;

@@ -13,6 +13,7 @@
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_builder.h"
 #include "libshape/io/mesh_formats.h"
+#include "libshape/mesh/other_diagonals.h"
 
 namespace shape {
 using namespace internal;
@@ -65,6 +66,20 @@ const Format& find_format(MeshFormat format)
                          [&](const Format& f) { return f.format == format; });
 }
 
+/// Whether a template has these faces, its polygons cut as they are if need be.
+bool has_faces(const ObjTemplate& model, const Points& points, const Faces& faces)
+{
+    const auto are_these = [&](const Faces& others) {
+        return others.rows() == faces.rows() && others == faces;
+    };
+    if (are_these(model.faces))
+        return true;
+    PolygonCuts cuts;
+    add_triangulation(cuts, {"", "", points, faces});
+    return model.faces.rows() == faces.rows() &&
+           are_these(parse_obj(model.text, "", {.triangulate = true, .cuts = &cuts}).faces);
+}
+
 template <class Value>
 void append(std::string& text, Value value)
 {
@@ -103,7 +118,36 @@ void internal::check_mesh(const Points& points, const Faces& faces)
 MeshFileContent read_mesh_members(const std::filesystem::path& path, const MeshReadOptions& options)
 {
     const Format& format = find_format(mesh_format(path));
-    return format.parse(read_file(path, MeshBuilder::file_limit), path, options);
+    PolygonCuts* const cuts = options.cuts;
+    const std::size_t cut_before = cuts != nullptr ? cuts->cut_meshes : 0;
+    MeshFileContent content = format.parse(read_file(path, MeshBuilder::file_limit), path, options);
+    if (cuts != nullptr && options.triangulate)
+        for (const NamedMesh& mesh : content.meshes)
+            add_triangulation(*cuts, mesh, cuts->cut_meshes > cut_before);
+    return content;
+}
+
+void add_triangulation(PolygonCuts& cuts, const NamedMesh& mesh, bool is_cut)
+{
+    constexpr std::size_t most = 16; // kinds of meshes that are read together
+    const auto is_known = [&](const KnownTriangulation& known) {
+        return known.vertices == mesh.points.rows() && known.faces.rows() == mesh.faces.rows() &&
+               known.faces == mesh.faces;
+    };
+    if (cuts.known.size() < most && std::ranges::none_of(cuts.known, is_known))
+        cuts.known.push_back({mesh.faces, mesh.points.rows(), mesh.path, is_cut});
+}
+
+std::optional<PolygonCuts> better_cuts(const PolygonCuts& cuts)
+{
+    if (cuts.known.empty() || !cuts.known.front().is_cut)
+        return std::nullopt;
+    const KnownTriangulation& first = cuts.known.front();
+    for (const KnownTriangulation& other : cuts.known)
+        if (!other.is_cut && other.vertices == first.vertices &&
+            other_diagonals(first.faces, other.faces))
+            return PolygonCuts{.known = {other}, .cut_meshes = 0, .folded = {}};
+    return std::nullopt;
 }
 
 NamedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options)
@@ -149,8 +193,7 @@ void write_mesh(const std::filesystem::path& path, const Points& points, const F
                                 points.rows(), " vertices"));
     if ((options.single_precision || rules.is_single) && !points.cast<float>().allFinite())
         throw InvalidInput("points: a coordinate is beyond single precision");
-    if (options.obj_template != nullptr && (options.obj_template->faces.rows() != faces.rows() ||
-                                            options.obj_template->faces != faces))
+    if (options.obj_template != nullptr && !has_faces(*options.obj_template, points, faces))
         throw InvalidInput(
             "the template has other faces than the mesh; it must be the OBJ file that the meshes "
             "were made from, or one of the same faces in the same order");

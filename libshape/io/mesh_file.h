@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,24 +26,46 @@ enum class MeshFormat
     Glb, ///< Binary glTF 2.0, single precision; see gltf_file.h.
 };
 
-/// How the polygons of the first mesh of several were cut, so that the others are cut likewise and correspond to it.
+/// A triangulation as whose triangles the polygons of other meshes of the same vertices are cut.
+struct KnownTriangulation
+{
+    Faces faces;
+    Eigen::Index vertices = 0;
+    std::string path;    ///< For messages.
+    bool is_cut = false; ///< Of polygons, so that other diagonals would do as well.
+};
+
+/// How polygons are cut so that meshes that are read one after another correspond: as the first of the triangulations of
+/// as many vertices and faces that has all of their diagonals. Of one that has those of some polygons alone, these are
+/// cut so, the others as they would be alone.
 struct PolygonCuts
 {
-    std::vector<int> fans; ///< Corners of all triangles, if every polygon were a fan.
-    std::vector<std::int64_t>
-        polygons;             ///< The first triangle of each polygon of more than 3 corners.
-    std::vector<int> corners; ///< Of the triangles as they are; empty before the first mesh.
-    std::string first;        ///< Path of that.
-    /// A sentence for each further mesh of which polygons, cut so, fold over.
-    std::vector<std::string> folded;
+    /// Those that are there before, and what is read is added to; see add_triangulation().
+    std::vector<KnownTriangulation> known;
+    std::size_t cut_meshes = 0; ///< Meshes with polygons that were read.
+
+    struct Folded
+    {
+        std::string path;
+        std::string message; ///< With the path, the number of polygons and the first.
+    };
+    /// Each mesh of which polygons, cut so, fold over though they could be cut without folds.
+    std::vector<Folded> folded;
 };
+
+/// Adds a triangulation unless it is known, at most 16.
+void add_triangulation(PolygonCuts& cuts, const NamedMesh& mesh, bool is_cut = false);
+
+/// Where the first mesh was cut from polygons, and one that was read as triangles differs from it by their diagonals alone:
+/// what cuts the polygons of all as that one, once they are read anew.
+[[nodiscard]] std::optional<PolygonCuts> better_cuts(const PolygonCuts& cuts);
 
 struct MeshReadOptions
 {
     /// Polygons are cut into triangles, else refused: as fans from their first corner, those of which the fan folds over
     /// (a triangle n, the polygon N, normals weighted by area, and n . N <= 0) by ears.
     bool triangulate = false;
-    /// Meshes that are read with it, and have the polygons of the first of them, are cut as that.
+    /// Meshes that are read with it are cut alike, if `triangulate`.
     PolygonCuts* cuts = nullptr;
 };
 

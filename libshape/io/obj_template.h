@@ -15,7 +15,7 @@ namespace shape {
 struct ObjTemplate
 {
     std::string text; ///< The file.
-    Faces faces;      ///< Polygons split as fans, as read_mesh() does.
+    Faces faces;      ///< Polygons cut as read_mesh() does; they are as well cut as the meshes are.
 };
 
 /// Reads a template.

@@ -24,13 +24,29 @@ constexpr std::uint64_t largest_table = std::uint64_t{2} << 30;
 
 using Row = std::vector<std::string>;
 
-/// What is wrong if cells are separated by this. Programs in countries with a decimal comma take semicolons, others tabs.
-std::optional<std::string> wrong_separator(char separator)
+/// What is wrong where cells are separated by this.
+std::string wrong_separator(char separator)
 {
-    if (separator != ';' && separator != '\t')
-        return std::nullopt;
-    return join("the separator of the cells is ", separator == ';' ? "';'" : "a tab",
+    const std::string name = separator == '\t'  ? "a tab"
+                             : separator == ' ' ? "a blank"
+                                                : join("'", separator, "'");
+    return join("the separator of the cells is ", name,
                 ", must be ','; save the table as CSV with commas (and decimal points)");
+}
+
+/// Characters that separate cells in files of other programs and occur in names seldom: those of countries with a decimal
+/// comma take semicolons, others tabs or bars.
+bool is_separator(char c)
+{
+    return c == ';' || c == '\t' || c == '|';
+}
+
+/// Blanks and colons, which occur in names too, and whatever else stands between cells in quotes.
+bool may_separate(char c)
+{
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_word = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    return byte >= 0x20 && byte < 0x7f && !is_word && c != ',' && c != '"';
 }
 
 /// Splits CSV into rows; knows the line for messages.
@@ -68,8 +84,13 @@ public:
         }
         if (rest_.starts_with('\r'))
             fail("a CR ends no line; lines must end with LF or CRLF");
-        fail(separator_behind_first(cells.size() == 1, rest_.front())
-                 .value_or("text follows a closing quote"));
+        if (cells.size() ==
+            1) // rows whose first cell ends with a comma have commas, whatever else is wrong
+            if (const auto separator = separator_behind_quote())
+                fail(wrong_separator(*separator));
+        fail(rest_.starts_with(' ') || rest_.starts_with('\t')
+                 ? "a blank follows a closing quote; take it away"
+                 : "text follows a closing quote");
     }
 
     [[noreturn]] void fail(std::string_view rule) const
@@ -86,19 +107,43 @@ private:
         return is_there;
     }
 
-    /// Rows whose first cell ends with a comma have commas, whatever else is wrong.
-    static std::optional<std::string> separator_behind_first(bool is_first, char character)
+    /// What stands between the cell in quotes that ends here and the next one where commas should; nothing if that cannot
+    /// be said.
+    [[nodiscard]] std::optional<char> separator_behind_quote() const
     {
-        return is_first ? wrong_separator(character) : std::nullopt;
+        const std::string_view line = rest_.substr(0, rest_.find_first_of("\r\n"));
+        const auto first_of = [](std::string_view text) { // that is no blank
+            const std::size_t at = text.find_first_not_of(' ');
+            return at == std::string_view::npos ? std::string_view() : text.substr(at);
+        };
+        const std::string_view behind = first_of(line);
+        if (behind.empty() || behind.front() == ',') // a stray blank
+            return std::nullopt;
+        if (is_separator(behind.front()))
+            return behind.front();
+        if (may_separate(behind.front()) && first_of(behind.substr(1)).starts_with('"'))
+            return behind.front();
+        const bool is_alone = behind.front() == '"' || line.find(',') == std::string_view::npos;
+        if (is_alone && behind.front() == ':')
+            return ':';
+        return is_alone && line.front() == ' ' ? std::optional(' ') : std::nullopt;
     }
 
     std::string plain_cell(bool is_first)
     {
         const std::size_t end = std::min(rest_.find_first_of(",\r\n"), rest_.size());
         std::string cell(rest_.substr(0, end));
-        if (const std::size_t quote = cell.find('"'); quote != std::string::npos)
-            fail(separator_behind_first(is_first, cell[quote - 1]) // it does not begin with one
-                     .value_or(join("a quote stands within the unquoted cell ", in_quotes(cell))));
+        if (const std::size_t quote = cell.find('"'); quote != std::string::npos) {
+            const std::size_t before = cell.find_last_not_of(' ', quote - 1);
+            if (before == std::string::npos) // it does not begin with the quote
+                fail("a blank stands before a quote; take it away");
+            const bool has_comma = end < rest_.size() && rest_[end] == ',';
+            if (is_first && is_separator(cell[before]))
+                fail(wrong_separator(cell[before]));
+            if (is_first && !has_comma && (before + 1 < quote || cell[before] == ':'))
+                fail(wrong_separator(cell[before] == ':' ? ':' : ' '));
+            fail(join("a quote stands within the unquoted cell ", in_quotes(cell)));
+        }
         rest_.remove_prefix(end);
         return cell;
     }
@@ -167,13 +212,43 @@ void drop_blank_columns(Table& table)
     }
 }
 
-void check_separator(const Row& columns, const std::string& path)
+/// Of a header of one cell. One with blanks or colons may be a name: then all lines have at least as many.
+void check_separator(const Row& columns, std::string_view content, const std::string& path)
 {
     if (columns.size() > 1)
         return;
-    for (const char separator : {';', '\t'})
-        if (columns.front().find(separator) != std::string::npos)
-            throw InvalidInput(join(path, ": line 1: ", *wrong_separator(separator)));
+    const std::string& header = columns.front();
+    const auto refuse = [&](char separator) {
+        throw InvalidInput(join(path, ": line 1: ", wrong_separator(separator)));
+    };
+    for (const char separator : {';', '\t', '|'})
+        if (header.find(separator) != std::string::npos)
+            refuse(separator);
+    for (const char separator : {':', ' '}) {
+        const auto count_in = [separator](std::string_view line) {
+            std::size_t count = 0;
+            for (std::size_t at = line.find_first_not_of(" \t\r"); at < line.size();) {
+                at = std::min(line.find(separator, at), line.size());
+                at = std::min(line.find_first_not_of(separator, at), line.size());
+                count += at < line.size() && line[at] != '\r' ? 1U : 0U;
+            }
+            return count;
+        };
+        const std::size_t wanted = count_in(header);
+        std::size_t lines = 0;
+        bool is_in_all = wanted > 0;
+        for (std::string_view rest = content; is_in_all && !rest.empty();) {
+            const std::size_t end = std::min(rest.find('\n'), rest.size());
+            const std::string_view line = rest.substr(0, end);
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+            if (line.find_first_not_of(" \t\r") == std::string_view::npos)
+                continue;
+            is_in_all = count_in(line) >= wanted;
+            ++lines;
+        }
+        if (is_in_all && lines > 1)
+            refuse(separator);
+    }
 }
 
 void append_row(std::string& text, const Row& cells)
@@ -206,7 +281,7 @@ Table read_table(const std::filesystem::path& path)
         throw InvalidInput(path.string() + ": the file is empty; a table needs a header row");
     Table table;
     table.columns = parser.row();
-    check_separator(table.columns, path.string());
+    check_separator(table.columns, content, path.string());
     while (!parser.done()) {
         Row row = parser.row();
         if (row.size() != table.columns.size())

@@ -19,7 +19,8 @@ struct Table
 /// without any value, and a first line `sep=,`, are passed over: spreadsheets write them.
 /// @throws FileError if it cannot be read.
 /// @throws InvalidInput naming the line for ragged rows, unclosed quotes, empty or repeated
-///     column names, or cells separated by semicolons or tabs.
+///     column names, or cells separated by something else than commas: semicolons, tabs, bars, colons, blanks; in quotes
+///     any character.
 [[nodiscard]] Table read_table(const std::filesystem::path& path);
 
 /// RFC 4180 with LF line ends; cells are quoted where they must be. The file appears whole or not at all: it is written beside, synced and renamed.

@@ -17,6 +17,7 @@
 #include "libshape/mesh/coincident_vertices.h"
 #include "libshape/mesh/defects.h"
 #include "libshape/mesh/handedness.h"
+#include "libshape/mesh/other_diagonals.h"
 #include "libshape/mesh/partition.h"
 
 namespace shape {
@@ -66,20 +67,45 @@ std::string print_face(const Faces& faces, Eigen::Index f)
 std::string cause_of_flipped_faces(const NamedMesh& reference, const NamedMesh& mesh)
 {
     std::string cause = "the orientation of every face is flipped; ";
-    const auto is_mirrored = [&] {
+    const Handedness found = [&]() -> Handedness {
         try {
             const Topology topology(reference.faces, static_cast<int>(reference.points.rows()));
-            return !compare_handedness(topology, std::array{reference.points, mesh.points})
-                        .mirrored.empty();
+            return compare_handedness(topology, std::array{reference.points, mesh.points});
         } catch (const InvalidInput&) { // the reference is broken: a thing of its own
-            return false;
+            return {};
         }
-    };
-    if (is_mirrored())
+    }();
+    if (!found.mirrored.empty())
         return cause +
                "the mesh is a mirror image: mirror it back (one coordinate times -1) and reverse "
                "its faces; reversing alone would let a mirror image pass";
+    if (!found.bent.empty())
+        return cause +
+               "the mesh is a mirror image or bends the other way, which such surfaces do not "
+               "tell: reverse its faces, and mirror it back (one coordinate times -1) if it is one";
     return cause + "the mesh is inside out: reverse its faces";
+}
+
+constexpr std::string_view way_to_share_diagonals =
+    "; read the files that have the polygons (option triangulate), which are then cut as in the "
+    "reference, or cut them in one way in all files (not by their shape)";
+
+/// "12 quads are cut along their other diagonal, first that of vertices 0, 1, 5, 4".
+std::string describe(const OtherDiagonals& diagonals)
+{
+    constexpr std::size_t most = 8;
+    const bool are_quads = diagonals.quads == diagonals.polygons;
+    std::string text = join(counted(diagonals.polygons, are_quads ? "quad" : "polygon"),
+                            diagonals.polygons == 1 ? " is" : " are", " cut along ",
+                            !are_quads                ? "other diagonals"
+                            : diagonals.polygons == 1 ? "the other diagonal"
+                                                      : "their other diagonal",
+                            diagonals.polygons == 1 ? " (vertices " : ", first that of vertices ",
+                            diagonals.first.front());
+    for (std::size_t i = 1; i < std::min(most, diagonals.first.size()); ++i)
+        text += join(", ", diagonals.first[i]);
+    return join(text, diagonals.first.size() > most ? ", ..." : "",
+                diagonals.polygons == 1 ? ")" : "");
 }
 
 /// The likely cause of two different face lists of the same size over as many vertices.
@@ -103,14 +129,21 @@ std::string likely_cause(const NamedMesh& reference, const NamedMesh& mesh)
     });
     if (common + flips == total)
         return join(counted(flips, "face"), " flipped; orient all as in the reference");
+    if (const auto diagonals = other_diagonals(reference.faces, mesh.faces))
+        return join(describe(*diagonals), way_to_share_diagonals);
+    Faces turned = mesh.faces;
+    turned.col(1).swap(turned.col(2));
+    if (const auto diagonals = other_diagonals(reference.faces, turned))
+        return join("the orientation of every face is flipped, and ", describe(*diagonals),
+                    "; reverse the faces and ", way_to_share_diagonals.substr(2));
     if (sorted_degrees(reference.faces, reference.points.rows()) ==
         sorted_degrees(mesh.faces, mesh.points.rows()))
         return "the vertices are probably permuted (the vertex degrees agree as a set); restore "
                "their order";
     if (2 * common >= total)
         return join(total - common,
-                    " faces differ, probably quads split along the other diagonal; triangulate "
-                    "all members alike");
+                    " faces connect other vertices, and not only along other diagonals of the same "
+                    "polygons; remesh all from one template");
     return "the meshes have another connectivity; remesh them from one template";
 }
 

@@ -11,6 +11,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/order_statistics.h"
 #include "libshape/base/rounded.h"
+#include "libshape/mesh/coordinate_lattice.h"
 
 namespace shape::internal {
 namespace {
@@ -52,73 +53,6 @@ double median_side(const Faces& faces, const Points& points)
     return sides.empty() ? 0.0 : median(std::move(sides));
 }
 
-/// The largest number of which all values are multiples, from the first one on; 0 if it is not above `least`, or if all
-/// are equal.
-/// @param of  The value of a vertex; whole numbers, or whole multiples of a power of two.
-template <class Of>
-double common_step(Eigen::Index count, double least, const Of& of)
-{
-    double step = 0.0;
-    for (Eigen::Index v = 1; v < count; ++v) {
-        double rest = std::abs(of(v) - of(0));
-        while (rest > 0.0) { // Euclid; the remainders are exact
-            const double next = std::fmod(step, rest);
-            step = rest;
-            rest = next;
-        }
-        if (step > 0.0 && step <= least)
-            return 0.0;
-    }
-    return step;
-}
-
-/// The step of an axis, if it is above `least`; else 0.
-double step_of(const Eigen::VectorXd& coordinates, bool is_single, double least)
-{
-    const Eigen::Index count = coordinates.size();
-    int exponent = 0;
-    (void)std::frexp(least, &exponent);
-    const double binary = std::ldexp(1.0, exponent - 1); // <= least
-    const auto all_of = [&](const auto& holds) {
-        return std::all_of(coordinates.begin(), coordinates.end(), holds);
-    };
-    if (all_of([&](double x) { return std::fmod(x, binary) == 0.0; }))
-        return common_step(count, least, [&](Eigen::Index v) { return coordinates[v]; });
-    const double decimal = std::pow(10.0, std::floor(std::log10(least)));
-    const double rounding =
-        is_single ? std::ldexp(1.0, -24) : std::numeric_limits<double>::epsilon();
-    constexpr double most = 0.02; // of a step: beyond it chance is not excluded
-    const auto is_multiple = [&](double x) {
-        const double steps = x / decimal;
-        const double tolerance = 2.0 * rounding * std::abs(steps);
-        return tolerance <= most && std::abs(steps - std::round(steps)) <= tolerance;
-    };
-    if (!all_of(is_multiple))
-        return 0.0;
-    return decimal * common_step(count, least / decimal, [&](Eigen::Index v) {
-               return std::round(coordinates[v] / decimal);
-           });
-}
-
-/// By how many steps nearly all edges run along an axis at most: 1, 2, or 0 for more.
-int raster_steps(const Faces& faces, const Eigen::VectorXd& coordinates, double step)
-{
-    constexpr double share = 0.99;
-    std::array<Eigen::Index, 2> within{};
-    for (const auto& face : faces.rowwise())
-        for (int c = 0; c < 3; ++c) {
-            const double run =
-                std::abs(coordinates[face[c]] - coordinates[face[(c + 1) % 3]]) / step;
-            within[0] += run < 1.01 ? 1 : 0;
-            within[1] += run < 2.01 ? 1 : 0;
-        }
-    for (const int steps : {1, 2})
-        if (static_cast<double>(within[static_cast<std::size_t>(steps - 1)]) >=
-            share * static_cast<double>(faces.size()))
-            return steps;
-    return 0;
-}
-
 /// The distance of neighbouring numbers of a size.
 double distance_of_numbers(double size, bool is_single)
 {
@@ -139,27 +73,28 @@ std::optional<CoarseCoordinates> coarse_coordinates(const Faces& faces, const Po
     const double least = coarse_share * edge;
     if (!(least > std::numeric_limits<double>::min()))
         return std::nullopt;
-    std::vector<CoarseCoordinates> found;
-    std::vector<int> rasters; // steps that edges run by, of each of those
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const Eigen::VectorXd coordinates = points.col(axis);
-        const bool is_single = are_single_precision(coordinates);
-        const double step = step_of(coordinates, is_single, least);
-        if (step <= least)
+    std::array<std::optional<Lattice>, 3> lattices;
+    bool has_some = false;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        lattices[axis] = find_lattice(points.col(static_cast<Eigen::Index>(axis)), least);
+        has_some = has_some || lattices[axis];
+    }
+    if (!has_some)
+        return std::nullopt;
+    const std::array<bool, 3> meant =
+        exempt_rasters ? are_meant(faces, points, lattices) : std::array<bool, 3>{};
+    std::optional<CoarseCoordinates> coarsest;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!lattices[axis])
             continue;
+        const Eigen::VectorXd coordinates = points.col(static_cast<Eigen::Index>(axis));
+        const bool is_single = are_single_precision(coordinates);
+        const double step = lattices[axis]->step;
         const double largest = coordinates.cwiseAbs().maxCoeff();
         const bool is_far = step <= 2.0 * distance_of_numbers(largest, is_single);
-        found.push_back({step, step / edge, largest, is_single, is_far});
-        rasters.push_back(is_far ? 0 : raster_steps(faces, coordinates, step));
-    }
-    const bool are_several =
-        std::count_if(rasters.begin(), rasters.end(), [](int steps) { return steps > 0; }) > 1;
-    std::optional<CoarseCoordinates> coarsest;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        const bool is_exempt =
-            exempt_rasters && (rasters[i] == 1 || (rasters[i] == 2 && are_several));
-        if (!is_exempt && (!coarsest || found[i].step > coarsest->step))
-            coarsest = found[i];
+        const bool is_told = is_far || !meant[axis];
+        if (is_told && (!coarsest || step > coarsest->step))
+            coarsest = {step, step / edge, largest, is_single, is_far, lattices[axis]->is_far_half};
     }
     return coarsest;
 }
@@ -169,10 +104,13 @@ std::string describe(const CoarseCoordinates& coarse)
     const char* const precision = coarse.is_single ? "single precision" : "double precision";
     return join("multiples of ", rounded(coarse.step), ", ", rounded(100.0 * coarse.share),
                 " % of the median edge: ",
-                coarse.is_far
-                    ? join(precision, " has no finer numbers ", rounded(coarse.largest),
-                           " from the origin. Export relative to a local origin",
-                           coarse.is_single ? ", or in double precision" : "")
+                coarse.is_far ? join(precision, " has no finer numbers ", rounded(coarse.largest),
+                                     " from the origin. Export relative to a local origin",
+                                     coarse.is_single ? ", or in double precision" : "")
+                : coarse.is_far_half
+                    ? "far from the origin, and less near it: numbers of few bits (half precision, "
+                      "float16). "
+                      "Export in single precision or with more digits"
                     : "digits were cut off, unless the mesh was made of round numbers (by "
                       "hand, of slices). Export with more digits, or relative to a "
                       "local origin");

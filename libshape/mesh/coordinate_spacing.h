@@ -28,16 +28,15 @@ struct CoarseCoordinates
     bool is_single = false; ///< All of them are numbers in single precision.
     /// Numbers of that size have no finer steps: the mesh is far from the origin. Else digits were cut off.
     bool is_far = false;
+    /// Numbers half as large have finer ones: those of half precision, in whatever unit.
+    bool is_far_half = false;
 };
 
 /// The axis with the coarsest steps, if these are more than a hundredth of the median edge: rounding then is part of
-/// every length. Steps are found that are powers of two, or of ten, or multiples of these; what was turned or scaled
-/// after the rounding does not show them.
+/// every length. Steps are found in any unit, but not in what was turned after the rounding (coordinate_lattice.h).
 ///
-/// Nothing is said of fewer than 20 vertices, as made by hand in round numbers, and of axes along which 99 % of the edges run
-/// by one step at most, or, if that is so along two axes, by two: surfaces of voxels (marching cubes at half the
-/// distance included), the raster of heights and slices are exact there. Of voxels that were decimated afterwards, it is said;
-/// so it is where numbers have no finer steps.
+/// Nothing is said of fewer than 20 vertices or 4 levels, as made by hand in round numbers, and of lattices that are meant
+/// (are_meant()); it is always where numbers have no finer steps.
 /// @param points  Finite. @param exempt_rasters  Without it, nothing is said of these axes.
 /// Cost: O(#F), of double precision with all digits little more than the edges' lengths.
 [[nodiscard]] std::optional<CoarseCoordinates> coarse_coordinates(const Faces& faces,

@@ -8,12 +8,14 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/order_statistics.h"
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
+#include "libshape/mesh/alignment.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/triangle_area.h"
 
@@ -200,118 +202,137 @@ Eigen::MatrixXd unit_rows(Eigen::MatrixXd rows)
     return rows;
 }
 
-/// What keeps a surface from lying flat [rad]: the curvature within, and what a boundary turns by too much or too little
-/// for a plane, as the ends of a tube do.
-double curvature(const Topology& topology, const std::vector<std::vector<int>>& loops,
-                 const Points& points)
+/// What keeps a surface from lying flat [rad]: the curvature at each vertex within, and what a boundary turns by too much
+/// or too little for a plane, as the ends of a tube do.
+struct Curvature
+{
+    Eigen::VectorXd within; ///< 0 on the boundary.
+    double of_loops = 0.0;
+
+    [[nodiscard]] double sum() const { return within.lpNorm<1>() + of_loops; }
+};
+
+Curvature curvature(const Topology& topology, const std::vector<std::vector<int>>& loops,
+                    const Points& points)
 {
     constexpr double pi = std::numbers::pi;
-    std::vector<double> left(to_size(topology.vertex_count()), 2.0 * pi); // of the full angle
+    Eigen::VectorXd left = Eigen::VectorXd::Constant(topology.vertex_count(), 2.0 * pi);
     for (const auto& face : topology.faces().rowwise())
         for (int c = 0; c < 3; ++c) {
             const Eigen::RowVector3d at = points.row(face[c]);
             const Eigen::RowVector3d a = points.row(face[(c + 1) % 3]) - at;
             const Eigen::RowVector3d b = points.row(face[(c + 2) % 3]) - at;
-            left[to_size(face[c])] -= std::atan2(a.cross(b).norm(), a.dot(b));
+            left[face[c]] -= std::atan2(a.cross(b).norm(), a.dot(b));
         }
-    double sum = 0.0;
+    Curvature found;
     for (const std::vector<int>& loop : loops) {
         double turn = 0.0;
         for (const int h : loop) {
-            double& at = left[to_size(topology.source(h))];
+            double& at = left[topology.source(h)];
             turn += at - pi;
             at = 0.0;
         }
-        sum += std::abs(std::abs(turn) - 2.0 * pi);
+        found.of_loops += std::abs(std::abs(turn) - 2.0 * pi);
     }
-    for (const double angle : left)
-        sum += std::abs(angle);
-    return sum;
+    found.within = std::move(left);
+    return found;
 }
 
 // [rad]; set by hand: see may_bend_over() and compare_handedness()
 constexpr double most_of_a_sheet = 1.0;
-constexpr double most_of_a_membrane = 10.0;
+constexpr double most_of_a_membrane = 20.0;
 
-/// How far each mesh bends along the direction that all have in common but for its sign; those left out that have
-/// nothing of it though they are as rough as others.
-/// @param sines  A row a mesh.
-std::vector<double> bends_of(const Eigen::MatrixXd& sines, const std::vector<int>& side)
+/// The strain that laying flat what meshes have in common would take, without their noise: that has no mean over the
+/// meshes, and none over a few rings either, as an angle that is too large at one vertex is too small beside it.
+double common_strain(const Topology& topology, const std::vector<std::vector<int>>& loops,
+                     std::span<const Points> meshes)
 {
-    const Eigen::VectorXd norms = sines.rowwise().norm();
-    const double rough = 0.5 * median({norms.begin(), norms.end()});
-    Eigen::VectorXd common = Eigen::VectorXd::Zero(sines.cols());
-    for (Eigen::Index i = 0; i < sines.rows(); ++i)
-        common += side[to_size(i)] * sines.row(i).transpose().normalized();
-    common.normalize();
-    std::vector<double> bends;
-    for (Eigen::Index i = 0; i < sines.rows(); ++i)
-        if (side[to_size(i)] != 0 || norms[i] < rough)
-            bends.push_back(sines.row(i).dot(common));
-    return bends;
-}
-
-/// Whether meshes bend to both sides of flat with nothing between, as left and right ones do, and not more and less
-/// about it, as leaves that curl and membranes that swing.
-bool has_gap(const std::vector<double>& bends)
-{
-    constexpr double least_gap = 10.0; // spreads, as odd_sizes() has it; of few, chance leaves six
-    double squares = 0.0;
-    double least = std::numeric_limits<double>::infinity(); // of those above 0
-    double most = -least;                                   // of the others
-    for (const bool above : {true, false}) {
-        double sum = 0.0;
-        double sum_of_squares = 0.0;
-        double count = 0.0;
-        for (const double bend : bends)
-            if ((bend > 0.0) == above) {
-                (above ? least : most) = above ? std::min(least, bend) : std::max(most, bend);
-                sum += bend;
-                sum_of_squares += bend * bend;
-                count += 1.0;
-            }
-        if (count > 0.0)
-            squares += std::max(0.0, sum_of_squares - sum * sum / count);
+    constexpr int rounds = 5; // of which each gives half of the curvature to the neighbours
+    Curvature common{Eigen::VectorXd::Zero(topology.vertex_count()), 0.0};
+    const auto count = static_cast<double>(meshes.size());
+    for (const Points& points : meshes) {
+        const Curvature one = curvature(topology, loops, points);
+        common.within += one.within / count;
+        common.of_loops += one.of_loops / count;
     }
-    return least - most >=
-           least_gap * std::sqrt(squares / static_cast<double>(std::ssize(bends) - 2));
-}
-
-/// Whether all bend as far as one another, to 10 %.
-bool are_alike(const std::vector<double>& bends)
-{
-    double least = std::numeric_limits<double>::infinity();
-    double most = 0.0;
-    for (const double bend : bends) {
-        least = std::min(least, std::abs(bend));
-        most = std::max(most, std::abs(bend));
+    for (int round = 0; round < rounds; ++round) {
+        Eigen::VectorXd next = 0.5 * common.within;
+        for (int v = 0; v < topology.vertex_count(); ++v) {
+            const auto spokes = topology.spokes(v);
+            for (const Topology::Spoke& spoke : spokes)
+                next[spoke.vertex] += 0.5 * common.within[v] / static_cast<double>(spokes.size());
+        }
+        common.within = std::move(next);
     }
-    return most <= 1.1 * least;
+    return common.sum();
 }
 
-/// Whether open meshes may as well bend more or less to either side.
+/// How far some vertices of a mesh are from those of another after the best rigid motion, by their size [1].
+double distance_of(const Points& moving, const Points& fixed)
+{
+    const auto unit = [](Points points) {
+        points.rowwise() -= points.colwise().mean().eval();
+        const double size = points.norm();
+        return size > 0.0 ? Points(points / size) : points;
+    };
+    const Points a = unit(moving);
+    const Points b = unit(fixed);
+    return (best_rigid_motion(a, b)(a) - b).norm();
+}
+
+/// Whether the mirror image of a mesh is much nearer to one of the others than the mesh is to any. It is not where its
+/// middle was pushed through and its rim is where it was.
+bool is_nearer_mirrored(const Points& mesh, const std::vector<const Points*>& others)
+{
+    constexpr double nearer = 0.7;
+    constexpr Eigen::Index most_vertices = 500;
+    constexpr std::size_t most_meshes = 20;
+    std::vector<Eigen::Index> some;
+    const Eigen::Index count = std::min(mesh.rows(), most_vertices);
+    for (Eigen::Index k = 0; k < count; ++k)
+        some.push_back(k * mesh.rows() / count);
+    const Points as_is = mesh(some, Eigen::all);
+    Points mirrored = as_is;
+    mirrored.col(0) = -as_is.col(0);
+    double direct = std::numeric_limits<double>::infinity();
+    double reflected = direct;
+    const std::size_t compared = std::min(others.size(), most_meshes);
+    for (std::size_t k = 0; k < compared; ++k) {
+        const Points other = (*others[k * others.size() / compared])(some, Eigen::all);
+        direct = std::min(direct, distance_of(as_is, other));
+        reflected = std::min(reflected, distance_of(mirrored, other));
+    }
+    return reflected < nearer * direct;
+}
+
+/// Whether an open surface may as well have been bent or pushed through as mirrored.
 bool is_guess(const Topology& topology, const std::vector<std::vector<int>>& loops,
-              std::span<const Points> meshes, const Eigen::MatrixXd& sines,
+              std::span<const Points> meshes, const std::vector<std::size_t>& odd,
               const std::vector<int>& side)
 {
-    constexpr std::size_t least_meshes = 5; // of fewer, how they vary is not known
-    const std::vector<double> bends = bends_of(sines, side);
-    if (bends.size() >= least_meshes)
-        return !has_gap(bends);
-    std::vector<double> curvatures;
-    for (const Points& points : meshes)
-        curvatures.push_back(curvature(topology, loops, points));
-    const double usual = median(curvatures);
-    return usual < most_of_a_sheet || (usual < most_of_a_membrane && !are_alike(bends));
+    if (common_strain(topology, loops, meshes) < most_of_a_membrane)
+        return true;
+    std::vector<const Points*> others;
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        if (side[i] != 0 && side[i] != side[odd.front()])
+            others.push_back(&meshes[i]);
+    return !others.empty() && !std::ranges::all_of(odd, [&](std::size_t i) {
+        return is_nearer_mirrored(meshes[i], others);
+    });
 }
 
-/// Whether those that are mirrored have their insides on the other side than the rest, so far as that can be told.
-bool are_turned_inside_out(const std::vector<int>& outward, const std::vector<int>& side, int odd)
+/// Whether those that are mirrored have their insides on the other side than the rest, so far as that can be told: a bag
+/// with a wide opening can be pulled inside out as well.
+bool are_turned_inside_out(const std::vector<Measures>& measures, const std::vector<int>& outward,
+                           const std::vector<int>& side, int odd)
 {
+    constexpr double most_open = 0.1; // of the area
     int others = 0;
     for (std::size_t i = 0; i < side.size(); ++i) {
         if (side[i] == 0)
             continue;
+        if (measures[i].openings > most_open * measures[i].area)
+            return false;
         const int expected = side[i] == odd ? -outward[i] : outward[i];
         if (expected == 0 || expected == -others)
             return false;
@@ -347,10 +368,9 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     std::vector<int> outward;
     for (const Measures& m : measures)
         outward.push_back(outward_sign(m));
-    const Eigen::MatrixXd sines =
-        topology.is_closed() ? Eigen::MatrixXd() : all_bending(topology, meshes);
-    const std::vector<int> side =
-        topology.is_closed() ? sides_of_closed(measures) : sides(unit_rows(sines));
+    const std::vector<int> side = topology.is_closed()
+                                      ? sides_of_closed(measures)
+                                      : sides(unit_rows(all_bending(topology, meshes)));
 
     const auto count = [&](int which) { return std::count(side.begin(), side.end(), which); };
     int odd = count(1) < count(-1) ? 1 : -1;
@@ -372,8 +392,8 @@ Handedness compare_handedness(const Topology& topology, std::span<const Points> 
     }
     result.inside_out = result.inside_out && has_others;
     if (!result.mirrored.empty() && !topology.is_closed() &&
-        !are_turned_inside_out(outward, side, odd) &&
-        is_guess(topology, loops, meshes, sines, side))
+        !are_turned_inside_out(measures, outward, side, odd) &&
+        is_guess(topology, loops, meshes, result.mirrored, side))
         std::swap(result.mirrored, result.bent);
     return result;
 }
@@ -400,20 +420,13 @@ bool is_mirror_image(const Topology& topology, const Points& mesh, const Points&
 bool may_be_bent(const Topology& topology, const Points& mesh, const Points& reference,
                  const Eigen::VectorXd& mean_dihedral_angles)
 {
-    constexpr double alike = 1.5; // the mean of meshes is smoother than they are
     if (topology.is_closed())
         return false;
     if (mean_dihedral_angles.size() == 0)
         return !compare_handedness(topology, std::array{reference, mesh}).bent.empty();
     if (!is_mirror_image(topology, mesh, reference, mean_dihedral_angles))
         return false;
-    if (may_bend_over(topology, mesh))
-        return true;
-    const std::vector<int> edges = compared_edges(topology);
-    const Eigen::VectorXd mean = mean_dihedral_angles(edges).array().sin();
-    const double ratio = std::abs(bending(topology, edges, mesh).dot(mean)) / mean.squaredNorm();
-    return (ratio > alike || ratio < 1.0 / alike) &&
-           curvature(topology, boundary_loops(topology), mesh) < most_of_a_membrane;
+    return common_strain(topology, boundary_loops(topology), std::array{mesh}) < most_of_a_membrane;
 }
 
 bool may_bend_over(const Topology& topology, const Points& points)
@@ -422,7 +435,7 @@ bool may_bend_over(const Topology& topology, const Points& points)
         throw InvalidInput(join("points has ", points.rows(), " rows, must have ",
                                 topology.vertex_count(), ", one a vertex"));
     return !topology.is_closed() && topology.genus() == 0 &&
-           curvature(topology, boundary_loops(topology), points) < most_of_a_sheet;
+           curvature(topology, boundary_loops(topology), points).sum() < most_of_a_sheet;
 }
 
 } // namespace shape

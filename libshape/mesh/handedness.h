@@ -34,12 +34,14 @@ struct Handedness
 /// abs(V) / A^1.5 is below a quarter of the median, as of one whose vertices are permuted. Open ones are compared by
 /// the sines of their dihedral angles, which a mirror image negates: mesh i is of the other kind if the cosine
 /// between its sines and the mean of the others' (each turned by its sign) is < -0.5. Those are mirror images, and not
-/// `bent` as leaves and membranes are, where
-/// - the volumes with openings filled have opposite signs, by the bounds of `inside_out` below; or
-/// - of five meshes and more, how far they bend has a gap: the products of the sines with their mean direction,
-///   those above 0 and those below, are apart by ten times their pooled standard deviation; or
-/// - of fewer, the strain that may_bend_over() bounds has a median >= 10 rad (domes have 0.1 to 9, faces and hands 20
-///   and more); or >= 1 rad and all bend equally far to 10 %.
+/// `bent` as leaves, membranes, caps and bags are, where
+/// - the volumes with openings filled have opposite signs, by the bounds of `inside_out` below, and no opening has more
+///   than a tenth of the area: what is wider can be pulled inside out; or
+/// - the surface is none that can be pushed through: the strain of laying it flat, that may_bend_over() bounds, is >= 20 rad
+///   of the mean curvature of all meshes, spread over five rings, which leaves noise out (sheets, domes, boxes and tubes have
+///   up to 13, faces, arms and hands 60 and more); and the mirror image of each is nearer to one of the others than 0.7 of
+///   what it is itself (after the best motion, unit sizes): where a middle was pushed through, the rim stayed.
+/// How far or how alike they bend tells nothing: caps that snap through evenly bend as far as before.
 /// All are inside out if V < 0 (V volume, A area) for all that are not mirrored; of open meshes, if
 /// V < -0.02 A^1.5 and the fans that fill their openings have an area <= A / 4: a sheet or a bowl has
 /// no inside.
@@ -70,8 +72,7 @@ struct Handedness
                                    const Eigen::VectorXd& mean_dihedral_angles = {});
 
 /// Whether a mesh of which is_mirror_image() says so may as well bend the other way by nature: what compare_handedness() of
-/// the two calls `bent`; if mean angles are given, an open mesh that may_bend_over(), or of which the strain is below
-/// 10 rad and the product of its sines with the direction of theirs is not within a factor of 1.5 of their norm.
+/// the two calls `bent`; if mean angles are given, an open mesh of which that strain is below 20 rad.
 /// @throws InvalidInput as is_mirror_image().
 [[nodiscard]] bool may_be_bent(const Topology& topology, const Points& mesh,
                                const Points& reference,

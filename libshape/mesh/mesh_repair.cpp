@@ -95,14 +95,18 @@ void take_faces_of(const NamedMesh& first, NamedMesh& mesh, Changes& changes)
         mesh.faces = first.faces;
         const auto topology = topology_of(first.faces, static_cast<int>(first.points.rows()));
         // Where that is a guess, all meshes together say more once the faces agree.
-        const bool is_mirrored =
-            topology &&
-            !compare_handedness(*topology, std::array{first.points, mesh.points}).mirrored.empty();
+        const Handedness found =
+            topology ? compare_handedness(*topology, std::array{first.points, mesh.points})
+                     : Handedness{};
+        const bool is_mirrored = !found.mirrored.empty();
         if (is_mirrored)
             mesh.points = mirrored(mesh.points);
         changes.push_back(join(mesh.name, ": faces reversed",
                                is_mirrored ? " and x taken times -1 (it was a mirror image)"
-                                           : " (it was inside out)"));
+                               : found.bent.empty()
+                                   ? " (it was inside out)"
+                                   : " (it was inside out, and bends the other way or is a mirror "
+                                     "image)"));
     }
 }
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <numbers>
 #include <set>
 
 #include "libshape/base/format.h"
@@ -16,8 +15,9 @@
 #include "libshape/base/threads.h"
 #include "libshape/base/to_size.h"
 #include "libshape/linalg/dense.h"
-#include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "libshape/mesh/oddities.h"
+#include "libshape/mesh/vertex_shifts.h"
 #include "libshape/statistics/mean.h"
 
 namespace shape {
@@ -224,20 +224,8 @@ Figure nearest_distances(RowMatrix rows)
     return against_spread(std::move(figure), rows);
 }
 
-RowMatrix angles_of(const Collection& collection)
-{
-    RowMatrix rows(static_cast<Eigen::Index>(collection.size()), collection.topology.edge_count());
-    parallel_for(collection.size(), 8, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            rows.row(static_cast<Eigen::Index>(i)) =
-                dihedral_angles(collection.topology, collection.points[i]).transpose();
-    });
-    return rows;
-}
-
 /// Distance of every value to the nearest one of its column.
-/// @param period  Values that differ by it are the same; infinite: none are.
-RowMatrix column_gaps(RowMatrix values, double period)
+RowMatrix column_gaps(RowMatrix values)
 {
     const Eigen::Index count = values.rows();
     parallel_for(to_size(values.cols()), 256, [&](std::size_t begin, std::size_t end) {
@@ -246,11 +234,10 @@ RowMatrix column_gaps(RowMatrix values, double period)
             for (Eigen::Index i = 0; i < count; ++i)
                 sorted[to_size(i)] = {values(i, e), i};
             std::sort(sorted.begin(), sorted.end());
-            double before = sorted.front().first + period - sorted.back().first;
+            double before = none;
             for (std::size_t k = 0; k < sorted.size(); ++k) {
-                const double after = k + 1 < sorted.size()
-                                         ? sorted[k + 1].first - sorted[k].first
-                                         : sorted.front().first + period - sorted[k].first;
+                const double after =
+                    k + 1 < sorted.size() ? sorted[k + 1].first - sorted[k].first : none;
                 values(sorted[k].second, e) = std::min(before, after);
                 before = after;
             }
@@ -259,36 +246,81 @@ RowMatrix column_gaps(RowMatrix values, double period)
     return values;
 }
 
-/// The vertex of the largest mean gap over its edges, and that mean.
+/// The vertex of the largest figure, and that.
 struct Place
 {
-    double gap = -1.0;
+    double value = -1.0;
     int vertex = -1;
 };
 
-std::vector<Place> largest_at_vertices(const Topology& topology, const RowMatrix& gaps)
+/// By how much the gap of a vertex, the mean over its edges, exceeds what its neighbours have, or half of it if that is
+/// more: at a joint that bends further than any other all around it change, at exchanged vertices two do.
+std::vector<Place> largest_gaps(const Topology& topology, const RowMatrix& gaps)
 {
     std::vector<Place> places(to_size(gaps.rows()));
     parallel_for(places.size(), 1, [&](std::size_t begin, std::size_t) {
         const auto row = gaps.row(static_cast<Eigen::Index>(begin));
+        std::vector<double> means;
         for (int v = 0; v < topology.vertex_count(); ++v) {
             double sum = 0.0;
             for (const Topology::Spoke& spoke : topology.spokes(v))
                 sum += row[spoke.edge];
-            const double mean = sum / static_cast<double>(topology.spokes(v).size());
-            if (mean > places[begin].gap)
-                places[begin] = {mean, v};
+            means.push_back(sum / static_cast<double>(topology.spokes(v).size()));
+        }
+        for (int v = 0; v < topology.vertex_count(); ++v) {
+            const double gap = means[to_size(v)];
+            if (gap <= places[begin].value)
+                continue;
+            std::vector<double> around;
+            for (const Topology::Spoke& spoke : topology.spokes(v))
+                around.push_back(means[to_size(spoke.vertex)]);
+            const double value = std::max(0.5 * gap, gap - median(std::move(around)));
+            if (value > places[begin].value)
+                places[begin] = {value, v};
         }
     });
     return places;
 }
 
-std::vector<double> gaps_of(const std::vector<Place>& places)
+/// A vertex, or what is around it, that lies elsewhere in a mesh than in most.
+struct Shift : Place
 {
-    std::vector<double> gaps;
-    for (const Place& place : places)
-        gaps.push_back(place.gap);
-    return gaps;
+    std::vector<std::size_t> alike; ///< Other meshes that have it there as far, ascending.
+};
+
+/// By how much the shift of a vertex exceeds three times the usual one there.
+std::vector<Shift> largest_shifts(const VertexShifts& all)
+{
+    constexpr double varying = 3.0;
+    constexpr double alike = 0.5; // of the shift: where the same slip leads depends on the mesh
+    std::vector<Shift> found(to_size(all.shifts.cols()));
+    std::vector<Eigen::Index> rows(found.size(), -1);
+    for (std::size_t k = 0; k < all.vertices.size(); ++k) {
+        const auto row = all.shifts.row(static_cast<Eigen::Index>(k));
+        const double usual = median({row.begin(), row.end()});
+        for (std::size_t i = 0; i < found.size(); ++i)
+            if (const double value = row[static_cast<Eigen::Index>(i)] - varying * usual;
+                value > found[i].value) {
+                found[i].value = value;
+                found[i].vertex = all.vertices[k];
+                rows[i] = static_cast<Eigen::Index>(k);
+            }
+    }
+    for (std::size_t i = 0; i < found.size(); ++i)
+        for (std::size_t j = 0; j < found.size() && rows[i] >= 0; ++j)
+            if (j != i && all.shifts(rows[i], static_cast<Eigen::Index>(j)) >=
+                              alike * all.shifts(rows[i], static_cast<Eigen::Index>(i)))
+                found[i].alike.push_back(j);
+    return found;
+}
+
+template <class PlaceOrShift>
+std::vector<double> values_of(const std::vector<PlaceOrShift>& places)
+{
+    std::vector<double> values;
+    for (const PlaceOrShift& place : places)
+        values.push_back(place.value);
+    return values;
 }
 
 } // namespace
@@ -298,27 +330,42 @@ std::vector<OutlyingMesh> find_outlying_meshes(const Collection& collection)
     if (collection.size() < least_meshes)
         return {};
     const RowMatrix lengths = shape_vectors(collection);
-    const double infinity = std::numeric_limits<double>::infinity();
-    const std::vector<Place> length_places = largest_at_vertices(
-        collection.topology, column_gaps(lengths.array().log().matrix(), infinity));
-    const std::vector<Place> angle_places = largest_at_vertices(
-        collection.topology, column_gaps(angles_of(collection), 2.0 * std::numbers::pi));
+    // A vertex among its neighbours, and a region, that of a landmark, in what is around it.
+    const std::vector<Shift> shift_places = largest_shifts(vertex_shifts(
+        collection.topology, collection.points, 1, collection.topology.vertex_count()));
+    const std::vector<Shift> region_places =
+        largest_shifts(vertex_shifts(collection.topology, collection.points, 6, 1500));
+    const std::vector<Place> gap_places =
+        largest_gaps(collection.topology, column_gaps(lengths.array().log().matrix()));
     const Figure distance = nearest_distances(lengths);
-    const Figure length_gap(gaps_of(length_places), 0.6, 2.5, 5.0);
-    const Figure angle_gap(gaps_of(angle_places), 0.85, 2.0, 5.0);
+    const Figure length_gap(values_of(gap_places), 0.6, 2.5, 5.0);
+    const Figure shift(values_of(shift_places), 0.9, 2.0, 5.0);
+    const Figure region_shift(values_of(region_places), 0.8, 4.0, 8.0);
     std::vector<OutlyingMesh> found;
     for (std::size_t i = 0; i < collection.size(); ++i) {
-        OutlyingMesh mesh{i, distance.values[i], length_gap.values[i], angle_gap.values[i], -1, {}};
+        OutlyingMesh mesh{i,
+                          distance.values[i],
+                          length_gap.values[i],
+                          shift.values[i],
+                          region_shift.values[i],
+                          -1,
+                          {}};
         std::string why;
-        if (length_gap.is_far(i)) {
-            mesh.vertex = length_places[i].vertex;
+        std::vector<std::size_t> alike;
+        if (shift.is_far(i)) {
+            mesh.vertex = shift_places[i].vertex;
+            alike = shift_places[i].alike;
+            why = join("vertex ", mesh.vertex, " lies ", rounded(mesh.shift),
+                       " edges from where it lies among its neighbours in most meshes");
+        } else if (region_shift.is_far(i)) {
+            mesh.vertex = region_places[i].vertex;
+            alike = region_places[i].alike;
+            why = join("what lies around vertex ", mesh.vertex, " is moved by ",
+                       rounded(100.0 * mesh.region_shift), " % of its size against most meshes");
+        } else if (length_gap.is_far(i)) {
+            mesh.vertex = gap_places[i].vertex;
             why = join("the edges at vertex ", mesh.vertex, " differ by a factor of ",
                        rounded(std::exp(mesh.length_gap)), " from those of every other mesh");
-        } else if (angle_gap.is_far(i)) {
-            mesh.vertex = angle_places[i].vertex;
-            why = join("the surface at vertex ", mesh.vertex, " bends by ",
-                       rounded(mesh.angle_gap * 180.0 / std::numbers::pi),
-                       " degrees unlike that of every other mesh");
         } else if (distance.is_far(i)) {
             why = join("the nearest one is ", rounded(mesh.distance / distance.usual),
                        " times as far as usual");
@@ -326,7 +373,9 @@ std::vector<OutlyingMesh> find_outlying_meshes(const Collection& collection)
             continue;
         }
         mesh.message =
-            join(collection.names[i], " is far from all other meshes: ", why,
+            join(collection.names[i], " is far from all other meshes",
+                 alike.empty() ? "" : join(" but ", list_names(collection.names, alike)), ": ", why,
+                 alike.empty() ? "" : ", as there",
                  "; look at it (exchanged vertices or landmarks, a failed registration?)");
         found.push_back(std::move(mesh));
     }

@@ -2,6 +2,7 @@
 
 #include "libshape/registration/fit_verdict.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -29,13 +30,28 @@ using Eigen::VectorXd;
 
 constexpr double counterpart_within = 0.01; // over the diagonal; a finished fit lies nearer by far
 
+/// Of the distance that 90 % of the scan keep, which is its noise (1.6 standard deviations): a counterpart in the fit may be so
+/// far. Set by hand.
+constexpr double noise_quantile = 0.9, noise_reach = 3.0;
+constexpr double noise_within = 0.03; // over the diagonal; beyond it is no noise
+
 /// What a report's figures may be before a person should look, and before the fit is not one: set by hand, well above
 /// those of sound fits of faces, bodies and arms (docs/correspondence.md).
 struct Bound
 {
     double check, failed;
 };
-constexpr Bound unseen_share{0.15, 0.8};    // of the vertices; half a face leaves half of them
+constexpr Bound unseen_share{0.15, 0.8}; // of the vertices; half a face leaves half of them
+/// Of the scan's surface, beyond what lies past the template's own end. Right fits leave 0.8 % at most, hands with a finger in
+/// another one's place 1.4 % and more (docs/correspondence.md). A scan may hold more than the template, so this alone fails none.
+constexpr double unclaimed_bound = 0.01;
+/// Of the vertices: another part of the template claims their place too, say a finger that of its neighbour. None do so in
+/// right fits, 0.6 % and more where parts lie in each other's place (docs/correspondence.md).
+constexpr double contested_bound = 0.003;
+constexpr double another_part = 0.1; // so far from each other at rest, over the diagonal
+/// Normals of a vertex and of its place enclose at most some 70 degrees, as while it was pulled: the far sides of thin parts are
+/// no rivals.
+constexpr double same_side = 0.3;
 constexpr Bound scan_distance{0.005, 0.02}; // mean, over the diagonal
 constexpr Bound strain_bound{0.15, 0.25};   // RMS
 constexpr Bound landmark_miss{0.002, 0.03}; // over the diagonal
@@ -89,20 +105,94 @@ void measure_fit_to_scan(const FitEvidence& evidence, ScanFit& fit)
     fit.fit_to_scan = summary_of(of_seen);
 }
 
-DistanceSummary scan_to_fit(const FitEvidence& evidence)
+/// Of the faces at every vertex [length^2].
+VectorXd areas_at_vertices(const Surface& surface)
+{
+    VectorXd areas = VectorXd::Zero(surface.points.rows());
+    for (const auto& face : surface.faces.rowwise()) {
+        const Vector3d a = surface.points.row(face[0]);
+        const Vector3d b = surface.points.row(face[1]), c = surface.points.row(face[2]);
+        const double area = (b - a).cross(c - a).norm();
+        for (const int v : face)
+            areas[v] += area;
+    }
+    return areas;
+}
+
+/// Whether a nearest point of the fit lies where the template ends.
+bool is_at_end(const SurfacePoint& point, const Topology& topology)
+{
+    if (point.barycentric.minCoeff() > 1e-9)
+        return false;
+    for (int k = 0; k < 3; ++k)
+        if (point.barycentric[k] > 0.0 &&
+            topology.is_boundary_vertex(topology.faces()(point.face, k)))
+            return true;
+    return false;
+}
+
+/// How many vertices lie at places of the scan from which the way back leads to another part of the template.
+int contested_vertices(const FitEvidence& evidence, const TemplateFigures& own,
+                       const ClosestPoints& fit_tree)
+{
+    const Points& points = evidence.mesh.points;
+    const Surface& scan = evidence.scan;
+    const Faces& faces = evidence.topology.faces();
+    const Points normals = vertex_normals(points, faces);
+    const double far = another_part * bounding_box_diagonal(own.points);
+    std::vector<char> contested(to_size(points.rows()), 0);
+    parallel_for(contested.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const auto row = static_cast<Index>(v);
+            NearestRule rule;
+            rule.least_cosine = same_side;
+            rule.within = counterpart_within * evidence.diagonal;
+            rule.normal = normals.row(row);
+            const SurfacePoint place = scan.tree.nearest(points.row(row), rule);
+            if (place.face < 0)
+                continue;
+            rule.normal = scan.normal_at(place);
+            const SurfacePoint back = fit_tree.nearest(place.position, rule);
+            if (back.face < 0)
+                continue;
+            Vector3d at_rest = Vector3d::Zero();
+            for (int k = 0; k < 3; ++k)
+                at_rest += back.barycentric[k] * own.points.row(faces(back.face, k)).transpose();
+            contested[v] = (at_rest - own.points.row(row).transpose()).norm() > far ? 1 : 0;
+        }
+    });
+    return static_cast<int>(std::count(contested.begin(), contested.end(), 1));
+}
+
+/// How far the scan is from the fit, and how much of it has no counterpart there.
+void measure_scan_to_fit(const FitEvidence& evidence, const ClosestPoints& fit_tree, ScanFit& fit)
 {
     constexpr Index most_samples = 20000; // the mean of so many is right to a percent
-    const Points& scan = evidence.scan.points;
-    const ClosestPoints tree(evidence.mesh.points, evidence.topology.faces());
-    const Points samples =
-        scan(Eigen::seq(0, scan.rows() - 1, (scan.rows() + most_samples - 1) / most_samples),
-             Eigen::all);
-    std::vector<double> distances(to_size(samples.rows()));
-    parallel_for(distances.size(), 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            distances[i] = tree.nearest(samples.row(static_cast<Index>(i))).distance;
+    const Surface& scan = evidence.scan;
+    const Index stride = (scan.points.rows() + most_samples - 1) / most_samples;
+    std::vector<SurfacePoint> nearest(to_size((scan.points.rows() + stride - 1) / stride));
+    std::vector<double> distances(nearest.size());
+    parallel_for(nearest.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            nearest[i] = fit_tree.nearest(scan.points.row(static_cast<Index>(i) * stride));
+            distances[i] = nearest[i].distance;
+        }
     });
-    return summary_of(distances);
+    fit.scan_to_fit = summary_of(distances);
+
+    // Not by normals: those of a noisy scan point anywhere, and what a wrong fit leaves out is far from all of it.
+    const double near =
+        std::clamp(noise_reach * quantile_of(distances, noise_quantile),
+                   counterpart_within * evidence.diagonal, noise_within * evidence.diagonal);
+    const VectorXd areas = areas_at_vertices(scan);
+    double sum = 0.0, of_unclaimed = 0.0;
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+        const double area = areas[static_cast<Index>(i) * stride];
+        sum += area;
+        if (distances[i] > near && !is_at_end(nearest[i], evidence.topology))
+            of_unclaimed += area;
+    }
+    fit.unclaimed_share = sum > 0.0 ? of_unclaimed / sum : 0.0;
 }
 
 /// Faces with an edge that bends much more or less than the template's.
@@ -158,6 +248,13 @@ void set_status(const FitEvidence& evidence, ScanFit& fit)
     };
     const double unseen = fit.unseen_vertices / static_cast<double>(fit.seen.size());
     hold(unseen, unseen_share, join(percent(unseen), " of the vertices have no counterpart"));
+    if (fit.unclaimed_share > unclaimed_bound)
+        say(FitStatus::Check, join(percent(fit.unclaimed_share),
+                                   " of the scan's surface has no counterpart in the fit"));
+    const double contested = fit.contested_vertices / static_cast<double>(fit.seen.size());
+    if (contested > contested_bound)
+        say(FitStatus::Check, join(percent(contested),
+                                   " of the vertices lie where another part of the template does"));
     const double apart = fit.scan_to_fit.mean / fit.diagonal;
     hold(apart, scan_distance, join("the scan is ", percent(apart), " of the diagonal away"));
     hold(fit.strain_rms, strain_bound, join("edges are strained by ", percent(fit.strain_rms)));
@@ -221,17 +318,20 @@ bool is_start_doubt(std::string_view reason)
     return reason.starts_with(in_doubt);
 }
 
-TemplateFigures::TemplateFigures(const Topology& topology, const Points& points)
-    : dihedral_angles(shape::dihedral_angles(topology, points)),
-      face_tree(topology, points),
-      crossings(static_cast<int>(face_tree.crossings(points).size()))
+TemplateFigures::TemplateFigures(const Topology& topology, const Points& at_rest)
+    : points(at_rest),
+      dihedral_angles(shape::dihedral_angles(topology, at_rest)),
+      face_tree(topology, at_rest),
+      crossings(static_cast<int>(face_tree.crossings(at_rest).size()))
 {
 }
 
 void judge(const FitEvidence& evidence, const TemplateFigures& own, ScanFit& fit)
 {
     measure_fit_to_scan(evidence, fit);
-    fit.scan_to_fit = scan_to_fit(evidence);
+    const ClosestPoints fit_tree(evidence.mesh.points, evidence.topology.faces());
+    measure_scan_to_fit(evidence, fit_tree, fit);
+    fit.contested_vertices = contested_vertices(evidence, own, fit_tree);
     measure_shape(evidence, own, fit);
     fit.landmark_errors = landmark_errors(evidence);
     set_status(evidence, fit);

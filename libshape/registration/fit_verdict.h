@@ -24,11 +24,12 @@ inline constexpr double landmark_off = 0.01;
 /// The template's own figures, which those of its fits are held against.
 struct TemplateFigures
 {
+    Points points;
     Eigen::VectorXd dihedral_angles; ///< #E [rad].
     FaceTree face_tree;
     int crossings; ///< Pairs of its faces that pass through each other.
 
-    TemplateFigures(const Topology& topology, const Points& points);
+    TemplateFigures(const Topology& topology, const Points& at_rest);
 };
 
 /// A finished fit and what it was made to meet. Lengths are [length of the scan].
@@ -59,7 +60,8 @@ struct FitEvidence
 /// from those its status, the worst that any calls for, with a reason for each.
 ///
 /// A vertex is seen if a point of the scan lies within a hundredth of the diagonal of it, its normal no more than
-/// 90 degrees from the vertex's, and that point is not on the scan's rim farther than hand_placed. Each figure has a
+/// 90 degrees from the vertex's, and that point is not on the scan's rim farther than hand_placed. The scan's surface
+/// has a counterpart if it is as near to the fit, or within what its noise explains, or nearest to the template's end. Each figure has a
 /// bound above which the fit is to be looked at and, most of them, one above which it is Failed; they stand in
 /// fit_verdict.cpp, and docs/correspondence.md says what sound fits have.
 /// Cost: O(#V log #V), and as much for at most 20,000 vertices of the scan. Same bits for any number of threads.

@@ -426,17 +426,13 @@ void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::stri
         if (std::find(landmarks.names.begin(), landmarks.names.end(), name) ==
             landmarks.names.end())
             throw InvalidInput(join("boundary '", name, "' is not the name of a landmark"));
-    check_not_far(landmarks.names, landmarks.on_template, on_template, "the template");
-    check_not_far(landmarks.names, landmarks.on_scan, on_scan, "the scan");
-    if (count < 3)
-        return;
-    for (const Points* points : {&landmarks.on_template, &landmarks.on_scan}) {
-        const Points centred = points->rowwise() - points->colwise().mean();
-        const Eigen::VectorXd spread = Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
-        if (spread[1] > 1e-3 * spread[0]) // else less than the error of picking them by hand
-            continue;
-        throw InvalidInput("landmarks: they lie on a line, which leaves a turn about it open");
-    }
+    const auto check = [&](const Points& points, const Points& surface, const std::string& whose) {
+        check_not_zero(landmarks.names, points, surface, whose);
+        check_not_far(landmarks.names, points, surface, whose);
+        check_not_on_line(points, whose);
+    };
+    check(landmarks.on_template, on_template, "the template");
+    check(landmarks.on_scan, on_scan, "the scan");
 }
 
 void check_boundaries(const std::vector<std::string>& boundaries, const Surface& pattern,

@@ -78,7 +78,10 @@ struct ScanFit
         0; ///< With an edge that bends by > 120 degrees more or less than the template's.
     int crossing_pairs = 0; ///< Of faces that pass through each other, beyond the template's own.
     int unseen_vertices = 0;
-    int turned_faces = 0; ///< Of the scan: they faced inwards.
+    double unclaimed_share = 0.0; ///< Of the scan's surface: without counterpart in the fit, the
+                                  ///< template's end not being the nearest.
+    int contested_vertices = 0;   ///< Another part of the template lies in the same place.
+    int turned_faces = 0;         ///< Of the scan: they faced inwards.
     FitStatus status = FitStatus::Good;
     std::vector<std::string> reasons; ///< Why it is not Good.
     std::string start_doubt; ///< The one of them that says that it may lie the wrong way round.

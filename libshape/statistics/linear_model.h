@@ -40,9 +40,10 @@ struct LinearModelTest
     int permutations = 0;
     /// What p_value tends to, with ever more permutations, if F is the largest that the design allows: 1 over the
     /// number of permutations whose F may differ. 0.1 of three points against three: there are 20, and each has the F
-    /// of that which exchanges the groups. Of two groups, of several in the same numbers, and of one covariate whose
-    /// values are their own mirror image such equal ones are known; else all permutations count that change a row of
-    /// the columns. 0 if there are more than 1e308.
+    /// of that which exchanges the groups. Permutations that move no row of the columns about their means in the blocks
+    /// are one, and so are those that the design cannot tell apart (internal::design_symmetries()): groups of a size
+    /// that change their names, a covariate whose values are their own mirror image. Columns that are constant in each
+    /// block change nothing. 0 if there are more than 1e308.
     double smallest_p = none;
 };
 

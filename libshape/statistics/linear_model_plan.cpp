@@ -4,6 +4,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -16,6 +17,7 @@
 #include "libshape/base/random.h"
 #include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
+#include "libshape/statistics/design_symmetries.h"
 
 namespace shape::internal {
 namespace {
@@ -123,56 +125,33 @@ struct DistinctRows
     [[nodiscard]] bool are_few() const { return rows.rows() <= 256; }
 };
 
-/// Whether the values of each block, in order, lie alike on either side of their middle.
-bool is_mirror_image(const MatrixXd& column, const Blocks& blocks)
-{
-    return std::ranges::all_of(blocks, [&](const std::vector<int>& block) {
-        std::vector<double> values;
-        for (const int i : block)
-            values.push_back(column(i, 0));
-        std::ranges::sort(values);
-        const double ends = values.front() + values.back();
-        const double rounding = 1e-12 * (std::abs(values.front()) + std::abs(values.back()));
-        for (std::size_t i = 0; i < values.size(); ++i)
-            if (std::abs(values[i] + values[values.size() - 1 - i] - ends) > rounding)
-                return false;
-        return true;
-    });
-}
-
 /// See LinearModelTest.
-/// @param rank  Of the tested columns beyond the blocks.
-double smallest_p(const MatrixXd& tested, const MatrixXd& nuisance, const Blocks& blocks, int rank)
+/// @param columns  Tested and nuisance about their means in each block, 0 where they are constant there.
+/// @param tested, nuisance  Orthonormal bases of them.
+double smallest_p(const RowMatrix& columns, const MatrixXd& tested, const MatrixXd& nuisance,
+                  const Blocks& blocks)
 {
-    RowMatrix both(tested.rows(), tested.cols() + nuisance.cols());
-    both << tested, nuisance;
-    const DistinctRows distinct(both);
-    const auto kinds = to_size(distinct.rows.rows());
-    std::vector<std::vector<std::pair<std::size_t, int>>> places(kinds); // block, how often
-    double different = 1.0;
+    std::vector<int> cells; // the first row of each
+    std::vector<int> kinds;
+    std::map<std::pair<std::size_t, std::size_t>, int> known_kinds; // block, and how often
+    double different = 0.0; // the logarithm of the multinomial coefficients
     for (std::size_t b = 0; b < blocks.size(); ++b) {
-        std::map<int, int> counts;
+        std::map<std::vector<double>, std::pair<std::size_t, int>> counts; // and the first
         double placed = 0.0;
         for (const int i : blocks[b]) {
-            const int kind = distinct.number_of[to_size(i)];
-            different *= ++placed / ++counts[kind]; // in the end the multinomial coefficient
+            const std::vector<double> row(columns.row(i).begin(), columns.row(i).end());
+            auto& [count, first] = counts.try_emplace(row, 0, i).first->second;
+            different += std::log(++placed) - std::log(static_cast<double>(++count));
         }
-        if (counts.size() > 1) // else it says nothing of any
-            for (const auto& [kind, count] : counts)
-                places[to_size(kind)].emplace_back(b, count);
-    }
-    double alike = 1.0;
-    if (nuisance.cols() == 0 && std::cmp_equal(kinds, rank + 1)) {
-        // All functions of the kind are tested: kinds that occur alike may change their names.
-        std::ranges::sort(places);
-        for (std::size_t k = 1, run = 1; k < kinds; ++k) {
-            run = places[k] == places[k - 1] ? run + 1 : 1;
-            alike *= static_cast<double>(run);
+        for (const auto& [row, cell] : counts) {
+            cells.push_back(cell.second);
+            kinds.push_back(
+                known_kinds.try_emplace({b, cell.first}, static_cast<int>(known_kinds.size()))
+                    .first->second);
         }
-    } else if (nuisance.cols() == 0 && tested.cols() == 1 && is_mirror_image(tested, blocks)) {
-        alike = 2.0;
     }
-    return alike / different;
+    const RowMatrix rows = tested(cells, Eigen::all);
+    return std::exp(design_symmetries(rows, nuisance(cells, Eigen::all), kinds) - different);
 }
 
 /// For some members, the row of each observation after the permutation.
@@ -234,8 +213,10 @@ LinearModelPlan::LinearModelPlan(Observations observations, const MatrixXd& test
     const Index count = observations.count;
     check_data(count, tested, nuisance, blocks);
     const Blocks lists = members(blocks);
-    const MatrixXd taken = orthonormal_basis(centred_and_scaled(nuisance, lists));
-    const MatrixXd left = orthonormal_basis(without(taken, centred_and_scaled(tested, lists)));
+    RowMatrix columns(count, tested.cols() + nuisance.cols());
+    columns << centred_and_scaled(tested, lists), centred_and_scaled(nuisance, lists);
+    const MatrixXd taken = orthonormal_basis(columns.rightCols(nuisance.cols()));
+    const MatrixXd left = orthonormal_basis(without(taken, columns.leftCols(tested.cols())));
     degrees_.permutations = options.permutations;
     degrees_.degrees_of_freedom = static_cast<int>(left.cols());
     degrees_.residual_degrees_of_freedom =
@@ -252,7 +233,7 @@ LinearModelPlan::LinearModelPlan(Observations observations, const MatrixXd& test
                  taken.cols() > 0 ? join(", the other columns ", taken.cols()) : std::string(),
                  " and what is tested ", degrees_.degrees_of_freedom,
                  " of them, and nothing is left to measure chance by"));
-    degrees_.smallest_p = smallest_p(tested, nuisance, lists, degrees_.degrees_of_freedom);
+    degrees_.smallest_p = smallest_p(columns, left, taken, lists);
     model_ =
         std::make_shared<const Model>(Model{std::move(observations), lists, left, taken, options});
 }

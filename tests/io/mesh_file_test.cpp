@@ -14,12 +14,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/to_size.h"
+#include "libshape/io/mesh_write_options.h"
+#include "libshape/io/obj_template.h"
 #include "tests/support/files.h"
 #include "tests/support/meshes.h"
 
@@ -882,17 +885,149 @@ TEST(MeshFile, CutsThePolygonsOfSeveralFilesAsThoseOfTheFirst)
     EXPECT_NE(read_with(convex_text, nullptr).faces, concave.faces);
     EXPECT_EQ(read_with(convex_text, &cuts).faces, concave.faces);
     EXPECT_TRUE(cuts.folded.empty());
+    EXPECT_EQ(cuts.cut_meshes, 2U);
     // The other way round, the concave one folds over, which is said.
     PolygonCuts others;
     const NamedMesh convex = read_with(convex_text, &others);
     EXPECT_EQ(read_with(concave_obj(1), &others).faces, convex.faces);
     ASSERT_EQ(others.folded.size(), 1U);
-    EXPECT_NE(others.folded[0].find("1 polygon cut as in "), std::string::npos) << others.folded[0];
-    EXPECT_NE(others.folded[0].find("folds over there, first face 1 (vertices 1, 2, 3, 4, 5, 0)"),
+    EXPECT_EQ(others.folded[0].path, (directory / "m.obj").string());
+    const std::string& said = others.folded[0].message;
+    EXPECT_NE(said.find("1 polygon cut as in "), std::string::npos) << said;
+    EXPECT_NE(said.find("folds over there, first face 1 (vertices 1, 2, 3, 4, 5, 0)"),
               std::string::npos)
-        << others.folded[0];
-    // Other polygons are cut as they need it.
-    EXPECT_NEAR(areas_of(read_with(concave_obj(2), &others)).first, 4.0, 1e-12);
+        << said;
+    // Whichever corner it begins with.
+    EXPECT_EQ(read_with(concave_obj(2), &others).faces, convex.faces);
+    EXPECT_EQ(others.folded.size(), 2U);
+    // Other polygons are cut as they need it, and those that follow as they are.
+    const std::string other_corners = "f 1 2 3 4\nf 6 5 8 7\nf 4 5 6 1\n";
+    const auto other_obj = [&](double notch) {
+        const std::string text = concave_obj(1, notch);
+        return text.substr(0, text.find("f ")) + other_corners;
+    };
+    const NamedMesh other = read_with(other_obj(1.0), &others);
+    EXPECT_EQ(others.folded.size(), 2U);
+    EXPECT_EQ(read_with(other_obj(1.2), &others).faces, other.faces);
+}
+
+/// A strip of three quads, or its triangles.
+std::string strip_obj(const std::string& faces, double bend = 0.0)
+{
+    std::string text;
+    for (int i = 0; i < 8; ++i)
+        text += join("v ", i / 2, " ", i % 2, " ", i == 5 ? bend : 0.0, "\n");
+    return text + faces;
+}
+
+TEST(MeshFile, CutsPolygonsByTheDiagonalsOfAKnownTriangulation)
+{
+    const test::TemporaryDirectory directory;
+    const auto read_with = [&](const std::string& text, PolygonCuts* cuts) {
+        test::write_bytes(directory / "m.obj", text);
+        return read_mesh(directory / "m.obj", {.triangulate = true, .cuts = cuts});
+    };
+    const std::string quads = "f 1 3 4 2\nf 3 5 6 4\nf 5 7 8 6\n";
+    // In the order of the quads, in another one that begins elsewhere, and with the same edges of only two of them.
+    const std::string known = "f 1 3 2\nf 3 4 2\nf 3 5 6\nf 3 6 4\nf 5 7 8\nf 5 8 6\n";
+    const std::string moved = "f 8 5 7\nf 4 2 3\nf 3 5 6\nf 3 6 4\nf 3 2 1\nf 5 8 6\n";
+    const std::string partly = "f 1 3 2\nf 3 4 2\nf 3 5 4\nf 5 6 4\nf 5 7 1\nf 5 8 6\n";
+    const auto faces_of = [&](const std::string& text) {
+        return read_with(strip_obj(text), nullptr).faces;
+    };
+    const auto as_known = [&](const std::string& triangles, const std::string& polygons) {
+        PolygonCuts cuts;
+        (void)read_with(strip_obj(triangles), &cuts);
+        const Faces faces = read_with(strip_obj(polygons, 0.3), &cuts).faces;
+        EXPECT_EQ(cuts.cut_meshes, 1U);
+        EXPECT_TRUE(cuts.folded.empty());
+        return faces;
+    };
+    EXPECT_NE(faces_of(quads), faces_of(known));
+    EXPECT_EQ(as_known(known, quads), faces_of(known));
+    EXPECT_EQ(as_known(moved, quads), faces_of(moved));
+    EXPECT_EQ(as_known(known, "f 5 6 4 3\nf 1 3 4 2\nf 7 8 6 5\n"), faces_of(known));
+    EXPECT_EQ(as_known(known, "f 1 3 5 6 4 2\nf 5 7 8 6\n"), faces_of(known));
+    EXPECT_EQ(as_known(known, "f 1 3 5 7 8 6 4 2\n"), faces_of(known));
+    EXPECT_EQ(as_known(known, "f 1 3 2\nf 3 4 2\nf 3 5 6 4\nf 5 7 8 6\n"), faces_of(known));
+    // What has no such cut is cut as alone.
+    EXPECT_EQ(as_known(partly, quads).topRows(4), faces_of(partly).topRows(4));
+    EXPECT_EQ(as_known(partly, quads).bottomRows(2), faces_of(quads).bottomRows(2));
+    // The other way round: the known one turned over.
+    EXPECT_EQ(as_known(known, "f 2 4 3 1\nf 4 6 5 3\nf 6 8 7 5\n"),
+              faces_of("f 1 2 3\nf 3 2 4\nf 3 6 5\nf 3 4 6\nf 5 8 7\nf 5 6 8\n"));
+    // Of other counts it says nothing.
+    PolygonCuts cuts;
+    (void)read_with(strip_obj("f 1 3 2\nf 3 4 2\n"), &cuts);
+    EXPECT_EQ(read_with(strip_obj(quads), &cuts).faces, faces_of(quads));
+    // Nor does what is no surface.
+    for (const char* odd : {"f 1 1 1\nf 1 3 2\nf 1 3 2\nf 3 4 2\nf 3 4 2\nf 1 2 2\n",
+                            "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\nf 1 6 7\nf 1 7 8\n"})
+        EXPECT_EQ(as_known(odd, quads).bottomRows(4), faces_of(quads).bottomRows(4));
+}
+
+TEST(MeshFile, CutsAllPolygonsAnewAsALaterMeshOfTriangles)
+{
+    const test::TemporaryDirectory directory;
+    const auto read_with = [&](const std::string& text, PolygonCuts& cuts) {
+        test::write_bytes(directory / "m.obj", text);
+        return read_mesh(directory / "m.obj", {.triangulate = true, .cuts = &cuts}).faces;
+    };
+    const std::string quads = strip_obj("f 1 3 4 2\nf 3 5 6 4\nf 5 7 8 6\n");
+    const std::string triangles =
+        strip_obj("f 1 3 2\nf 3 4 2\nf 3 5 6\nf 3 6 4\nf 5 7 8\nf 5 8 6\n");
+    PolygonCuts cuts;
+    (void)read_with(quads, cuts);
+    EXPECT_FALSE(better_cuts(cuts));
+    const Faces wanted = read_with(triangles, cuts);
+    std::optional<PolygonCuts> better = better_cuts(cuts);
+    ASSERT_TRUE(better);
+    EXPECT_EQ(read_with(quads, *better), wanted);
+    EXPECT_EQ(read_with(triangles, *better), wanted);
+    EXPECT_FALSE(better_cuts(*better));
+    // Not as one whose vertices are others.
+    PolygonCuts none;
+    (void)read_with(quads, none);
+    (void)read_with(strip_obj("f 1 3 5\nf 3 4 2\nf 3 2 6\nf 3 6 4\nf 5 7 8\nf 5 8 6\n"), none);
+    EXPECT_FALSE(better_cuts(none));
+}
+
+TEST(MeshFile, RefusesPolygonsThatCrossThemselvesInFurtherFilesToo)
+{
+    const test::TemporaryDirectory directory;
+    const auto read_with = [&](const std::string& text, PolygonCuts& cuts) {
+        test::write_bytes(directory / "m.obj", text);
+        return read_mesh(directory / "m.obj", {.triangulate = true, .cuts = &cuts});
+    };
+    const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    const std::string crossed = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\n";
+    PolygonCuts cuts;
+    (void)read_with(square, cuts);
+    const std::string message =
+        test::message_of<InvalidInput>([&] { (void)read_with(crossed, cuts); });
+    EXPECT_NE(message.find("m.obj: face 0 (vertices 0, 1, 2, 3) crosses itself"), std::string::npos)
+        << message;
+    EXPECT_TRUE(cuts.folded.empty());
+}
+
+TEST(MeshFile, WritesAsATemplateOfPolygonsThatTheMeshesAreCutOf)
+{
+    const test::TemporaryDirectory directory;
+    test::write_bytes(directory / "t.obj", strip_obj("f 1 3 4 2\nf 3 5 6 4\nf 5 7 8 6\n"));
+    test::write_bytes(directory / "m.obj",
+                      strip_obj("f 1 3 2\nf 3 4 2\nf 3 5 6\nf 3 6 4\nf 5 7 8\nf 5 8 6\n", 0.3));
+    const NamedMesh mesh = read_mesh(directory / "m.obj");
+    MeshWriteOptions options;
+    options.obj_template = std::make_shared<const ObjTemplate>(
+        read_obj_template(directory / "t.obj", directory.path()));
+    write_mesh(directory / "o.obj", mesh.points, mesh.faces, MeshFormat::Obj, options);
+    const std::string text = test::read_bytes(directory / "o.obj");
+    EXPECT_NE(text.find("f 3 5 6 4\n"), std::string::npos) << text;
+    EXPECT_EQ(read_mesh(directory / "o.obj", {.triangulate = true}).points, mesh.points);
+    Faces other = mesh.faces;
+    other(0, 0) = 7;
+    EXPECT_THROW(write_mesh(directory / "o.obj", mesh.points, other, MeshFormat::Obj, options),
+                 InvalidInput);
 }
 
 } // namespace

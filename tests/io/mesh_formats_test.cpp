@@ -549,9 +549,29 @@ TEST(GlbFile, NormalisesRotationsThatAreNearlyUnitAndRefusesWhatBendsTheMesh)
         EXPECT_NE(refusal("x.glb", with(rotation)).find("must be 1 (a unit quaternion)"),
                   std::string::npos)
             << rotation;
-    for (const char* flat : {R"("scale":[0,1,1])", R"("scale":[0,0,0])",
-                             R"("matrix":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1])"})
+    for (const char* flat : {R"("scale":[0,1,1])", R"("scale":[1,0,0])", R"("scale":[1,1,1e-7])",
+                             R"("scale":[1,-1e-4,1])", R"("scale":[1000,1000,0.05])",
+                             R"("rotation":[0.5,0.5,0.5,0.5],"scale":[1,0,1])",
+                             R"("matrix":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1])",
+                             R"("matrix":[1,1,0,0,1,1,0,0,0,0,1,0,0,0,0,1])"})
         EXPECT_NE(refusal("x.glb", with(flat)).find("flattens it"), std::string::npos) << flat;
+    for (const char* nothing :
+         {R"("scale":[0,0,0])", R"("scale":[1e-12,1e-12,1e-12])",
+          R"("scale":[1e-200,1e-200,1e-200])", R"("matrix":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1])"})
+        EXPECT_NE(refusal("x.glb", with(nothing)).find("shrinks it to nothing"), std::string::npos)
+            << nothing;
+    // Units are uniform; a relief may be low.
+    for (const char* other :
+         {R"("scale":[1e-9,1e-9,1e-9])", R"("scale":[1e9,1e9,1e9])", R"("scale":[1,1,0.001])"})
+        EXPECT_EQ(read("x.glb", with(other)).meshes[0].points.rows(), 4) << other;
+    // Which of both holds, glTF leaves open.
+    for (const char* both : {"translation\":[0,0,0]", "rotation\":[0,0,0,1]", "scale\":[1,1,1]"}) {
+        const std::string said =
+            refusal("x.glb", with(join(R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],")", both)));
+        const std::string_view name =
+            std::string_view(both).substr(0, std::string_view(both).find('"'));
+        EXPECT_NE(said.find(join("both 'matrix' and '", name, "'")), std::string::npos) << said;
+    }
     EXPECT_NE(refusal("x.glb", with(R"("matrix":[1,0,0,0.1,0,1,0,0,0,0,1,0,0,0,0,1])"))
                   .find("no perspective"),
               std::string::npos);

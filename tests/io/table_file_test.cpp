@@ -91,6 +91,29 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
              {"mesh;\"sex\"\na;\"f\"\n", "line 1", "separator of the cells is ';'"},
              {"mesh\t\"sex, age\"\na\tf\n", "line 1", "separator of the cells is a tab"},
              {"mesh\n\"a\";\"f\"\n", "line 2", "separator of the cells is ';'"},
+             {"mesh|sex\na|f\n", "line 1", "separator of the cells is '|'"},
+             {"mesh:sex\na:f\n", "line 1", "separator of the cells is ':'"},
+             {"mesh sex age\na f 1\nb m 2\n", "line 1", "separator of the cells is a blank"},
+             {"mesh   sex\na      f\n", "line 1", "separator of the cells is a blank"},
+             {"\"mesh\"|\"sex\"\n\"a\"|\"f\"\n", "line 1", "separator of the cells is '|'"},
+             {"\"mesh\" | \"sex\"\n", "line 1", "separator of the cells is '|'"},
+             {"\"mesh\":\"sex\"\n\"a\":\"f\"\n", "line 1", "separator of the cells is ':'"},
+             {"\"mesh\":sex\na:f\n", "line 1", "separator of the cells is ':'"},
+             {"\"mesh\" \"sex\"\n\"1\" \"a\" \"f\"\n", "line 1", "is a blank"}, // of write.table()
+             {"\"mesh\" \"sex, age\"\n", "line 1", "separator of the cells is a blank"},
+             {"\"mesh\" sex\n\"a\" 1,5\n", "line 1", "separator of the cells is a blank"},
+             {"\"mesh\"^\"sex\"\n", "line 1", "separator of the cells is '^'"},
+             {"mesh|\"sex\"\na|\"f\"\n", "line 1", "separator of the cells is '|'"},
+             {"mesh:\"sex\"\na:\"f\"\n", "line 1", "separator of the cells is ':'"},
+             {"mesh \"sex\"\na \"f\"\n", "line 1", "separator of the cells is a blank"},
+             {"mesh,sex\n\"a\"|\"f\"\n", "line 2", "separator of the cells is '|'"},
+             {"sep=|\nmesh|sex\na|f\n", "line 1", "separator of the cells is '|'"},
+             // But not where there are commas.
+             {"a,b\n\"1\" ,2\n", "line 2", "a blank follows a closing quote"},
+             {"a,b\n\"1\" (x),2\n", "line 2", "a blank follows a closing quote"},
+             {"a,b\n1, \"2\"\n", "line 2", "a blank stands before a quote"},
+             {"a,b\nJohn \"Joe\" Smith,2\n", "line 2", "a quote stands within"},
+             {"a,b\n1,\"2\"|\n", "line 2", "text follows a closing quote"},
              {"a,b\n1,\"2\";\n", "line 2", "text follows a closing quote"},
              {"a,b\n1,x;\"2\"\n", "line 2", "a quote stands within"},
              {"a,b\n1,\0\n"sv, "t", "UTF-8"},
@@ -105,6 +128,15 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
         EXPECT_NE(message.find(c.place), std::string::npos) << message;
         EXPECT_NE(message.find(c.rule), std::string::npos) << message;
     }
+}
+
+TEST(TableFile, TakesBlanksAndColonsOfOneNameForNoSeparators)
+{
+    for (const char* text : {"pc 1\n2\n", "pc:1\n2\n3\n", "time of day\n12 h\n", "a b\n",
+                             "\"a:b c\"\n\"1 2\"\n3\n", "a|b,c\nx|y,2\n", "a b,c:d\n1 2,3:4\n"})
+        EXPECT_EQ(read(text).columns.size(),
+                  std::string_view(text).find(',') != std::string_view::npos ? 2U : 1U)
+            << text;
 }
 
 TEST(TableFile, AdvisesOfRowNamesOnlyIfAllRowsHaveThem)

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -141,7 +144,66 @@ TEST(Collect, NamesOtherDiagonals)
     ASSERT_EQ(mesh.faces(1, 1), s);
     mesh.faces.row(0) << p, q, t;
     mesh.faces.row(1) << q, s, t;
-    expect_says(message_for(mesh), {"face 0 ", "2 faces differ", "other diagonal"});
+    expect_says(message_for(mesh), {"face 0 ", "1 quad is cut along the other diagonal (vertices ",
+                                    "read the files that have the polygons (option triangulate)"});
+    // Turned over as well.
+    mesh.faces.col(1).swap(mesh.faces.col(2));
+    expect_says(message_for(mesh),
+                {"orientation of every face is flipped, and 1 quad is cut along the other diagonal",
+                 "reverse the faces and read the files"});
+    // Beside another slip it is not the cause.
+    mesh = changed_copy();
+    mesh.faces.row(0) << p, q, t;
+    mesh.faces.row(1) << q, s, t;
+    std::swap(mesh.faces(9, 0), mesh.faces(9, 1));
+    expect_says(message_for(mesh), {"3 faces connect other vertices"});
+}
+
+/// A grid of quads, each cut by the one diagonal or the other.
+Faces cut_grid(int side, const std::function<bool(int, int)>& is_other)
+{
+    Faces faces(2 * side * side, 3);
+    for (int i = 0, f = 0; i < side; ++i)
+        for (int j = 0; j < side; ++j, f += 2) {
+            const int a = i * (side + 1) + j, b = a + 1, d = a + side + 1, c = d + 1;
+            if (is_other(i, j))
+                faces.middleRows(f, 2) << a, b, d, b, c, d;
+            else
+                faces.middleRows(f, 2) << a, b, c, a, c, d;
+        }
+    return faces;
+}
+
+TEST(Collect, TellsOtherDiagonalsFromPermutedVertices)
+{
+    constexpr int side = 6;
+    const int count = (side + 1) * (side + 1);
+    Points points(count, 3);
+    for (int i = 0; i < count; ++i)
+        points.row(i) << i % (side + 1), i / (side + 1), 0.1 * std::sin(i);
+    const NamedMesh reference{"first", "first.ply", points,
+                              cut_grid(side, [](int, int) { return false; })};
+    const auto said = [&](const Faces& faces) {
+        return describe_correspondence_break(reference, {"second", "second.ply", points, faces});
+    };
+    // All of them: the degrees agree as a set, as those of permuted vertices do.
+    expect_says(
+        said(cut_grid(side, [](int, int) { return true; })),
+        {"36 quads are cut along their other diagonal, first that of vertices 0, 1, 8, 7;"});
+    expect_says(said(cut_grid(side, [](int i, int j) { return (i + j) % 2 == 0; })),
+                {"18 quads are cut along their other diagonal"});
+    // Two vertices exchanged, inside, at the rim, next to each other and apart; all moved on; the grid transposed.
+    for (const auto& [a, b] :
+         std::vector<std::pair<int, int>>{{8, 9}, {8, 24}, {1, 3}, {0, 48}, {1, 9}}) {
+        Faces faces = reference.faces;
+        for (int& v : faces.reshaped())
+            v = v == a ? b : v == b ? a : v;
+        expect_says(said(faces), {"vertices are probably permuted"});
+    }
+    Faces faces = reference.faces;
+    for (int& v : faces.reshaped())
+        v = (v + 1) % count;
+    expect_says(said(faces), {"vertices are probably permuted"});
 }
 
 TEST(Collect, NamesAnotherConnectivity)

@@ -6,11 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <numeric>
 
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
+#include "libshape/io/mesh_file.h"
 #include "libshape/mesh/edge_lengths.h"
+#include "tests/support/data.h"
 #include "tests/support/meshes.h"
 #include "tests/support/seams.h"
 
@@ -74,6 +78,91 @@ TEST(OutlyingMeshes, AreThoseWithExchangedVertices)
                     std::any_of(spokes.begin(), spokes.end(), [&](const Topology::Spoke& spoke) {
                         return spoke.vertex == a || spoke.vertex == b;
                     }));
+    }
+}
+
+TEST(OutlyingMeshes, AreTwoWithTheSameSlip)
+{
+    Random random(6);
+    for (int round = 0; round < 20; ++round) {
+        Collection collection = spheres(5 + random.index(6));
+        const auto vertex = [&] {
+            return static_cast<Eigen::Index>(
+                random.index(static_cast<std::uint64_t>(collection.topology.vertex_count())));
+        };
+        const Eigen::Index a = vertex();
+        const Eigen::Index b = vertex();
+        if (a == b)
+            continue;
+        for (const std::size_t mesh : {1U, 3U})
+            collection.points[mesh].row(a).swap(collection.points[mesh].row(b));
+        EXPECT_EQ(outliers(collection), (std::vector<std::size_t>{1, 3})) << round;
+        for (const OutlyingMesh& found : find_outlying_meshes(collection)) {
+            const std::string other = found.mesh == 1 ? "m3" : "m1";
+            EXPECT_TRUE(found.message.starts_with(join("m", found.mesh,
+                                                       " is far from all other meshes but ", other,
+                                                       ": vertex ", found.vertex, " lies ")))
+                << found.message;
+        }
+    }
+}
+
+TEST(OutlyingMeshes, AreThoseWithExchangedLandmarks)
+{
+    // What lies around two places is taken to the other one, as a registration by exchanged landmarks does.
+    Collection collection = spheres(8, 4);
+    Points& points = collection.points[5];
+    const Points before = points;
+    const Eigen::RowVector3d first = before.row(0);
+    Eigen::Index near = 0; // about seven edges away
+    double least = std::numeric_limits<double>::infinity();
+    for (Eigen::Index v = 0; v < before.rows(); ++v)
+        if (const double off = std::abs((before.row(v) - first).norm() - 0.5); off < least) {
+            least = off;
+            near = v;
+        }
+    const Eigen::RowVector3d way = before.row(near) - first;
+    for (Eigen::Index v = 0; v < points.rows(); ++v)
+        for (const double side : {1.0, -1.0}) {
+            const Eigen::RowVector3d from = side > 0.0 ? first : before.row(near).eval();
+            const double far = (before.row(v) - from).squaredNorm() / way.squaredNorm();
+            points.row(v) += side * std::exp(-2.0 * far) * way;
+        }
+    const std::vector<OutlyingMesh> found = find_outlying_meshes(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].mesh, 5U);
+    EXPECT_GT(found[0].region_shift, 0.8);
+}
+
+TEST(OutlyingMeshes, AreNoPosesOfAnArticulatedThing)
+{
+    Random random(8);
+    for (const char* name : {"mh_body_poses", "mh_arm", "mh_hand"}) {
+        const std::filesystem::path folder = test::data_dir() / name;
+        if (!std::filesystem::exists(folder))
+            GTEST_SKIP() << folder << " is missing";
+        std::vector<std::filesystem::path> files;
+        for (const auto& entry : std::filesystem::directory_iterator(folder))
+            if (entry.path().extension() == ".ply")
+                files.push_back(entry.path());
+        std::sort(files.begin(), files.end());
+        std::vector<NamedMesh> meshes;
+        for (const std::filesystem::path& file : files)
+            meshes.push_back(read_mesh(file));
+        const Collection all = collect(std::move(meshes));
+        EXPECT_TRUE(outliers(all).empty()) << name; // squat by its knees, with angles alone
+        int warned = 0;
+        constexpr int rounds = 8; // half of those of bodies had one
+        for (int round = 0; round < rounds; ++round) {
+            std::vector<std::size_t> some(all.size());
+            std::iota(some.begin(), some.end(), 0);
+            for (std::size_t i = some.size(); i > 1; --i)
+                std::swap(some[i - 1], some[random.index(i)]);
+            some.resize(5 + static_cast<std::size_t>(round) % (all.size() - 5));
+            std::sort(some.begin(), some.end());
+            warned += outliers(subset(all, some)).empty() ? 0 : 1;
+        }
+        EXPECT_LE(warned, 1) << name;
     }
 }
 

@@ -240,6 +240,8 @@ class SameBitsAsTheProgram(WithFaces):
                 self.assertEqual(report.scan_to_fit.mean, printed["scan_to_fit"]["mean"])
                 self.assertEqual(report.fit_to_scan.max, printed["fit_to_scan"]["max"])
                 self.assertEqual(report.growth_high, printed["growth_high"])
+                self.assertEqual(report.unclaimed_share, printed["unclaimed_share"])
+                self.assertEqual(report.contested_vertices, printed["contested_vertices"])
                 self.assertEqual(int((~report.seen).sum()), printed["unseen_vertices"])
                 self.assertEqual(len(report.landmark_errors), printed["landmarks"])
                 self.assertEqual(report.landmarks, list(landmarks or {}))
@@ -484,8 +486,8 @@ class Behaviour(WithFaces):
             text=True,
         ).stderr
         self.assertEqual(len(said), 1)
-        self.assertIn("mirror is a mirror image of the meshes of the model; ", said[0])
-        self.assertIn("warning: " + said[0].replace("the model;", "model.h5;"), program)
+        self.assertIn("mirror bends the other way than the meshes of the model, or is a mirror image of them", said[0])
+        self.assertIn("warning: " + said[0].replace("the model,", "model.h5,"), program)
         (said_of_size,) = self.warnings_of(lambda: self.model.scores(large))
         self.assertIn("times larger than the meshes of the model; are they in ", said_of_size)
         self.assertIn("warning: " + said_of_size.replace("the model;", "model.h5;"), program)
@@ -566,9 +568,7 @@ class Behaviour(WithFaces):
             for scale in ("unit", "none")
         )
         (said,) = self.warnings_of(lambda: unit.apply(mirror, quality="preview"))
-        self.assertRegex(
-            said, "^onto: mirror is a mirror image of the meshes of the difference; angles change the wrong way: "
-        )
+        self.assertRegex(said, "^onto: mirror bends the other way than the meshes of the difference, or is a mirror image ")
         self.assertEqual(self.warnings_of(lambda: unit.apply(large, quality="preview")), [])
         (said,) = self.warnings_of(lambda: none.apply(large, quality="preview"))
         self.assertRegex(said, "^onto: large is .* times larger than the meshes of the difference; ")

@@ -77,7 +77,77 @@ TEST(LandmarkChecks, NameTheTwoThatWereExchanged)
     }
 }
 
-TEST(LandmarkChecks, NameTwoThatAreOnePointOnOneSideAlone)
+TEST(LandmarkChecks, NameAllThatWereExchanged)
+{
+    struct Case
+    {
+        std::vector<Eigen::Index> row_of; ///< The scan's row that landmark i got.
+        const char* said;
+    };
+    for (const Case& c : std::vector<Case>{
+             {{1, 0, 3, 2}, "'L0' and 'L1', 'L2' and 'L3' look exchanged"},
+             {{1, 2, 0},
+              "'L0', 'L2' and 'L1' ('L2' at the place of 'L0', 'L1' at that of 'L2', 'L0' at that "
+              "of 'L1') look exchanged"},
+             {{2, 3, 0, 1}, "'L0' and 'L2', 'L1' and 'L3' look exchanged"},
+             {{1, 0, 3, 2, 5, 4}, "'L0' and 'L1', 'L2' and 'L3', 'L4' and 'L5' look exchanged"}})
+        for (const Eigen::Index count : {8, 12, 40}) {
+            const Points pattern = random_points(count, 11);
+            const Points scan = measured_anew(pattern, 0.03);
+            Points slip = scan;
+            for (std::size_t i = 0; i < c.row_of.size(); ++i)
+                slip.row(static_cast<Eigen::Index>(i)) = scan.row(c.row_of[i]);
+            const std::string said =
+                mistaken_landmarks(names_of(count), pattern, slip).value_or("nothing");
+            EXPECT_TRUE(said.starts_with(join("landmarks ", c.said))) << count << ' ' << said;
+            EXPECT_NE(said.find("differ by " + percent(left_over(pattern, scan)) + " of"),
+                      std::string::npos)
+                << said;
+            EXPECT_FALSE(mistaken_landmarks(names_of(count), pattern, scan));
+        }
+}
+
+TEST(LandmarkChecks, SayNoZerosAreMissingOnesUnlessTheOriginIsOnTheSurface)
+{
+    Points surface = random_points(200, 2);
+    surface.rowwise() += Eigen::RowVector3d(10.0, 0.0, 0.0);
+    Points marks = surface.topRows(5);
+    const auto said = [&] {
+        return test::message_of<InvalidInput>(
+            [&] { check_not_zero(names_of(marks.rows()), marks, surface, "the template"); });
+    };
+    EXPECT_NO_THROW(check_not_zero(names_of(5), marks, surface, "the scan"));
+    marks.row(3).setZero();
+    EXPECT_TRUE(said().starts_with("landmarks of the template: 'L3' is at 0, 0, 0, which"))
+        << said();
+    marks.row(1).setZero();
+    EXPECT_NE(said().find("template: 'L1' and 'L3' are at 0, 0, 0"), std::string::npos) << said();
+    marks.setZero();
+    EXPECT_NE(said().find("template: all 5 are at 0, 0, 0"), std::string::npos) << said();
+    // An origin that was put at a landmark is no code; two landmarks are not there both.
+    const Points moved = surface.rowwise() - surface.row(7);
+    marks = moved.topRows(9);
+    EXPECT_NO_THROW(check_not_zero(names_of(9), marks, moved, "the scan"));
+    marks.row(2).setZero();
+    EXPECT_THROW(check_not_zero(names_of(9), marks, moved, "the scan"), InvalidInput);
+    // One coordinate of 0 is one.
+    marks = surface.topRows(2);
+    marks(0, 0) = marks(1, 1) = marks(1, 2) = 0.0;
+    EXPECT_NO_THROW(check_not_zero(names_of(2), marks, surface, "the scan"));
+}
+
+TEST(LandmarkChecks, SayWhoseLandmarksLieOnALine)
+{
+    Points line = Points::Zero(4, 3);
+    line.col(1) << 1.0, 2.0, 4.0, 9.0;
+    EXPECT_EQ(test::message_of<InvalidInput>([&] { check_not_on_line(line, "the template"); }),
+              "landmarks of the template: they lie on a line, which leaves a turn about it open");
+    EXPECT_NO_THROW(check_not_on_line(line.topRows(2), "the scan"));
+    line(2, 0) = 0.1;
+    EXPECT_NO_THROW(check_not_on_line(line, "the scan"));
+}
+
+TEST(LandmarkChecks, NameAllThatAreOnePointOnOneSideAlone)
 {
     const Points pattern = random_points(5, 4);
     Points scan = measured_anew(pattern, 0.01);
@@ -87,6 +157,15 @@ TEST(LandmarkChecks, NameTwoThatAreOnePointOnOneSideAlone)
     EXPECT_EQ(mistaken_landmarks(names_of(5), scan, pattern),
               "landmarks 'L2' and 'L4' lie on one point of the template, but not of the scan");
     EXPECT_FALSE(mistaken_landmarks(names_of(5), scan, scan));
+    scan.row(3) = scan.row(0);
+    EXPECT_EQ(
+        mistaken_landmarks(names_of(5), pattern, scan),
+        "landmarks 'L0' and 'L3', 'L2' and 'L4' lie on one point each of the scan, but not of "
+        "the template");
+    scan.row(3) = scan.row(2);
+    EXPECT_EQ(
+        mistaken_landmarks(names_of(5), pattern, scan),
+        "landmarks 'L2', 'L3' and 'L4' lie on one point of the scan, but not of the template");
 }
 
 TEST(LandmarkChecks, SayThatAllFitAMirrorImage)
@@ -122,15 +201,14 @@ TEST(LandmarkChecks, SayNothingOfWhatNoSlipExplains)
     flat.col(2).setZero();
     EXPECT_FALSE(mistaken_landmarks(
         names_of(6), flat, measured_anew(flat * Eigen::RowVector3d(-1, 1, 1).asDiagonal(), 0.0)));
-    // Three: too few. Two exchanges: neither alone explains much.
+    // Three: too few. Four: several exchanges explain whatever there is.
     const Points pattern = random_points(8, 8);
     Points slip = measured_anew(pattern, 0.0);
     slip.row(0).swap(slip.row(1));
     EXPECT_FALSE(mistaken_landmarks(names_of(3), pattern.topRows(3),
                                     measured_anew(pattern.topRows(3), 0.5)));
     slip.row(2).swap(slip.row(3));
-    slip.row(4).swap(slip.row(5));
-    EXPECT_FALSE(mistaken_landmarks(names_of(8), pattern, slip));
+    EXPECT_FALSE(mistaken_landmarks(names_of(4), pattern.topRows(4), slip.topRows(4)));
     // Poses and other animals: large differences are no slip.
     for (std::uint64_t seed = 10; seed < 60; ++seed) {
         const Points other = random_points(8, seed) + pattern;

@@ -252,6 +252,45 @@ TEST(ScanFitter, SaysWhereAHalfHasNoCounterpart)
     EXPECT_LT(wrong, mesh.points.rows() / 50);
 }
 
+TEST(ScanFitter, SaysWhatOfTheScanHasNoCounterpartInTheFit)
+{
+    const TestMesh mesh = pattern();
+    const TestMesh wide = wide_scan();
+    const TestMesh ball = icosphere(1);
+    const Points beside = (0.2 * ball.points).rowwise() + Eigen::RowVector3d(0.0, 1.7, 0.0);
+    Points points(wide.points.rows() + beside.rows(), 3);
+    points << wide.points, beside;
+    Faces faces(wide.topology.face_count() + ball.topology.face_count(), 3);
+    faces << wide.topology.faces(),
+        (ball.topology.faces().array() + static_cast<int>(wide.points.rows())).matrix();
+    const ScanFitter fitter(mesh.topology, mesh.points);
+    const LandmarkPairs marks = five_landmarks(mesh);
+    EXPECT_EQ(fitter.fit(scan_of(wide), marks).unclaimed_share, 0.0);
+    const ScanFit fit = fitter.fit(clean_scan(points, faces), marks);
+    // Radii 0.2 and some 1.1: the bumps add to the area too.
+    EXPECT_NEAR(fit.unclaimed_share, 0.04 / 1.2, 0.015);
+    EXPECT_EQ(fit.status, FitStatus::Check);
+    EXPECT_TRUE(std::any_of(fit.reasons.begin(), fit.reasons.end(), [](const std::string& reason) {
+        return reason.ends_with(" % of the scan's surface has no counterpart in the fit");
+    }));
+}
+
+TEST(ScanFitter, ScansMayGoOnWhereTheTemplateEnds)
+{
+    const TestMesh mesh = pattern();
+    const Scan whole = scan_of(mesh);
+    std::vector<int> kept;
+    for (int f = 0; f < whole.faces.rows(); ++f)
+        if (whole.points(whole.faces(f, 0), 2) > -0.3)
+            kept.push_back(f);
+    const Scan part = clean_scan(whole.points, whole.faces(kept, Eigen::all));
+    const Topology topology(part.faces, static_cast<int>(part.points.rows()));
+    const ScanFit fit = ScanFitter(topology, part.points, {.search_start = false})
+                            .fit(scan_of(bumpy_sphere(4, 0.3, 5)));
+    EXPECT_GT(fit.scan_to_fit.max, 0.1 * fit.diagonal);
+    EXPECT_LT(fit.unclaimed_share, 0.01);
+}
+
 TEST(ScanFitter, FailsOnAnotherThingAltogether)
 {
     const TestMesh mesh = pattern();
@@ -499,7 +538,7 @@ TEST(ScanFitter, RefusesLandmarksThatLeaveTheStartOpenAndOptionsOutOfRange)
     const ScanFitter fitter(mesh.topology, mesh.points);
     const Scan scan = scan_of(wide_scan());
     LandmarkPairs line{{"a", "b", "c"}, Points::Zero(3, 3), Points::Zero(3, 3)};
-    line.on_template.col(0) << 0.0, 1.0, 2.0;
+    line.on_template.col(0) << 0.5, 1.0, 2.0;
     line.on_scan = line.on_template;
     EXPECT_NE(message_of<InvalidInput>([&] { (void)fitter.fit(scan, line); }).find("on a line"),
               std::string::npos);

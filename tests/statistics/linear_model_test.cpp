@@ -211,6 +211,65 @@ TEST(LinearModel, KnowsTheSmallestPValueOfADesign)
                                   groups({"a", "a", "a", "b", "b", "b"}), other, one_group(6))
                     .smallest_p,
                 1.0 / 180.0, 1e-15); // 6! / (2! 2!): the first two are alike, and the last two
+    // A column that is constant, in all or in each block, changes nothing.
+    for (const MatrixXd& constant : std::vector<MatrixXd>{
+             Eigen::VectorXd::Constant(6, 3.7), Eigen::VectorXd{{0.1, 0.1, 7.0, 7.0, 0.3, 0.3}}}) {
+        const bool is_of_blocks = constant(2) != constant(0);
+        const MatrixXd tested = groups({"a", "b", "a", "b", "a", "b"});
+        const Grouping blocks = is_of_blocks ? pairs : one_group(6);
+        const LinearModelTest result =
+            test_linear_model(inner_products(test::random_matrix(6, 6, 5)), tested, constant,
+                              blocks, {.permutations = 0});
+        EXPECT_NEAR(result.smallest_p, is_of_blocks ? 0.25 : 0.1, 1e-15);
+        EXPECT_NEAR(result.smallest_p, share_of_largest(tested, constant, blocks), 1e-15);
+    }
+    // Others change it to what counting gives.
+    struct Adjusted
+    {
+        MatrixXd tested, nuisance;
+        Grouping blocks;
+        double smallest;
+    };
+    const std::vector<std::string> sexes{"f", "f", "m", "f", "m", "m"};
+    for (
+        const auto& [tested, nuisance, blocks, smallest] : std::vector<Adjusted>{
+            // Each group has two of one sex and one of the other: the groups may change their names, if the sexes do.
+            {groups({"a", "a", "a", "b", "b", "b"}), groups(sexes), one_group(6), 2.0 / 180.0},
+            // Balanced but for one: none may.
+            {groups({"a", "a", "a", "b", "b", "b"}), groups({"f", "f", "m", "f", "f", "m"}),
+             one_group(6), 2.0 / 180.0},
+            {groups({"a", "a", "a", "b", "b", "b"}), groups({"f", "f", "m", "f", "f", "f"}),
+             one_group(6), 1.0 / 60.0},
+            // Two covariates that are mirror images together, and two that are by different places.
+            {Eigen::VectorXd{{1.0, 2.0, 3.0, 4.0, 5.0, 6.0}},
+             Eigen::VectorXd{{3.0, 9.0, 1.0, 1.0, 9.0, 3.0}}, one_group(6), 2.0 / 720.0},
+            {Eigen::VectorXd{{1.0, 2.0, 3.0, 4.0, 5.0, 6.0}},
+             Eigen::VectorXd{{3.0, 9.0, 1.0, 9.0, 1.0, 3.0}}, one_group(6), 1.0 / 720.0},
+            // The corners of a hexagon, which six turns and six mirrors keep.
+            {joined(Eigen::VectorXd{{2.0, 1.0, -1.0, -2.0, -1.0, 1.0}},
+                    Eigen::VectorXd{{0.0, 1.0, 1.0, 0.0, -1.0, -1.0}} * std::sqrt(3.0)),
+             no_columns(6), one_group(6), 12.0 / 720.0},
+            {groups({"a", "b", "a", "b", "a", "b"}),
+             Eigen::VectorXd{{1.0, 2.0, 2.0, 4.0, 3.0, 7.0}}, pairs, 0.25}}) {
+        const LinearModelTest result =
+            test_linear_model(inner_products(test::random_matrix(6, 6, 5)), tested, nuisance,
+                              blocks, {.permutations = 0});
+        EXPECT_NEAR(result.smallest_p, share_of_largest(tested, nuisance, blocks), 1e-15);
+        EXPECT_NEAR(result.smallest_p, smallest, 1e-15);
+    }
+    // Forty groups of two: 80! / 2^40 permutations, 40! of which but change names.
+    std::vector<std::string> many;
+    double logarithm = 0.0;
+    for (int i = 0; i < 40; ++i)
+        many.insert(many.end(), 2, std::to_string(i));
+    for (int i = 1; i <= 40; ++i)
+        logarithm += 2.0 * std::log(i) - std::log(2.0 * i - 1.0) - std::log(2.0 * i) - std::log(i) +
+                     std::log(2.0);
+    EXPECT_NEAR(
+        std::log(test_linear_model(inner_products(test::random_matrix(80, 3, 1)), groups(many),
+                                   no_columns(80), one_group(80), {.permutations = 0})
+                     .smallest_p),
+        logarithm, 1e-10);
     // Of many no share is left that a double could hold.
     EXPECT_EQ(test_linear_model(inner_products(test::random_matrix(300, 4, 1)),
                                 Eigen::VectorXd(test::random_matrix(300, 1, 2)), no_columns(300),

@@ -302,6 +302,22 @@ TEST_F(Check, ExchangedVerticesAreSaid)
     EXPECT_TRUE(figures["warnings"][0]["message"].get<std::string>().starts_with("m3 is far"));
 }
 
+TEST_F(Check, FixNamesTheMeshesThatAreRepairedLast)
+{
+    write(2, test::mirror_image(sphere(2).points), sphere(2).topology.faces());
+    Points swelled = 1000.0 * sphere(5).points;
+    write(5, swelled, sphere(5).topology.faces());
+    const Outcome outcome = shape({"check", "set", "--fix", "repaired"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_TRUE(
+        outcome.err.ends_with("  repaired: m2 and m5 of 7 meshes; the others are as they were\n"))
+        << outcome.err;
+    EXPECT_EQ(run({"check", "set", "--fix", "again"})["fix"]["repaired"], Json({"m2", "m5"}));
+    // Nothing is said of none.
+    EXPECT_EQ(shape({"check", "repaired", "--fix", "third"}).err.find("repaired: "),
+              std::string::npos);
+}
+
 TEST_F(Check, FixWritesWhatIsSoundAndSaysWhatIsLeft)
 {
     folder_.write("set/n0.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 5 5\nf 1 2 3 4\n");

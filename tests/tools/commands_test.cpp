@@ -192,35 +192,47 @@ TEST_F(Commands, NaturalOrder)
         (void)run({"collect", "set", "-o", "f.h5", "--force"});
         return run({"info", "f.h5"})["names"];
     };
-    for (const Arguments& sorted : std::vector<Arguments>{
-             {"mode01_-10.00", "mode01_-2.00", "mode01_-1.50", "mode01_-1.00", "mode01_-0.50",
-              "mode01_0.00", "mode01_0.50", "mode01_2.00", "mode01_10.00", "mode02_-3.00"},
-             {"-1", "-0.5", "0", "+0.25", "0.3", "1"},
-             {"2020-01-05", "2020-01-10", "2020-02-01"}, // no signs after digits
-             {"s-1", "s-2", "s-10"},
-             {"age_2.5", "age_12.25", "age_12.5"},
-             {"v1.2.9", "v1.2.10"},
-             // Two points and more are none of a decimal, nor is one where others have two.
-             {"v1.2.3", "v1.10.1"},
-             {"v1.2", "v1.10", "v1.10.1", "v1.11"},
-             {"2024.1.5", "2024.2.10", "2024.10.2"},
-             {"v1.2.3_t-0.5", "v1.2.3_t-0.25", "v1.2.3_t0.1", "v1.10.0_t-0.5"},
-             {"a", "a1", "a2", "a_1", "ab"},
-             {"t=-1", "t=0", "t=1"},
-             // Endings are not compared.
-             {"walk", "walk (1)", "walk (2)", "walk (10)"},
-             {"s", "s-1", "s-2", "s-10"},
-             {"x.v2", "x.v10"},
-             // Behind a letter or a hyphen a hyphen is a sign if a number stands there without it.
-             {"t-0.5", "t-0.25", "t0", "t0.25"},
-             {"t-0.25", "t-0.5"},
-             {"s1_t-2", "s1_t-1", "s1_t0", "s10_t-2", "s10_t-1"},
-             {"x-2", "x-1", "x+1", "x+2"},
-             {"a--1", "a--2"},
-             {"temp--5", "temp--1", "temp-0", "temp-5"},
-             {"walk2", "walk2-1", "walk2-2"},
-             {"F\u22122", "F\u22121", "F1"},
-             {"F\u22122", "F\u22121"}}) {
+    for (
+        const Arguments& sorted : std::vector<Arguments>{
+            {"mode01_-10.00", "mode01_-2.00", "mode01_-1.50", "mode01_-1.00", "mode01_-0.50",
+             "mode01_0.00", "mode01_0.50", "mode01_2.00", "mode01_10.00", "mode02_-3.00"},
+            {"-1", "-0.5", "0", "+0.25", "0.3", "1"},
+            {"2020-01-05", "2020-01-10", "2020-02-01"}, // no signs after digits
+            {"s-1", "s-2", "s-10"},
+            {"age_2.5", "age_12.25", "age_12.5"},
+            {"v1.2.9", "v1.2.10"},
+            // Two points and more are none of a decimal, nor is one where others have two.
+            {"v1.2.3", "v1.10.1"},
+            {"v1.2", "v1.10", "v1.10.1", "v1.11"},
+            {"2024.1.5", "2024.2.10", "2024.10.2"},
+            // Nor is one behind the word.
+            {"v1.2.9", "v1.9", "v1.10"},
+            {"v1.9", "v1.10"},
+            {"model_V2.9", "model_V2.10", "model_V2.11"},
+            {"face-version 0.9", "face-version 0.10"},
+            {"v2.9_-2.00", "v2.9_-1.00", "v2.9_0.25", "v2.9_0.5", "v2.10_-2.00"},
+            // But one with a sign is a decimal, and so are those at its place; or with a zero behind the point.
+            {"scan_-2.00", "scan_-1.5", "scan_0.25", "scan_0.5", "scan_1.2.3"},
+            {"v-0.5", "v-0.25", "v0.05", "v0.25", "v0.5"},
+            {"v0.05", "v0.25", "v0.5"},
+            {"lev0.25", "lev0.5"},
+            {"v1.2.3_t-0.5", "v1.2.3_t-0.25", "v1.2.3_t0.1", "v1.10.0_t-0.5"},
+            {"a", "a1", "a2", "a_1", "ab"},
+            {"t=-1", "t=0", "t=1"},
+            // Endings are not compared.
+            {"walk", "walk (1)", "walk (2)", "walk (10)"},
+            {"s", "s-1", "s-2", "s-10"},
+            {"x.v2", "x.v10"},
+            // Behind a letter or a hyphen a hyphen is a sign if a number stands there without it.
+            {"t-0.5", "t-0.25", "t0", "t0.25"},
+            {"t-0.25", "t-0.5"},
+            {"s1_t-2", "s1_t-1", "s1_t0", "s10_t-2", "s10_t-1"},
+            {"x-2", "x-1", "x+1", "x+2"},
+            {"a--1", "a--2"},
+            {"temp--5", "temp--1", "temp-0", "temp-5"},
+            {"walk2", "walk2-1", "walk2-2"},
+            {"F\u22122", "F\u22121", "F1"},
+            {"F\u22122", "F\u22121"}}) {
         Arguments shuffled(sorted.rbegin(), sorted.rend());
         EXPECT_EQ(order(shuffled), Json(sorted));
     }

@@ -36,6 +36,8 @@ std::vector<fs::path> chosen_files(const MeshChoice& choice, const std::vector<s
 Collection choose_meshes(const MeshChoice& choice, const Collection& run, const NamedMesh& known)
 {
     std::vector<NamedMesh> meshes;
+    PolygonCuts cuts;
+    add_triangulation(cuts, known);
     for (const std::string& text : choice.texts) {
         const auto found = std::find(run.names.begin(), run.names.end(), text);
         if (found != run.names.end()) {
@@ -46,10 +48,12 @@ Collection choose_meshes(const MeshChoice& choice, const Collection& run, const 
         MeshChoice one = choice;
         one.texts = {text};
         for (const fs::path& file : chosen_files(one, {})) {
-            FileContent content = read_mesh_file(file, choice.triangulate);
+            FileContent content = read_mesh_file(file, choice.triangulate, &cuts);
             std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
         }
     }
+    for (const PolygonCuts::Folded& folded : cuts.folded)
+        choice.warn(join(choice.option, ": ", folded.message));
     for (const NamedMesh& mesh : meshes) {
         const std::string difference = describe_correspondence_break(known, mesh);
         if (!difference.empty())

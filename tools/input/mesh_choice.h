@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct MeshChoice
     std::string option; ///< For messages.
     std::vector<std::string> texts;
     bool triangulate = false;
+    std::function<void(const std::string&)> warn = {}; ///< Of polygons that fold over.
 };
 
 /// The files among them, for a run that has these meshes.
@@ -26,7 +28,7 @@ struct MeshChoice
 
 /// The meshes, in the order of the texts.
 /// @param run  The meshes of the run, if there are any.
-/// @param known  One of the meshes whose triangulation is wanted; its path is for messages.
+/// @param known  One of the meshes whose triangulation is wanted, as which polygons are cut; its path is for messages.
 /// @throws as chosen_files() and collect(); InvalidInput if a mesh has another triangulation, saying whether it is a mirror
 ///     image of the known one, inside out, or what else.
 [[nodiscard]] Collection choose_meshes(const MeshChoice& choice, const Collection& run,

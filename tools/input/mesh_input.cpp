@@ -371,6 +371,9 @@ FileContent read_mesh_file(const fs::path& path, bool triangulate, PolygonCuts* 
                 .merged_corners = file.merged_corners};
     }
     Collection collection = read_collection(path);
+    if (cuts != nullptr && triangulate)
+        add_triangulation(*cuts, {collection.names.front(), path.string(),
+                                  collection.points.front(), collection.topology.faces()});
     for (std::size_t i = 0; i < collection.size(); ++i)
         content.meshes.push_back({collection.names[i],
                                   join(path.string(), ": mesh ", collection.names[i]),
@@ -449,21 +452,33 @@ Collection read_meshes(const MeshNotices& notices, const MeshInput& input)
             collection.labels = labels_of(notices, input.labels, collection.names);
         return collection;
     }
+    PolygonCuts cuts;
+    if (input.known && input.triangulate)
+        add_triangulation(cuts, *input.known);
     std::vector<NamedMesh> meshes;
     Labels labels;
     FormatNotes notes;
-    PolygonCuts cuts;
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        FileContent content = read_mesh_file(files[i], input.triangulate, &cuts);
-        notes.add(files[i], content);
-        append_labels(labels, meshes.size(), content.labels, content.meshes.size());
-        std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
-        if (notices.progress)
-            notices.progress("reading", i + 1, files.size());
+    const auto read_all = [&] {
+        meshes.clear();
+        labels.clear();
+        notes = {};
+        for (std::size_t i = 0; i < files.size(); ++i) {
+            FileContent content = read_mesh_file(files[i], input.triangulate, &cuts);
+            notes.add(files[i], content);
+            append_labels(labels, meshes.size(), content.labels, content.meshes.size());
+            std::move(content.meshes.begin(), content.meshes.end(), std::back_inserter(meshes));
+            if (notices.progress)
+                notices.progress("reading", i + 1, files.size());
+        }
+    };
+    read_all();
+    if (auto better = better_cuts(cuts)) {
+        cuts = std::move(*better);
+        read_all();
     }
     notes.say(notices);
-    for (const std::string& folded : cuts.folded)
-        notices.warn(folded);
+    for (const PolygonCuts::Folded& folded : cuts.folded)
+        notices.warn(folded.message);
     if (input.known)
         for (const NamedMesh& mesh : meshes)
             check_triangulation(*input.known, mesh);

@@ -11,6 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include "libshape/base/letter_case.h"
+
 namespace shape::tools {
 namespace {
 
@@ -82,7 +84,9 @@ struct SignedPiece
     std::string_view sign = {}; ///< Right before a number.
     bool may_separate = false;  ///< It is a hyphen behind a letter or another hyphen.
     std::string place = {};     ///< Of a number: what stands before its sign, numbers as `#`.
-    bool is_version = false;    ///< It is the first of a version.
+    bool is_version = false; ///< It is the first of a version: of two points, or behind the word.
+    bool is_decimal =
+        false; ///< It is none: it has a sign that is nothing else, or a fraction such as 05.
 };
 
 /// Of numbers.
@@ -101,7 +105,29 @@ std::string_view sign_at(std::string_view text, std::size_t at)
     return {};
 }
 
-/// @param versions  Where versions stand in some name: points are none of decimals there in any.
+/// Whether what stands before a number says that it is a version.
+bool is_version_word(std::string_view before)
+{
+    while (before.ends_with(' ') || before.ends_with('_') || before.ends_with('-'))
+        before.remove_suffix(1);
+    std::size_t begin = before.size();
+    while (begin > 0 && is_letter(before[begin - 1]))
+        --begin;
+    const std::string word = internal::lower_case(std::string(before.substr(begin)));
+    return word == "v" || word == "ver" || word == "version";
+}
+
+/// Whether a number begins there that no version is spelled as: its fraction begins with a zero, and goes on.
+bool is_sure_decimal_at(std::string_view text, std::size_t begin)
+{
+    const std::size_t point = end_of_digits(text, begin);
+    return is_point_at(text, point) && !is_version_at(text, begin) && text[point + 1] == '0' &&
+           end_of_digits(text, point + 1) > point + 2 &&
+           text.substr(point + 1, end_of_digits(text, point + 1) - point - 1)
+                   .find_first_not_of('0') != std::string_view::npos;
+}
+
+/// @param versions  Where points are none of decimals in any name.
 std::vector<SignedPiece> signed_pieces(std::string_view text, const NumberPlaces& versions)
 {
     std::vector<SignedPiece> pieces;
@@ -113,10 +139,13 @@ std::vector<SignedPiece> signed_pieces(std::string_view text, const NumberPlaces
         at += next.sign.size();
         if (is_digit(text[at])) {
             next.place = place;
-            next.is_version = is_version_at(text, at);
+            next.is_version = is_version_at(text, at) || is_version_word(text.substr(0, at));
+            next.is_decimal =
+                (!next.sign.empty() && !next.may_separate) || is_sure_decimal_at(text, at);
         }
         const bool goes_on = at > 1 && text[at - 1] == '.' && is_digit(text[at - 2]);
-        next.piece = piece_at(text, at, !next.is_version && !goes_on && !versions.contains(place));
+        next.piece =
+            piece_at(text, at, !is_version_at(text, at) && !goes_on && !versions.contains(place));
         at += next.piece.text.size();
         place += next.piece.is_number ? "#" : next.piece.text;
         pieces.push_back(std::move(next));
@@ -200,12 +229,16 @@ void sort_naturally(std::vector<std::string>& names)
         std::string_view name;
     };
     std::vector<std::array<std::vector<SignedPiece>, 2>> split_names;
-    NumberPlaces versions;
+    NumberPlaces versions, decimals;
     for (const std::string_view name : names)
         for (const SignedPiece& piece :
-             signed_pieces(name.substr(0, beginning_of_ending(name)), {}))
+             signed_pieces(name.substr(0, beginning_of_ending(name)), {})) {
             if (piece.is_version)
                 versions.insert(piece.place);
+            if (piece.is_decimal)
+                decimals.insert(piece.place);
+        }
+    std::erase_if(versions, [&](const auto& place) { return decimals.contains(place); });
     NumberPlaces places;
     for (const std::string_view name : names) {
         const std::size_t end = beginning_of_ending(name);

@@ -52,6 +52,8 @@ Table fit_table(const Json& scans)
                  "folded_faces",
                  "crossing_pairs",
                  "unseen_vertices",
+                 "unclaimed_share",
+                 "contested_vertices",
                  "scale",
                  "ignored"},
                 {}};
@@ -76,7 +78,8 @@ Table fit_table(const Json& scans)
                 add(find(scan, way) != nullptr ? find(scan[way], figure) : nullptr);
         for (const char* key :
              {"diagonal", "landmark_mean", "landmark_max", "strain_rms", "growth_low",
-              "growth_high", "folded_faces", "crossing_pairs", "unseen_vertices", "scale"})
+              "growth_high", "folded_faces", "crossing_pairs", "unseen_vertices", "unclaimed_share",
+              "contested_vertices", "scale"})
             add(find(scan, key));
         row.push_back(sentence(scan, "ignored"));
         table.rows.push_back(std::move(row));
@@ -112,6 +115,8 @@ Json fit_figures(const std::string& scan, const ScanFit& fit, const Json& ignore
             {"folded_faces", fit.folded_faces},
             {"crossing_pairs", fit.crossing_pairs},
             {"unseen_vertices", fit.unseen_vertices},
+            {"unclaimed_share", fit.unclaimed_share},
+            {"contested_vertices", fit.contested_vertices},
             {"scale", fit.scale}};
 }
 

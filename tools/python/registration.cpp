@@ -63,6 +63,8 @@ py::tuple fit_scan(const Doubles& pattern, const Integers& faces, const Doubles&
     figures["growth_low"] = fit.growth_low;
     figures["growth_high"] = fit.growth_high;
     figures["folded_faces"] = fit.folded_faces;
+    figures["unclaimed_share"] = fit.unclaimed_share;
+    figures["contested_vertices"] = fit.contested_vertices;
     figures["turned_faces"] = fit.turned_faces;
     figures["scale"] = fit.scale;
     figures["landmark_errors"] = array_of(std::move(fit.landmark_errors));

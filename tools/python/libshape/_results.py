@@ -68,6 +68,8 @@ class FitReport:
     growth_low: float  #: 1 % quantile of growth.
     growth_high: float  #: 99 % quantile.
     folded_faces: int  #: With an edge that bends by > 120 degrees more or less than the template's.
+    unclaimed_share: float  #: Of the scan's surface: without counterpart in the fit.
+    contested_vertices: int  #: Another part of the template lies in the same place.
     turned_faces: int  #: Of the scan: they faced inwards.
     scale: float  #: Of the start: 1, or a change of unit.
     landmarks: List[str]  #: Names.
