@@ -497,7 +497,7 @@ class Behaviour(WithFaces):
         self.assertEqual(self.warnings_of(lambda: self.model.scores(odd)), [said[0], said_of_size])
         self.assertEqual(self.warnings_of(lambda: self.model.scores(sound)), [])
         self.assertEqual(self.warnings_of(lambda: self.model.scores(self.faces)), [])
-        self.assertIn("V is a mirror image", self.warnings_of(lambda: self.model.scores(mirror.V))[0])
+        self.assertIn("V bends the other way than the meshes of the model", self.warnings_of(lambda: self.model.scores(mirror.V))[0])
 
     def warnings_of_program(self, *arguments: str) -> List[str]:
         said = subprocess.run(
