@@ -274,18 +274,18 @@ std::vector<ModelPoint> wanted_points(const Session& session, const ShapeModel& 
     return {{"mean", Eigen::VectorXd(), size_of(model, arguments)}};
 }
 
-/// The ends of a sweep and whole numbers between them, all up to a range of 12: there it passes through the meshes that
-/// are made of these points alone.
+/// The whole numbers around a sweep, all up to a range of 12: it passes through the meshes that are made of these points
+/// alone, and between two of them it is the same whatever its ends.
 std::vector<double> stations_of(double from, double to)
 {
     const auto [low, high] = std::minmax(from, to);
     double spacing = 1.0;
     while ((high - low) / spacing > 12.0)
         spacing *= 2.0;
-    std::vector<double> stations{low};
-    for (double k = std::floor(low / spacing) + 1.0; k * spacing < high; ++k)
+    std::vector<double> stations;
+    for (double k = std::floor(low / spacing); k < std::ceil(high / spacing); ++k)
         stations.push_back(k * spacing);
-    stations.push_back(high);
+    stations.push_back(std::ceil(high / spacing) * spacing);
     return stations;
 }
 
@@ -302,8 +302,10 @@ std::optional<FramePath> sweep_of(const ShapeModel& model, const Arguments& argu
     const ShapePoint* const point = std::get_if<ShapePoint>(&first);
     if (sigmas.size() < 2 || point == nullptr || point->positions.rows() > 0)
         return {};
+    constexpr int steps_between_stations = 15;
+    const std::vector<double> stations = stations_of(sigmas.front(), sigmas.back());
     return FramePath{{[shape](double sigma) { return std::get<ShapePoint>(shape(sigma)); },
-                      stations_of(sigmas.front(), sigmas.back())},
+                      stations, steps_between_stations * (static_cast<int>(stations.size()) - 1)},
                      sigmas};
 }
 
@@ -369,9 +371,10 @@ void run(const Session& session, const Arguments& arguments)
     std::vector<const ModelPoint*> own;
     for (const std::size_t i : arguments.shard.own(points.size())) {
         own.push_back(&points[i]);
-        targets.push_back({points[i].name, [&model, &point = points[i]] {
-                               return model_point(model, point.scores, point.size);
-                           }});
+        targets.push_back(
+            {points[i].name,
+             [&model, &point = points[i]] { return model_point(model, point.scores, point.size); },
+             nullptr, i});
     }
     std::vector<std::filesystem::path> inputs{arguments.model};
     if (!arguments.scores_file.empty())
@@ -381,12 +384,12 @@ void run(const Session& session, const Arguments& arguments)
     if (arguments.shard.is_given())
         place.path = arguments.shard.directory(place.path).string() + "/";
     MeshOutput output(session, place, names(targets), inputs);
-    // The meshes of a shard are not neighbours.
+    // The meshes of a shard are not neighbours, but of one path.
     const bool is_sequence = arguments.mode > 0 && !arguments.shard.is_given();
     Json figures =
         embed_and_write(session, arguments.embedding, model.topology, {model.reference_points},
                         targets, output, is_sequence ? TargetOrder::Sequence : TargetOrder::Any,
-                        is_sequence ? sweep_of(model, arguments) : std::nullopt);
+                        arguments.mode > 0 ? sweep_of(model, arguments) : std::nullopt);
     if (arguments.feasible)
         tell_moved(session, own, arguments.embedding.verbose, figures);
     session.print_figures(figures);
@@ -420,7 +423,7 @@ Run set_up_generate(CLI::App& command)
     CLI::Option* mode = add_integer(
         *points, "--mode", arguments->mode,
         "Points along mode K, [1, number of modes]; needs --sigma. Names: mode01_-2.00.ply.\n"
-        "Neighbours of 31 or more agree on every fold",
+        "Neighbours of 31 or more agree on every fold (method dihedral, quality fine)",
         1, std::numeric_limits<int>::max());
     points
         ->add_option("--scores", arguments->scores,

@@ -66,11 +66,13 @@ PathEmbedder::PathEmbedder(const Topology& topology, std::vector<Points> referen
     state_ = std::make_unique<State>(topology, std::move(references), std::move(path),
                                      std::move(progress));
     CoherentPathOptions& path_options = state_->options;
+    path_options.steps = state_->path.steps;
     path_options.smoothness = options.smoothness.value_or(default_smoothness);
     if (options.avoid_contact)
         state_->contacts.emplace(state_->topology, state_->references, state_->crossings,
                                  path_options.smoothness);
     path_options.anchor = std::min(path_options.anchor, options.anchor.value_or(default_anchor));
+    check(path_options);
 }
 
 PathEmbedder::~PathEmbedder() = default;

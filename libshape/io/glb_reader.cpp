@@ -410,6 +410,11 @@ void check_claims(const Glb& glb)
         asset != glb.root().end() && asset->is_object() ? glb.text(*asset, "version") : "";
     if (!version.starts_with("2."))
         glb.fail(join("the version of glTF is ", in_quotes(version), ", must be 2.0"));
+    for (const Json& used : glb.list(glb.root(), "extensionsUsed"))
+        if (used == "EXT_mesh_gpu_instancing")
+            glb.fail(
+                "shows copies of a mesh (EXT_mesh_gpu_instancing), which are not read; make them "
+                "meshes of their own, or export without instancing");
     for (const Json& required : glb.list(glb.root(), "extensionsRequired")) {
         const std::string name = required.is_string() ? required.get<std::string>() : "";
         const bool is_compression = name.find("compression") != std::string::npos;

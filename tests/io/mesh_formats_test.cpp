@@ -659,6 +659,8 @@ TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
              {"\"version\":\"2.0\"", "\"version\":\"1.0\"", "must be 2.0"},
              {"\"scene\":0", "\"extensionsRequired\":[\"EXT_meshopt_compression\"]",
               "without compression"},
+             {"\"scene\":0", "\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"]",
+              "shows copies of a mesh"},
              {"\"scene\":0", "\"extensionsRequired\":[\"ACME_folded_meshes\"]",
               "'ACME_folded_meshes'"},
              {"\"scene\":0",

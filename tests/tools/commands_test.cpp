@@ -208,6 +208,7 @@ TEST_F(Commands, NaturalOrder)
             // Nor is one behind the word.
             {"v1.2.9", "v1.9", "v1.10"},
             {"v1.9", "v1.10"},
+            {"rev1.9", "rev1.10"},
             {"model_V2.9", "model_V2.10", "model_V2.11"},
             {"face-version 0.9", "face-version 0.10"},
             {"v2.9_-2.00", "v2.9_-1.00", "v2.9_0.25", "v2.9_0.5", "v2.10_-2.00"},

@@ -101,6 +101,28 @@ TEST_F(Sequences, AModeGoesThroughTheMeshesOfWholeNumbers)
     }
 }
 
+TEST_F(Sequences, PartsAndShardsOfAModeAreThoseOfTheWhole)
+{
+    (void)run({"stats", "a.ply", "b.ply", "c.ply", "-o", "model.h5"});
+    const auto along = [&](const std::string& sigma, const std::string& to, const Arguments& more) {
+        (void)run(Arguments{"generate", "model.h5", "--mode", "1", "--sigma", sigma, "-o", to} +
+                  more);
+    };
+    along("-1:1:61", "whole", {});
+    along("0.2:0.9:22", "part", {});
+    along("-1:1:61", "shared", {"--shard", "1/2"});
+    along("-1:1:61", "shared", {"--shard", "2/2"});
+    (void)run_shape(folder_.path(), {"merge", "shared"});
+    ASSERT_EQ(files_in(folder_ / "shared"), files_in(folder_ / "whole"));
+    for (const char* sigma : {"0.20", "0.50", "0.90"}) {
+        const std::string name = std::string("/mode01_") + sigma + ".ply";
+        const Points a = read_mesh(folder_ / ("whole" + name)).points;
+        const Points b = read_mesh(folder_ / ("part" + name)).points;
+        EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-6 * bounding_box_diagonal(a)) << sigma;
+        EXPECT_EQ(a, read_mesh(folder_ / ("shared" + name)).points) << sigma;
+    }
+}
+
 TEST_F(Sequences, AModeOfAnArmDoesNotJump)
 {
     const std::filesystem::path arms = data_dir() / "mh_arm";

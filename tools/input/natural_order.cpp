@@ -114,7 +114,7 @@ bool is_version_word(std::string_view before)
     while (begin > 0 && is_letter(before[begin - 1]))
         --begin;
     const std::string word = internal::lower_case(std::string(before.substr(begin)));
-    return word == "v" || word == "ver" || word == "version";
+    return word == "v" || word == "ver" || word == "version" || word == "rev" || word == "revision";
 }
 
 /// Whether a number begins there that no version is spelled as: its fraction begins with a zero, and goes on.

@@ -332,7 +332,7 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
                                    session.progress());
         const auto make = [&](std::size_t i, const DecodedShape& shape) {
             return finish(targets[i].name, name(options.method),
-                          [&] { return frames.embed(i, std::get<ShapePoint>(shape)); });
+                          [&] { return frames.embed(targets[i].frame, std::get<ShapePoint>(shape)); });
         };
         return make_and_write(session, arguments, topology, targets, make, output, order);
     }

@@ -51,6 +51,7 @@ struct EmbeddingTarget
     std::string name;
     std::function<DecodedShape()> shape;
     const Points* place = nullptr; ///< A mesh that the result is moved rigidly onto, if any.
+    std::size_t frame = 0;         ///< Its number on the path, if it is of one.
 };
 
 /// A mesh as it is written, and what is said about it.
@@ -71,8 +72,8 @@ enum class TargetOrder
 /// Embeds all targets that are not meshes yet and writes them, target i into output i; prints a table
 /// of what they are worth and warns of infeasible ones and of jumps.
 /// @param references  As Embedder takes them.
-/// @param along  The path that all targets, points of edge-length space, are frames of; none: they are embedded by
-///     themselves.
+/// @param along  The path that all targets, points of edge-length space, are frames of, all of its or some; none: they
+///     are embedded by themselves.
 /// @return The fields `outputs` and `embeddings`; `jumps` of a sequence; `animation` if one is
 ///     written.
 /// @throws NumericalError if a target is infeasible and `strict` is set; InvalidInput and

@@ -41,19 +41,8 @@ bool is_fixed_string(hid_t type)
     return H5Tget_class(type) == H5T_STRING && checked(H5Tis_variable_str(type)) == 0;
 }
 
-Id open_single_value(hid_t file, const std::string& name)
+std::string read_text(hid_t attribute, hid_t type)
 {
-    Id attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
-    const Id space(H5Aget_space(attribute), H5Sclose);
-    if (checked(H5Sget_simple_extent_npoints(space)) != 1)
-        throw Refusal{"must be a single value"};
-    return attribute;
-}
-
-std::string read_text(hid_t file, const std::string& name)
-{
-    const Id attribute = open_single_value(file, name);
-    const Id type(H5Aget_type(attribute), H5Tclose);
     const std::size_t size = H5Tget_size(type);
     if (!is_fixed_string(type) || size > longest_string)
         throw Refusal{"must be a string of fixed length"};
@@ -62,10 +51,8 @@ std::string read_text(hid_t file, const std::string& name)
     return text;
 }
 
-std::int64_t read_integer(hid_t file, const std::string& name)
+std::int64_t read_integer(hid_t attribute, hid_t type)
 {
-    const Id attribute = open_single_value(file, name);
-    const Id type(H5Aget_type(attribute), H5Tclose);
     if (H5Tget_class(type) != H5T_INTEGER || H5Tget_size(type) > sizeof(std::int64_t))
         throw Refusal{"must be an integer"};
     std::int64_t value = 0;
@@ -73,25 +60,75 @@ std::int64_t read_integer(hid_t file, const std::string& name)
     return value;
 }
 
+StoredAttribute read_attribute(hid_t file, const std::string& name)
+{
+    StoredAttribute read{name, {}, {}};
+    const std::string refusal =
+        found([&] {
+            const Id attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
+            const Id space(H5Aget_space(attribute), H5Sclose);
+            if (checked(H5Sget_simple_extent_npoints(space)) != 1)
+                throw Refusal{"must be a single value"};
+            const Id type(H5Aget_type(attribute), H5Tclose);
+            read.text = found([&] { return read_text(attribute, type); });
+            read.integer = found([&] { return read_integer(attribute, type); });
+            return true;
+        }).refusal;
+    if (!refusal.empty()) {
+        read.text.refusal = refusal;
+        read.integer.refusal = refusal;
+    }
+    return read;
+}
+
+/// What an iteration of HDF5 lists. One by one, by their numbers, names take the square of the time.
+struct Names
+{
+    std::vector<std::string> names;
+    std::vector<bool> are_plain; ///< Of links: no link to elsewhere.
+    bool is_out_of_memory = false;
+    bool is_too_long = false; ///< One of them.
+
+    /// Does not throw: HDF5 is between it and who does the iteration.
+    herr_t add(const char* name, bool is_plain) noexcept
+    try {
+        is_too_long = std::strlen(name) > longest_string;
+        if (is_too_long)
+            return -1;
+        names.emplace_back(name);
+        are_plain.push_back(is_plain);
+        return 0;
+    } catch (...) {
+        is_out_of_memory = true;
+        return -1;
+    }
+
+    void check(herr_t result) const
+    {
+        if (is_out_of_memory)
+            throw std::bad_alloc();
+        if (is_too_long)
+            throw Refusal{"has a member with too long a name"};
+        checked(result);
+    }
+};
+
 /// Those of the root group.
 std::vector<StoredAttribute> read_attributes(hid_t file)
 {
-    H5O_info_t info;
-    checked(H5Oget_info2(file, &info, H5O_INFO_NUM_ATTRS));
+    Names listed;
+    const auto add = [](hid_t, const char* name, const H5A_info_t*, void* all) {
+        return static_cast<Names*>(all)->add(name, true);
+    };
+    listed.check(H5Aiterate2(file, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &listed));
     std::vector<StoredAttribute> attributes;
-    for (hsize_t i = 0; i < info.num_attrs; ++i) {
-        std::array<char, longest_string + 1> buffer{};
-        checked(H5Aget_name_by_idx(file, ".", H5_INDEX_NAME, H5_ITER_INC, i, buffer.data(),
-                                   buffer.size(), H5P_DEFAULT));
-        const std::string name(buffer.data());
-        attributes.push_back({name, found([&] { return read_text(file, name); }),
-                              found([&] { return read_integer(file, name); })});
-    }
+    for (const std::string& name : listed.names)
+        attributes.push_back(read_attribute(file, name));
     return attributes;
 }
 
-/// Names in a group, as they were made if the file knows, else sorted.
-std::vector<std::string> list_members(hid_t file, const std::string& group)
+/// What is in a group, in the order in which it was made if the file knows, else sorted.
+Names list_members(hid_t file, const std::string& group)
 {
     const Id opened(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose);
     const Id creation(H5Gget_create_plist(opened), H5Pclose);
@@ -99,31 +136,12 @@ std::vector<std::string> list_members(hid_t file, const std::string& group)
     checked(H5Pget_link_creation_order(creation, &order));
     const H5_index_t index =
         (order & H5P_CRT_ORDER_INDEXED) != 0 ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
-    H5G_info_t info;
-    checked(H5Gget_info(opened, &info));
-    std::vector<std::string> names;
-    for (hsize_t i = 0; i < info.nlinks; ++i) {
-        std::array<char, longest_string + 1> name{};
-        const ssize_t size = checked(H5Lget_name_by_idx(opened, ".", index, H5_ITER_INC, i,
-                                                        name.data(), name.size(), H5P_DEFAULT));
-        if (size > static_cast<ssize_t>(longest_string))
-            throw Refusal{"has a member with too long a name"};
-        names.emplace_back(name.data());
-    }
-    return names;
-}
-
-/// Why the member is not looked at; empty if it is.
-std::string refusal_of_link(hid_t file, const std::string& name)
-{
-    return found([&] {
-               H5L_info_t info;
-               checked(H5Lget_info(file, name.c_str(), &info, H5P_DEFAULT));
-               if (info.type != H5L_TYPE_HARD)
-                   throw Refusal{"is a link to elsewhere; only plain members are read"};
-               return true;
-           })
-        .refusal;
+    Names listed;
+    const auto add = [](hid_t, const char* name, const H5L_info_t* link, void* all) {
+        return static_cast<Names*>(all)->add(name, link->type == H5L_TYPE_HARD);
+    };
+    listed.check(H5Literate(opened, index, H5_ITER_INC, nullptr, add, &listed));
+    return listed;
 }
 
 StoredDataset::Type type_of(hid_t type)
@@ -221,13 +239,15 @@ public:
 private:
     void read_group(const std::string& group)
     {
-        auto& members = content_.groups[group] = found([&] { return list_members(file_, group); });
-        for (const std::string& member : members.value) {
-            const std::string name = (group == "/" ? "" : group) + "/" + member;
+        const Found<Names> members = found([&] { return list_members(file_, group); });
+        content_.groups[group] = {members.value.names, members.refusal};
+        for (std::size_t i = 0; i < members.value.names.size(); ++i) {
+            const std::string name = (group == "/" ? "" : group) + "/" + members.value.names[i];
             StoredObject& object = content_.objects[name];
-            object.refusal = refusal_of_link(file_, name);
-            if (object.refusal.empty())
+            if (members.value.are_plain[i])
                 object.dataset = found([&] { return read_dataset(name); });
+            else
+                object.refusal = "is a link to elsewhere; only plain members are read";
         }
     }
 

@@ -185,7 +185,7 @@ std::optional<FileContent> receive(const Pipe& pipe, std::uint64_t size)
 std::string ending(int signal)
 {
     if (signal == SIGXCPU || signal == SIGALRM || signal == SIGKILL)
-        return "took too long";
+        return "took too long (a sound one may have too many members)";
     return join("crashed (signal ", signal, ")");
 }
 
