@@ -104,7 +104,7 @@ Eigen::VectorXd weights(const FlatShell& flat)
     constexpr double line = 1e-3; // of the trace: a shell near a line says nothing across it
     const Eigen::Index count = flat.shell.rows();
     Eigen::Matrix2d squares = flat.shell.transpose() * flat.shell;
-    const Eigen::VectorXd mean = Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count));
+    Eigen::VectorXd mean = Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count));
     const double trace = squares.trace();
     if (!(trace > 0.0))
         return mean;

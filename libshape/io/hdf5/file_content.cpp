@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 #include "libshape/base/format.h"
 #include "libshape/base/to_size.h"
@@ -280,6 +281,7 @@ private:
         if (declared.type == Type::Float64 && declared.layout == Layout::Contiguous) {
             declared.offset = H5Dget_offset(dataset);
         } else if (declared.type == Type::Float64 && declared.layout == Layout::Chunked) {
+            static_assert(std::has_unique_object_representations_v<ChunkTable::Chunk>);
             const auto chunks = list_chunks(dataset, declared, file_size_);
             const std::uint64_t size = chunks.size() * sizeof(chunks.front());
             std::memcpy(append(size, declared), chunks.data(), size);

@@ -20,7 +20,8 @@ struct ChunkTable
     {
         std::uint64_t offset; ///< In the file [byte].
         std::uint64_t size;   ///< As stored [byte].
-        unsigned skipped;     ///< Bit i: filter i was not applied.
+        std::uint64_t
+            skipped; ///< Bit i: filter i was not applied. As wide as the others: no padding, equal bytes.
     };
     std::string file;    ///< Path, for reading and for messages.
     std::string dataset; ///< For messages.
