@@ -158,6 +158,9 @@ TEST(PathEmbedder, RefusesWhatItCannotFollow)
         PathEmbedder(pair.topology, pair.points, path, {.quality = EmbeddingQuality::Preview}),
         InvalidInput);
     EXPECT_THROW(PathEmbedder(pair.topology, {}, path), InvalidInput);
+    path.steps = 7;
+    EXPECT_THROW(PathEmbedder(pair.topology, pair.points, path), InvalidInput);
+    path.steps = 8;
     for (const std::vector<double>& stations :
          {std::vector<double>{0.5}, std::vector<double>{0.0, 0.0}}) {
         path.stations = stations;

@@ -6,8 +6,10 @@
 #include <sys/wait.h>
 
 #include "libshape/base/error.h"
+#include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/hdf5/content_bytes.h"
+#include "libshape/io/hdf5/handles.h"
 #include "libshape/io/hdf5/untrusted_files.h"
 #include "libshape/synthetic/synthetic.h"
 #include "tests/support/data.h"
@@ -57,6 +59,20 @@ TEST_F(IsolationTest, GivesTheSameContent)
     EXPECT_TRUE(here.values == apart.values);
     EXPECT_FALSE(here.values.empty());
     EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+}
+
+TEST_F(IsolationTest, ReadsThousandsOfForeignMembersWithinItsLimits)
+{
+    constexpr int count = 5000;
+    {
+        const Id file(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+        for (int i = 0; i < count; ++i)
+            (void)Id(H5Gcreate2(file, join("g", i).c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Gclose);
+    }
+    const Isolation isolation;
+    EXPECT_GT(read().groups.at("/").value.size(), std::size_t{count});
+    EXPECT_EQ(read_collection(path_).size(), 15U);
 }
 
 TEST_F(IsolationTest, RefusesWhatCrashesHdf5)
