@@ -331,8 +331,9 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
         const FrameEmbedder frames(topology, references, options, std::move(along),
                                    session.progress());
         const auto make = [&](std::size_t i, const DecodedShape& shape) {
-            return finish(targets[i].name, name(options.method),
-                          [&] { return frames.embed(targets[i].frame, std::get<ShapePoint>(shape)); });
+            return finish(targets[i].name, name(options.method), [&] {
+                return frames.embed(targets[i].frame, std::get<ShapePoint>(shape));
+            });
         };
         return make_and_write(session, arguments, topology, targets, make, output, order);
     }
