@@ -289,7 +289,7 @@ std::vector<double> stations_of(double from, double to)
     return stations;
 }
 
-/// The path along a mode [standard deviations], if its points are those of edge-length space alone.
+/// The path along a mode [standard deviations], if its points are of edge-length space.
 /// @param model  Outlives it.
 std::optional<FramePath> sweep_of(const ShapeModel& model, const Arguments& arguments)
 {
@@ -298,9 +298,7 @@ std::optional<FramePath> sweep_of(const ShapeModel& model, const Arguments& argu
     const auto shape = [&model, size, mode = arguments.mode](double sigma) {
         return model_point(model, scores_along(model, mode, sigma), size);
     };
-    const DecodedShape first = shape(sigmas.front());
-    const ShapePoint* const point = std::get_if<ShapePoint>(&first);
-    if (sigmas.size() < 2 || point == nullptr || point->positions.rows() > 0)
+    if (sigmas.size() < 2 || !std::holds_alternative<ShapePoint>(shape(sigmas.front())))
         return {};
     constexpr int steps_between_stations = 15;
     const std::vector<double> stations = stations_of(sigmas.front(), sigmas.back());

@@ -37,7 +37,8 @@ inline constexpr double default_smoothness = 5e-3;
 /// Largest weight of the distance from the companion mesh: nu of docs/embedding.md [1].
 inline constexpr double default_anchor = 0.05;
 
-/// Weight of the distance from positions that belong to the target, which are data as lengths are.
+/// Weight of the distance from positions that belong to the target, which are data as lengths are; where lengths and
+/// angles hardly resist up to a hundred times as much in the end (docs/embedding.md, models).
 inline constexpr double default_position_anchor = 1.0;
 
 /// Fields that belong to a method may be set only where it is chosen; what is not set has its default.

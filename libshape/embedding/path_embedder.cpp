@@ -72,6 +72,7 @@ PathEmbedder::PathEmbedder(const Topology& topology, std::vector<Points> referen
         state_->contacts.emplace(state_->topology, state_->references, state_->crossings,
                                  path_options.smoothness);
     path_options.anchor = std::min(path_options.anchor, options.anchor.value_or(default_anchor));
+    path_options.position_anchor = options.anchor.value_or(default_position_anchor);
     check(path_options);
 }
 

@@ -28,7 +28,9 @@ PATHS = {"arm": ("mh_arm", ["elbow_000", "elbow_1000"]), "hand": ("mh_hand", ["f
          "twist": ("mh_body_poses", ["twist", "tpose"]), "bow": ("mh_body_poses", ["bow", "arms_up"])}
 
 MODES = {"arm, mode 1": ("mh_arm", 1), "arm, mode 2": ("mh_arm", 2), "hand, mode 1": ("mh_hand", 1),
-         "hand, mode 2": ("mh_hand", 2), "bodies, mode 1": ("mh_body_poses", 1)}
+         "hand, mode 2": ("mh_hand", 2), "bodies, mode 1": ("mh_body_poses", 1),
+         "hand with positions, mode 2": ("mh_hand", 2, "--with-positions", "5"),
+         "faces with positions, mode 1": ("ict_faces600", 1, "--with-positions", "5")}
 
 
 def hinges(faces):
@@ -83,10 +85,10 @@ def runs(name, frames, data, shape, work):
     if name in PATHS:
         folder, files = PATHS[name]
         return ["interpolate", *(str(data / folder / f"{file}.ply") for file in files), "--frames", str(frames)], None
-    folder, mode = MODES[name]
-    model = Path(work) / f"{folder}.h5"
+    folder, mode, *space = MODES[name]
+    model = Path(work) / f"{folder}{len(space)}.h5"
     if not model.exists():
-        subprocess.run([shape, "stats", str(data / folder), "-o", str(model), "--quiet"], check=True)
+        subprocess.run([shape, "stats", str(data / folder), *space, "-o", str(model), "--quiet"], check=True)
     sigma = lambda file: float(file.stem.split("_")[1])
     return ["generate", str(model), "--mode", str(mode), "--sigma", f"-1:1:{frames}"], sigma
 

@@ -408,6 +408,47 @@ TEST(Embedder, PositionsHoldTheMeshMoreFirmlyTheMoreTheyWeigh)
         Embedder(pair.meshes.topology, pair.meshes.points, {.anchor = 1.0}).embed(half).points);
 }
 
+/// How far a mesh ends from its positions, once by one anchor all the way and once by the default, where it may become
+/// firmer after the second repair [% of the diagonal].
+std::pair<double, double> distances_from_positions(const test::TestMesh& mesh,
+                                                   const ShapePoint& target)
+{
+    const DihedralEmbedder embedder(mesh.topology, {mesh.points});
+    const auto distance = [&](const DihedralEmbeddingOptions& options) {
+        const DihedralEmbedding embedding = embedder.embed(target, options);
+        const Points& to = embedding.companion;
+        return 100.0 *
+               relative_distance(embedding.points, best_rigid_motion(to, embedding.points)(to));
+    };
+    return {distance({.repairs = {24}}), distance({})};
+}
+
+TEST(Embedder, PositionsHoldFirmlyWhereLengthsDoNotResist)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.2, 5);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+    target.positions = mesh.points;
+    Random random(7);
+    // Lengths that no mesh has, beside the positions of one that is in their middle.
+    for (double& length : target.edge_lengths)
+        length *= 1.0 + 0.03 * random.normal();
+    const auto [constant, firmer] = distances_from_positions(mesh, target);
+    EXPECT_GT(constant, 0.05);
+    EXPECT_LT(firmer, 0.5 * constant);
+    EXPECT_GT(firmer, 0.0);
+}
+
+TEST(Embedder, PositionsHoldNoFirmerWhereLengthsResist)
+{
+    const test::TestMesh mesh = test::bumpy_sphere(3, 0.2, 5);
+    ShapePoint target = test::shape_of(mesh.topology, mesh.points);
+    // Shrunken along one axis, as blends of poses are.
+    target.positions = mesh.points * Eigen::Vector3d(1.0, 1.0, 0.9).asDiagonal();
+    const auto [constant, firmer] = distances_from_positions(mesh, target);
+    EXPECT_GT(constant, 0.5);
+    EXPECT_NEAR(firmer, constant, 0.02 * constant);
+}
+
 TEST(Embedder, PositionsMayHaveAnyPose)
 {
     const Pair pair = bumpy_pair();

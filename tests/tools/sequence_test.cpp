@@ -87,17 +87,20 @@ TEST_F(Sequences, AModeIsAnAnimationToo)
 
 TEST_F(Sequences, AModeGoesThroughTheMeshesOfWholeNumbers)
 {
-    (void)run({"stats", "a.ply", "b.ply", "c.ply", "-o", "model.h5"});
-    const auto along = [&](const std::string& sigma, const std::string& to) {
-        return run({"generate", "model.h5", "--mode", "1", "--sigma", sigma, "-o", to});
-    };
-    EXPECT_EQ(along("1.5:-1.5:61", "dense")["jumps"], Json::array());
-    (void)along("-1:1:3", "alone");
-    for (const char* sigma : {"-1.00", "0.00", "1.00"}) {
-        const std::string name = std::string("/mode01_") + sigma + ".ply";
-        const Points a = read_mesh(folder_ / ("dense" + name)).points;
-        const Points b = read_mesh(folder_ / ("alone" + name)).points;
-        EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-6 * bounding_box_diagonal(b)) << sigma;
+    for (const Arguments& space : std::vector<Arguments>{{}, {"--with-positions", "5"}}) {
+        const std::string model = space.empty() ? "model" : "placed";
+        (void)run(Arguments{"stats", "a.ply", "b.ply", "c.ply", "-o", model + ".h5"} + space);
+        const auto along = [&](const std::string& sigma, const std::string& to) {
+            return run({"generate", model + ".h5", "--mode", "1", "--sigma", sigma, "-o", to});
+        };
+        EXPECT_EQ(along("1.5:-1.5:61", model + "_dense")["jumps"], Json::array());
+        (void)along("-1:1:3", model + "_alone");
+        for (const char* sigma : {"-1.00", "0.00", "1.00"}) {
+            const std::string name = std::string("/mode01_") + sigma + ".ply";
+            const Points a = read_mesh(folder_ / (model + "_dense" + name)).points;
+            const Points b = read_mesh(folder_ / (model + "_alone" + name)).points;
+            EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-6 * bounding_box_diagonal(b)) << sigma;
+        }
     }
 }
 

@@ -276,7 +276,8 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
              "and angles resist; >= 0, 0: not at all; along paths whose frames agree with each\n"
              "other at most 0.01 (default: ",
              default_anchor,
-             ").\nOf models with positions: how firmly near these, whatever resists (default: ",
+             ").\nOf models with positions: how firmly near these, up to a hundred times as firmly\n"
+             "where lengths and angles hardly resist (default: ",
              default_position_anchor, ").\nOf the method dihedral"))
         ->check([](const std::string& text) {
             return std::strtod(text.c_str(), nullptr) < 0.0 ? text + " must be >= 0" : "";

@@ -85,6 +85,7 @@ struct Step
 {
     double t = 0.0;
     VectorXd points;         ///< In the order of the system, row by row.
+    double hold = 0.0;       ///< How firmly near its positions (hold_near()).
     bool is_between = false; ///< Held between two branches: no minimum of E.
 };
 
@@ -101,6 +102,7 @@ void check(const CoherentPathOptions& options)
 {
     require_positive(options.smoothness, "CoherentPathOptions.smoothness");
     require_not_negative(options.anchor, "CoherentPathOptions.anchor");
+    require_not_negative(options.position_anchor, "CoherentPathOptions.position_anchor");
     require_at_least(8, options.steps, "CoherentPathOptions.steps");
     require_at_least(2, options.branch_steps, "CoherentPathOptions.branch_steps");
     require_at_least(1, options.crossing_steps, "CoherentPathOptions.crossing_steps");
@@ -170,16 +172,19 @@ struct CoherentPath::State
     }
 
     /// The linear start towards what nearly belongs to a mesh, and a descent to the target.
+    /// @param hold  Of the target's positions, if it has any.
     [[nodiscard]] VectorXd followed(const ShapePoint& target, const ShapePoint& difference,
-                                    int steps) const
+                                    int steps, double hold) const
     {
         LengthDihedralEnergy to = energy(target);
         const auto start = system.starts.borrow();
         const VectorXd companion = in_rows(start->points(target, 3));
         const double share = start->turn_share();
         VectorXd points = started(*start, target, difference, share);
-        if (share > 0.0 && options.anchor > 0.0)
-            to.hold_near(fitted(companion, points), share * options.anchor);
+        if (target.positions.rows() > 0)
+            hold_near({{in_rows(target.positions), hold}}, points, to);
+        else if (share > 0.0)
+            hold_near({{companion, share * options.anchor}}, points, to);
         return descended(to, std::move(points), steps);
     }
 
@@ -201,13 +206,50 @@ struct CoherentPath::State
         return in_rows(best_rigid_motion(points, as_points(fixed))(points));
     }
 
-    /// The mesh of a station.
-    [[nodiscard]] VectorXd embedded(double t) const
+    /// Meshes and how firmly one is held near each.
+    using Holds = std::vector<std::pair<VectorXd, double>>;
+
+    /// Holds a mesh near several others at once: near their mean, weighted.
+    static void hold_near(const Holds& holds, const VectorXd& points, LengthDihedralEnergy& energy)
+    {
+        double weights = 0.0;
+        VectorXd mean = VectorXd::Zero(points.size());
+        for (const auto& [mesh, weight] : holds) {
+            if (!(weight > 0.0))
+                continue;
+            mean += weight * fitted(mesh, points);
+            weights += weight;
+        }
+        if (weights > 0.0)
+            energy.hold_near(mean / weights, weights);
+    }
+
+    /// Embeds the mesh of a station.
+    void embed(Step& step) const
     {
         DihedralEmbeddingOptions fine;
         fine.smoothness = options.smoothness;
-        return in_rows(system.unit *
-                       renumbered(system.renumbering, embedder.embed(target_at(t), fine).points));
+        fine.position_anchor = options.position_anchor;
+        const DihedralEmbedding made = embedder.embed(target_at(step.t), fine);
+        step.points = in_rows(system.unit * renumbered(system.renumbering, made.points));
+        step.hold = made.position_hold;
+    }
+
+    /// How firmly the first and the last step are held goes over into each other by a constant factor a step.
+    static void spread_holds(std::vector<Step>& steps)
+    {
+        const double first = steps.front().hold;
+        const double last = steps.back().hold;
+        if (!(std::min(first, last) > 0.0))
+            return;
+        for (std::size_t i = 1; i + 1 < steps.size(); ++i)
+            steps[i].hold = hold_between(
+                first, last, static_cast<double>(i) / static_cast<double>(steps.size() - 1));
+    }
+
+    static double hold_between(double first, double last, double share)
+    {
+        return first > 0.0 ? first * std::pow(last / first, share) : 0.0;
     }
 
     /// Steps followed from the first to the last.
@@ -216,7 +258,7 @@ struct CoherentPath::State
         ShapePoint difference_before = difference(steps.front().points, target(steps.front().t));
         for (std::size_t i = 1; i < steps.size(); ++i) {
             const ShapePoint to = target(steps[i].t);
-            steps[i].points = followed(to, difference_before, options.branch_steps);
+            steps[i].points = followed(to, difference_before, options.branch_steps, steps[i].hold);
             difference_before = difference(steps[i].points, to, &difference_before);
             each();
         }
@@ -236,12 +278,12 @@ struct CoherentPath::State
     }
 
     /// Part of the way from one branch to the other.
-    [[nodiscard]] VectorXd blended(double t, const VectorXd& first, const VectorXd& second,
+    [[nodiscard]] VectorXd blended(const Step& first, const Step& second,
                                    const BranchCrossings& crossings, std::size_t place) const
     {
-        const ShapePoint to = target(t);
-        ShapePoint mixed = difference(first, to);
-        const ShapePoint other = difference(second, to, &mixed);
+        const ShapePoint to = target(first.t);
+        ShapePoint mixed = difference(first.points, to);
+        const ShapePoint other = difference(second.points, to, &mixed);
         for (int e = 0; e < topology().edge_count(); ++e) {
             const double share = crossings.share(e, place);
             mixed.edge_lengths[e] += share * (other.edge_lengths[e] - mixed.edge_lengths[e]);
@@ -251,7 +293,8 @@ struct CoherentPath::State
         mixed.patch_turns += crossings.share(place) * (other.patch_turns - mixed.patch_turns);
         return followed(
             to, mixed,
-            crossings.folds.empty() ? options.branch_steps : std::max(2, options.sweep_steps / 4));
+            crossings.folds.empty() ? options.branch_steps : std::max(2, options.sweep_steps / 4),
+            first.hold);
     }
 
     /// A mesh of a crossing, relaxed between its neighbours.
@@ -289,9 +332,10 @@ struct CoherentPath::State
         LengthDihedralEnergy between = energy(to);
         between.hold_sums(std::move(sums));
         const VectorXd& points = part.steps[i].points;
-        between.hold_near(0.5 * (fitted(part.steps[i - 1].points, points) +
-                                 fitted(part.steps[i + 1].points, points)),
-                          neighbour_hold);
+        hold_near({{part.steps[i - 1].points, 0.5 * neighbour_hold},
+                   {part.steps[i + 1].points, 0.5 * neighbour_hold},
+                   {in_rows(to.positions), part.steps[i].hold}},
+                  points, between);
         return descended(between, points, options.sweep_steps);
     }
 
@@ -318,10 +362,11 @@ struct CoherentPath::State
 
     [[nodiscard]] Part solve(std::vector<Step> steps, const std::function<void()>& each) const
     {
+        embed(steps.front());
+        embed(steps.back());
+        spread_holds(steps);
         std::vector<Step> reversed(steps.rbegin(), steps.rend());
         const std::array<std::vector<Step>*, 2> branches{&steps, &reversed};
-        for (auto* const branch : branches)
-            branch->front().points = embedded(branch->front().t);
         for (auto* const branch : branches)
             follow(*branch, each);
         std::reverse(reversed.begin(), reversed.end());
@@ -338,7 +383,7 @@ struct CoherentPath::State
         std::vector<VectorXd> meshes(between.size());
         parallel_for(between.size(), 1, [&](std::size_t k, std::size_t) {
             const std::size_t i = between[k];
-            meshes[k] = blended(steps[i].t, steps[i].points, reversed[i].points, crossings, i);
+            meshes[k] = blended(steps[i], reversed[i], crossings, i);
         });
         part.steps = std::move(steps);
         for (std::size_t i = 0; i < part.steps.size(); ++i)
@@ -378,6 +423,8 @@ struct CoherentPath::State
         ShapePoint to = target(t);
         LengthDihedralEnergy wanted = energy(to);
         const VectorXd mean = a.points + share * (fitted(b.points, a.points) - a.points);
+        const double hold = hold_between(a.hold, b.hold, share);
+        const VectorXd positions = in_rows(to.positions);
         VectorXd start;
         double weight = 0.0; // companions may be elsewhere than those of the steps
         {
@@ -393,7 +440,7 @@ struct CoherentPath::State
         if (wanted.evaluate(mean, gradient) < wanted.evaluate(start, gradient))
             start = mean;
         if (!a.is_between && !b.is_between) {
-            wanted.hold_near(start, weight);
+            hold_near({{start, weight}, {positions, hold}}, start, wanted);
             return descended(wanted, start, smoothing_steps);
         }
         const VectorXd direction = (dihedral_angles(topology(), as_points(b.points)) -
@@ -412,7 +459,7 @@ struct CoherentPath::State
         for (AngleSum& pace : sums)
             pace.stiffness *= half_way_share;
         held.hold_sums(std::move(sums));
-        held.hold_near(fitted(mean, start), neighbour_hold);
+        hold_near({{mean, neighbour_hold}, {positions, hold}}, start, held);
         return descended(held, start, 4 * options.sweep_steps);
     }
 };
@@ -486,7 +533,9 @@ DihedralEmbedding CoherentPath::at(double t) const
     VectorXd gradient;
     result.energy = energy.evaluate(points, gradient);
     result.points = s.system.result_of(points);
-    if (target.patch_turns.size() > 0) {
+    if (target.positions.rows() > 0) {
+        result.companion = s.system.result_of(in_rows(target.positions));
+    } else if (target.patch_turns.size() > 0) {
         const auto start = s.system.starts.borrow();
         result.companion = s.system.result_of(in_rows(start->points(target, 3)));
     }

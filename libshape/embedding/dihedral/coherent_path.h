@@ -18,6 +18,9 @@ struct CoherentPathOptions
     double smoothness = usual_smoothness;
     /// Branches are held near the companions of their targets by this (hold_near()); >= 0.
     double anchor = 0.01;
+    /// Meshes of stations whose targets have positions are held near them by this
+    /// (DihedralEmbeddingOptions::position_anchor), those between as firmly as these ended; >= 0.
+    double position_anchor = 1.0;
     /// The path is solved at this many steps, dealt out to its parts; >= 8.
     int steps = 60;
     /// From step to step a branch descends by this many linear steps; >= 2.

@@ -27,15 +27,24 @@ using Eigen::VectorXd;
 constexpr double probing_anchor = 0.003;
 
 /// What is left of an anchor where E wants another mesh in the large.
-/// @param resistance  #E d^2 / E, d being the relative_distance() of the probe from the companion.
-double yielding(double anchor, double resistance)
+/// @param resistance  #E d^2 / E, d being the relative_distance() of the mesh from the companion.
+/// @param strong  The resistance that leaves a half.
+double yielding(double anchor, double resistance, double strong)
 {
-    // Between the resistances of pairs that are held at little cost (0.18 to 0.49: arm, hands, face, walk)
-    // and of those that pay in edges (1.2 and 1.9: a hand, the body; docs/embedding.md). The fourth power
-    // is nearly a switch, but without a jump.
-    constexpr double strong = 0.6;
+    // The fourth power is nearly a switch, but without a jump.
     return anchor / (1.0 + std::pow(resistance / strong, 4));
 }
+
+/// Between the resistances, to probing_anchor, of pairs that are held near their turns at little cost (0.18 to 0.49:
+/// arm, hands, face, walk) and of those that pay in edges (1.2 and 1.9: a hand, the body; docs/embedding.md).
+constexpr double strong_against_turns = 0.6;
+
+/// Between the resistances, to DihedralEmbeddingOptions::position_anchor, of faces and walks that a model had not seen
+/// (0.02 to 0.09) and of means of poses, whose positions are shrunken (0.35 to 4; docs/embedding.md).
+constexpr double strong_against_positions = 0.1;
+
+/// Positions that E does not resist hold a mesh so many times as firmly.
+constexpr double firm = 100.0;
 
 } // namespace
 
@@ -116,10 +125,12 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     if (has_positions || has_companion)
         result.companion =
             s.result_of((has_positions ? target.positions : linear).reshaped<Eigen::RowMajor>());
-    if (has_positions && options.position_anchor > 0.0)
+    if (has_positions && options.position_anchor > 0.0) {
+        result.position_hold = options.position_anchor;
         energy.hold_near(best_rigid_motion(target.positions, linear)(target.positions)
                              .reshaped<Eigen::RowMajor>(),
                          options.position_anchor);
+    }
     int first_linear_steps = options.first_linear_steps;
     Descender descender(energy, s.laplacian.single_precision());
     const auto descend_to = [&](int iterations) {
@@ -143,25 +154,34 @@ DihedralEmbedding DihedralEmbedder::embed(const ShapePoint& point,
     };
     if (options.relax_start)
         repair(hot_spots(energy, points));
-    // Folds show once what is rough about the start is gone. From then on the mesh is held near it, weakly
+    // Folds show once what is rough about the start is gone. From then on the mesh is held near its companion, weakly
     // at first: how far it goes all the same says how firmly it may be held.
-    const bool is_held = !has_positions && start->turn_share() > 0.0 && options.anchor > 0.0;
+    const double probing = has_positions
+                               ? options.position_anchor
+                               : start->turn_share() * std::min(probing_anchor, options.anchor);
     for (std::size_t i = 0; i < options.repairs.size(); ++i) {
         if (options.repairs[i] > options.max_iterations || result.converged)
             break;
         descend_to(options.repairs[i]);
         repair(folded_regions(topology, points, target.dihedral_angles, options.folds));
-        if (!is_held || result.energy <= nothing || result.iterations >= options.max_iterations)
+        if (probing <= 0.0 || result.energy <= nothing ||
+            result.iterations >= options.max_iterations)
             continue;
+        const Points& companion = has_positions ? target.positions : linear;
         const Points here = points.reshaped<Eigen::RowMajor>(linear.rows(), 3);
-        const Points companion = best_rigid_motion(linear, here)(linear);
-        double weight = probing_anchor;
+        const Points aligned = best_rigid_motion(companion, here)(companion);
+        double weight = probing;
         if (i > 0) {
-            const double way = relative_distance(here, companion);
-            weight = yielding(options.anchor, topology.edge_count() * way * way / result.energy);
+            const double way = relative_distance(here, aligned);
+            const double resistance = topology.edge_count() * way * way / result.energy;
+            weight = has_positions ? probing + yielding((firm - 1.0) * probing, resistance,
+                                                        strong_against_positions)
+                                   : start->turn_share() *
+                                         yielding(options.anchor, resistance, strong_against_turns);
         }
-        energy.hold_near(companion.reshaped<Eigen::RowMajor>(),
-                         start->turn_share() * std::min(weight, options.anchor));
+        energy.hold_near(aligned.reshaped<Eigen::RowMajor>(), weight);
+        if (has_positions)
+            result.position_hold = weight;
         first_linear_steps = options.first_linear_steps + options.first_linear_steps / 2;
         result.converged = false;
     }

@@ -25,8 +25,8 @@ struct DihedralEmbeddingOptions
     /// From the second repair on a mesh whose target has turns is held near where it started by at most
     /// this (nu of hold_near()), less where transitions agree (turn_share()) or E resists; >= 0.
     double anchor = 0.05;
-    /// A mesh whose target has positions is held near them by this from the start on (nu of hold_near());
-    /// >= 0.
+    /// A mesh whose target has positions is held near them by this from the start on (nu of hold_near()),
+    /// from the second repair on up to a hundred times as firmly where E hardly resists; >= 0.
     double position_anchor = 1.0;
     /// The linear start is followed by this many face steps; >= 0.
     int local_global_steps = 3;
@@ -65,6 +65,8 @@ struct DihedralEmbedding
     int back_substitutions =
         0;                    ///< With the factor of the vertex Laplacian, three right-hand sides.
     int repaired_regions = 0; ///< region_repair.h
+    double position_hold =
+        0.0; ///< nu of hold_near() that held it near its positions at the end; 0 without any.
     bool converged = false;
 };
 
@@ -81,7 +83,7 @@ struct DihedralEmbedding
 ///    folds are turned back (fold_regions.h, region_repair.h). From the first of these on a mesh whose
 ///    target has turns is held near its linear start, weakly; from the second on as firmly as the
 ///    energy allows, which the way it went meanwhile shows (docs/embedding.md). One whose target has
-///    positions is held near these all the way. A preview starts with the hot spots
+///    positions is held near these all the way, at the end as well the more firmly the less E resists. A preview starts with the hot spots
 ///    (hot_spots.h): what is wrong with a start is in a few places, where global steps are small.
 ///
 /// What depends on topology and references alone is kept: patches and the factor of the Laplacian

@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "libshape/base/error.h"
 #include "libshape/edge_space/paths.h"
+#include "libshape/mesh/alignment.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/collections.h"
 #include "tests/support/dents.h"
@@ -116,6 +120,45 @@ TEST(CoherentPath, GoesWithoutTurns)
                   .cwiseAbs()
                   .maxCoeff(),
               0.02);
+}
+
+TEST(CoherentPath, HoldsStepsAndWhatLiesBetweenThemNearPositionsAsFirmlyAsStations)
+{
+    const Collection pair = test::bumpy_spheres(2, 5);
+    const ShapeVectors vectors = shape_vectors(pair, Scale::None);
+    const DihedralEmbedder embedder(pair.topology, pair.points);
+    const Points second = best_rigid_motion(pair.points[1], pair.points[0])(pair.points[1]);
+    const auto target = [&](double t) {
+        ShapePoint point = blend(vectors, line_weights(2, t), LengthBlend::Plain);
+        point.patch_turns.resize(0);
+        // Shrunken at both ends, so that lengths resist everywhere and the anchor stays as it is.
+        point.positions = 0.9 * ((1.0 - t) * pair.points[0] + t * second);
+        return point;
+    };
+    const auto distance = [&](const Points& points, double t) {
+        const Points positions = target(t).positions;
+        return relative_distance(best_rigid_motion(positions, points)(positions), points);
+    };
+    double last = std::numeric_limits<double>::infinity();
+    for (const double anchor : {0.0, 30.0, 300.0}) {
+        const CoherentPath path(embedder, target, {0.0, 1.0},
+                                {.position_anchor = anchor, .steps = 8});
+        const DihedralEmbedding end = embedder.embed(target(1.0), {.position_anchor = anchor});
+        EXPECT_NEAR(distance(path.at(1.0).points, 1.0), distance(end.points, 1.0), 1e-9);
+        double farthest = 0.0;
+        for (const double t : {0.25, 0.4, 0.5, 0.56}) { // steps, and places between two
+            const DihedralEmbedding mesh = path.at(t);
+            EXPECT_EQ(mesh.companion.rows(), pair.points[0].rows());
+            // Alone it is held as firmly.
+            EXPECT_NEAR(distance(mesh.points, t),
+                        distance(embedder.embed(target(t), {.position_anchor = anchor}).points, t),
+                        0.03 * distance(end.points, 1.0))
+                << anchor << ' ' << t;
+            farthest = std::max(farthest, distance(mesh.points, t));
+        }
+        EXPECT_LT(farthest, 0.9 * last);
+        last = farthest;
+    }
 }
 
 } // namespace
