@@ -295,15 +295,20 @@ Result check_all(const Session& session, const Arguments& arguments, PolygonCuts
     for (std::size_t i = 0; i < files.size(); ++i) {
         progress("checking", i, files.size());
         FileContent content;
-        try {
-            content = read_mesh_file(files[i], arguments.meshes.triangulate, &cuts);
-            notes.add(files[i], content);
-        } catch (const InvalidInput& error) {
+        const auto cannot_be_read = [&](const std::exception& error) {
             result.meshes.push_back({files[i].stem().string(),
                                      files[i].string(),
                                      {{"unreadable", -1, -1, error.what()}},
                                      "the mesh cannot be read"});
             result.meshes.back().is_readable = false;
+        };
+        try {
+            content = read_mesh_file(files[i], arguments.meshes.triangulate, &cuts);
+            notes.add(files[i], content);
+        } catch (const InvalidInput& error) {
+            cannot_be_read(error);
+        } catch (const LimitExceeded& error) { // of this file; the others are checked all the same
+            cannot_be_read(error);
         }
         append_labels(result.labels, result.readable.size(), content.labels, content.meshes.size());
         for (NamedMesh& mesh : content.meshes) {
@@ -360,7 +365,37 @@ std::string print(const Topology& topology, const Result& result)
                        : join("conformal map to the sphere: no, ", sound->no_sphere, "\n"));
 }
 
-/// A summary, then the meshes that something is wrong with; the good ones if asked.
+std::string print(const CheckedMesh& mesh)
+{
+    std::string text;
+    for (const Finding& finding : mesh.findings)
+        text += join("  ", finding.kind, ": ", finding.message, "\n");
+    for (const Finding& warning : mesh.warnings)
+        text += warning.kind == "touching"
+                    ? join("  warning: ", warning.kind, ": ", warning.message, "\n")
+                    : join("  warning: ", warning.kind, " (above)\n");
+    return text;
+}
+
+/// What is said of a mesh, wherever its path stands in it.
+std::string without(const std::string& path, std::string text)
+{
+    if (!path.empty())
+        for (std::size_t at = text.find(path); at != text.npos; at = text.find(path, at))
+            text.erase(at, path.size());
+    return text;
+}
+
+/// "  and 3 more, alike: a.ply, b.ply and c.ply".
+std::string print_alike(const std::vector<std::string>& paths)
+{
+    std::vector<std::size_t> all(paths.size());
+    std::iota(all.begin(), all.end(), 0);
+    return join("  and ", paths.size(), " more, alike: ", list_names(paths, all), "\n");
+}
+
+/// A summary, then the meshes that something is wrong with, those alike together; with `verbose` each by itself, and the
+/// good ones.
 std::string print(const Result& result, bool verbose)
 {
     const auto broken = count_broken(result);
@@ -372,27 +407,41 @@ std::string print(const Result& result, bool verbose)
         text += print(*result.topology, result);
     for (const Finding& warning : result.warnings)
         text += join("warning: ", warning.kind, ": ", warning.message, "\n");
+    struct Shown
+    {
+        const CheckedMesh* mesh;
+        std::string found;
+        std::vector<std::string> alike; ///< Paths of other broken meshes of which the same is said.
+    };
+    std::vector<Shown> shown;
+    std::map<std::string, std::size_t> first; // what is said of a broken mesh, without its path
     for (const CheckedMesh& mesh : result.meshes) {
-        const bool is_suspicious = !mesh.warnings.empty();
         const bool has_own = std::ranges::any_of(
             mesh.warnings, [](const Finding& warning) { return warning.kind == "touching"; });
         if (!verbose && !mesh.is_broken() && !has_own)
             continue;
-        text += join(mesh.path, ": ",
-                     mesh.is_broken() ? "broken"
-                     : is_suspicious  ? "ok, with warnings"
-                                      : "ok",
-                     "\n");
-        for (const Finding& finding : mesh.findings)
-            text += join("  ", finding.kind, ": ", finding.message, "\n");
-        for (const Finding& warning : mesh.warnings)
-            text += warning.kind == "touching"
-                        ? join("  warning: ", warning.kind, ": ", warning.message, "\n")
-                        : join("  warning: ", warning.kind, " (above)\n");
+        std::string found = print(mesh);
+        if (!verbose && mesh.is_broken()) {
+            const auto [place, is_new] = first.try_emplace(without(mesh.path, found), shown.size());
+            if (!is_new) {
+                shown[place->second].alike.push_back(mesh.path);
+                continue;
+            }
+        }
+        shown.push_back({&mesh, std::move(found), {}});
+    }
+    for (const auto& [mesh, found, alike] : shown) {
+        text += join(mesh->path, ": ",
+                     mesh->is_broken()         ? "broken"
+                     : !mesh->warnings.empty() ? "ok, with warnings"
+                                               : "ok",
+                     "\n", found);
+        if (!alike.empty())
+            text += print_alike(alike);
         if (verbose)
-            text += mesh.no_sphere.empty()
+            text += mesh->no_sphere.empty()
                         ? "  conformal map to the sphere: qualifies\n"
-                        : join("  conformal map to the sphere: no, ", mesh.no_sphere, "\n");
+                        : join("  conformal map to the sphere: no, ", mesh->no_sphere, "\n");
     }
     return text;
 }

@@ -2,9 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 
 #include "libshape/base/counted.h"
@@ -278,6 +281,38 @@ void take_labels_of(const Session& session, const Arguments& arguments, const Me
                       first.label, ": '", first.before, "', now '", first.now, "'"));
 }
 
+/// Meshes of the input that have the name of one of the model and another size: they were corrected since.
+std::vector<std::string> changed_meshes(const ShapeModel& model, const Collection& input)
+{
+    std::map<std::string, double> known;
+    for (std::size_t i = 0; i < model.names.size(); ++i)
+        known.emplace(model.names[i], model.sizes[static_cast<Eigen::Index>(i)]);
+    const Eigen::VectorXd now = sizes(model.space, input);
+    std::vector<std::string> changed;
+    for (std::size_t i = 0; i < input.size(); ++i) {
+        const auto before = known.find(input.names[i]);
+        if (before != known.end() && !(std::abs(now[static_cast<Eigen::Index>(i)] -
+                                                before->second) <= 1e-9 * before->second))
+            changed.push_back(input.names[i]);
+    }
+    return changed;
+}
+
+/// Meshes are told apart by their names: those that the model has stay what they were.
+void warn_of_changed(const Session& session, const Arguments& arguments,
+                     const std::vector<std::string>& changed)
+{
+    if (changed.empty())
+        return;
+    std::vector<std::size_t> all(changed.size());
+    std::iota(all.begin(), all.end(), 0);
+    session.warn(join(counted(changed.size(), "mesh", "meshes"), " of the input ",
+                      changed.size() == 1 ? "is another" : "are others", " than in ",
+                      arguments.update,
+                      ", which keeps those that it has: ", list_names(changed, all),
+                      "; to replace them, fit all meshes anew without --update"));
+}
+
 /// All that it takes is held in memory.
 void check_update_memory(const Arguments& arguments, const ShapeModel& model, std::size_t added)
 {
@@ -329,6 +364,7 @@ Findings update(const Session& session, const Arguments& arguments)
                                    model.topology.faces()};
     LabelGaps gaps;
     gaps.add(model.names, model.labels);
+    std::size_t passed_over = 0;
     const Collection added = [&] {
         const auto stream = open_labelled(session, input, true);
         if (!stream) {
@@ -336,6 +372,7 @@ Findings update(const Session& session, const Arguments& arguments)
             check_first(all, [&](std::size_t i) { return all.points[i]; });
             gaps.add(input.meshes, all);
             take_labels_of(session, arguments, all, model);
+            warn_of_changed(session, arguments, changed_meshes(model, all));
             const std::vector<std::size_t> fresh = is_new(all.names);
             check_update_memory(arguments, model, fresh.size());
             return subset(all, fresh);
@@ -350,6 +387,7 @@ Findings update(const Session& session, const Arguments& arguments)
         gaps.add(input.meshes, *stream);
         take_labels_of(session, arguments, *stream, model);
         const MeshStream fresh = subset(*stream, is_new(stream->names));
+        passed_over = stream->names.size() - fresh.names.size();
         check_update_memory(arguments, model, fresh.names.size());
         Collection read{fresh.topology, fresh.names, {}, fresh.labels};
         for_each_block(fresh, 0, fresh.size(), 32, [&](Eigen::Index, const Collection& block) {
@@ -360,8 +398,11 @@ Findings update(const Session& session, const Arguments& arguments)
     Findings found{.fit = {.model = update_model(model, added, model_options(arguments))}};
     warn_of_unlike_added(session, arguments, model, added);
     gaps.warn(session, found.fit.model.names, way_to_label);
-    session.message(join(counted(added.size(), "mesh", "meshes"), " added to the ",
-                         model.names.size(), " of ", arguments.update));
+    session.message(join(
+        counted(added.size(), "mesh", "meshes"), " added to the ", model.names.size(), " of ",
+        arguments.update,
+        passed_over == 0 ? ""
+                         : join("; ", passed_over, " that it has by their names were not read")));
     found.modes = mode_figures(found.fit.model);
     write_model(arguments.output, found.fit.model);
     return found;

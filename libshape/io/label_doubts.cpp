@@ -20,6 +20,7 @@
 #include "libshape/base/letter_case.h"
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/line_reader.h"
+#include "libshape/io/label_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/oddities.h"
 
@@ -62,6 +63,18 @@ std::string without_case(const std::string& text)
     return mapped(text, UTF8PROC_STABLE | UTF8PROC_COMPOSE | UTF8PROC_CASEFOLD, nullptr);
 }
 
+/// Without the quotes, and the = before them, that spreadsheets put around what they are to take as text.
+std::string without_marks_of_text(const std::string& look)
+{
+    const auto is_inner = [](char c) { return c != '\'' && c != '"'; };
+    const std::size_t equals = look.starts_with("=\"") ? 1 : 0;
+    const auto begin =
+        std::find_if(look.begin() + static_cast<std::ptrdiff_t>(equals), look.end(), is_inner);
+    const auto end =
+        std::find_if(look.rbegin(), std::make_reverse_iterator(begin), is_inner).base();
+    return begin == end ? look : std::string(begin, end);
+}
+
 /// What texts that look alike have in common.
 std::string look_of(const std::string& text)
 {
@@ -71,7 +84,7 @@ std::string look_of(const std::string& text)
                               plain_form);
     const auto are_blanks = [](char a, char b) { return a == ' ' && b == ' '; };
     look.erase(std::unique(look.begin(), look.end(), are_blanks), look.end());
-    return look;
+    return without_marks_of_text(look);
 }
 
 std::vector<CodePoint> code_points(const std::string& text)
@@ -221,6 +234,78 @@ std::optional<std::string> doubt_about_numbers(const LabelColumn& label)
                 "); where that stands for a missing value, leave the cell empty");
 }
 
+std::optional<std::string> doubt_about_words(const LabelColumn& label)
+{
+    const std::vector<std::string> words = missing_words(label.values);
+    if (words.empty())
+        return std::nullopt;
+    std::vector<std::string> quoted;
+    for (const std::string& word : words)
+        quoted.push_back(in_quotes(word));
+    std::vector<std::size_t> all(words.size());
+    std::iota(all.begin(), all.end(), 0);
+    const auto count = std::ranges::count_if(label.values, [&](const std::string& value) {
+        return std::ranges::find(words, value) != words.end();
+    });
+    return join("label '", label.name, "' is ", list_names(quoted, all), " in ",
+                counted(count, "mesh", "meshes"), ", which counts as ",
+                words.size() == 1 ? "a group" : "groups",
+                "; where that stands for a missing value, leave the cell empty");
+}
+
+std::vector<std::string> missing_words(const std::vector<std::string>& values)
+{
+    // What people write where they have no value and read.csv does not know; none of it names a group elsewhere. "none" and
+    // "other" do.
+    static const std::set<std::string> known = {"unknown",
+                                                "unk",
+                                                "missing",
+                                                "not available",
+                                                "not known",
+                                                "not recorded",
+                                                "not applicable",
+                                                "no data",
+                                                "unbekannt",
+                                                "inconnu",
+                                                "desconocido",
+                                                "sconosciuto",
+                                                "nil",
+                                                "n.a.",
+                                                "n.a",
+                                                "n/d",
+                                                "nd",
+                                                "n.d.",
+                                                "n.d",
+                                                "k.a.",
+                                                "k. a.",
+                                                "s/d",
+                                                "(blank)",
+                                                "blank",
+                                                "undefined",
+                                                "tbd",
+                                                "tba"};
+    std::set<std::string> looks;
+    std::vector<std::string> words;
+    std::vector<std::string> signs; // without a letter or a digit
+    for (const std::string& value : values) {
+        if (value.empty() || !looks.insert(value).second)
+            continue;
+        const std::string look = look_of(value);
+        const std::vector<CodePoint> codes = code_points(look);
+        const bool is_sign = std::ranges::none_of(codes, [](CodePoint code) {
+            const utf8proc_category_t category = utf8proc_category(code);
+            return category >= UTF8PROC_CATEGORY_LU && category <= UTF8PROC_CATEGORY_NO;
+        });
+        if (is_sign)
+            signs.push_back(value);
+        else if (known.contains(look) || label_value(look).empty())
+            words.push_back(value);
+    }
+    if (!std::ranges::count(signs, "+")) // beside which - is a group
+        words.insert(words.end(), signs.begin(), signs.end());
+    return words.size() < looks.size() ? words : std::vector<std::string>();
+}
+
 std::vector<std::string> doubts_about(const Labels& labels)
 {
     std::vector<std::string> sentences;
@@ -228,6 +313,8 @@ std::vector<std::string> doubts_about(const Labels& labels)
         if (std::string doubt = doubt_about_spelling(label); !doubt.empty())
             sentences.push_back(std::move(doubt));
         if (std::optional<std::string> doubt = doubt_about_numbers(label))
+            sentences.push_back(std::move(*doubt));
+        if (std::optional<std::string> doubt = doubt_about_words(label))
             sentences.push_back(std::move(*doubt));
     }
     return sentences;

@@ -15,6 +15,7 @@ namespace shape::internal {
 /// appearance, or nothing. They differ alone
 /// - in case, or in how a number is written (`F` and `f`, `1` and `1.0`);
 /// - in blanks, their number or kind;
+/// - in the quotes, and the = before them, by which spreadsheets mark text;
 /// - in characters that look alike: dashes, quotes, wide letters and ligatures, letters of Latin, Greek and Cyrillic
 ///   whose capitals have one form; or in such as cannot be seen.
 [[nodiscard]] std::vector<std::string> values_alike(const std::vector<std::string>& values);
@@ -37,7 +38,15 @@ struct MissingCodes
 /// A sentence for missing_codes().
 [[nodiscard]] std::optional<std::string> doubt_about_numbers(const LabelColumn& label);
 
-/// That for each label that has them, and one for each that has values_alike().
+/// Words and signs of a label that are likely to stand for no value, though they are none of label_value(): unknown, n.d.,
+/// (blank), -, ?, NA in quotes and the like, in the order of their first appearance. No signs where one of them is +.
+/// @return Nothing, too, if there is no other value.
+[[nodiscard]] std::vector<std::string> missing_words(const std::vector<std::string>& values);
+
+/// A sentence for missing_words().
+[[nodiscard]] std::optional<std::string> doubt_about_words(const LabelColumn& label);
+
+/// Those for each label that has them, and one for each that has values_alike().
 [[nodiscard]] std::vector<std::string> doubts_about(const Labels& labels);
 
 } // namespace shape::internal

@@ -95,22 +95,32 @@ bool is_binary(std::string_view content)
            content.substr(0, 512).find('\0') != content.npos;
 }
 
+/// What to do about a file that is longer or shorter than its count of faces says.
+std::string advice_on_size(std::size_t size, std::size_t count)
+{
+    const std::size_t stated = head_size + face_size * count;
+    if (size < stated)
+        return "is this an STL file? Then it was cut off: export or copy it again";
+    const std::size_t rest = size - stated;
+    if (rest % face_size == 0)
+        return join("what follows would be ", rest / face_size,
+                    " more faces: the count was not written or is wrong; export it again");
+    return join(
+        "what follows byte ", stated,
+        " belongs to no face: export it again, in another format if its program adds "
+        "something of its own; or, if it is known to be of no use, cut it off (truncate -s ",
+        stated, " FILE)");
+}
+
 void parse_binary(std::string_view content, const std::string& path, MeshBuilder& mesh,
                   std::size_t& offset)
 {
     const std::size_t count = stated_count(content);
     const std::size_t size = head_size + face_size * count;
     if (content.size() != size)
-        throw InvalidInput(
-            join(path, ": byte 80: ", counted(count, "face"), count == 1 ? " takes " : " take ",
-                 size, " bytes, the file has ", content.size(), "; ",
-                 content.size() < size
-                     ? "is this an STL file? Then it was cut off: export or copy it again"
-                     : join("what follows byte ", size,
-                            " belongs to no face: export it again, in another format if its "
-                            "program adds something of its own; or, if it is known to be of no "
-                            "use, cut it off (truncate -s ",
-                            size, " FILE)")));
+        throw InvalidInput(join(path, ": byte 80: ", counted(count, "face"),
+                                count == 1 ? " takes " : " take ", size, " bytes, the file has ",
+                                content.size(), "; ", advice_on_size(content.size(), count)));
     mesh.reserve(0, static_cast<std::int64_t>(count));
     CornerMerger merger(mesh);
     for (std::size_t f = 0; f < count; ++f) {

@@ -84,5 +84,29 @@ TEST(LabelDoubts, AreNumbersThatStandApartAsCodesOfMissingValuesDo)
                      "where that stands for a missing value, leave the cell empty"});
 }
 
+TEST(LabelDoubts, AreWordsAndSignsThatStandForNoValue)
+{
+    for (const char* word :
+         {"unknown", "Missing", "n.d.", "N/D", "(blank)", "k.A.", "not available", "'NA'",
+          "\"n/a\"", "-", "--", "?", "..", "\u2014", "*"})
+        EXPECT_EQ(missing_words({"f", word, "m", "", word}), Values{word}) << word;
+    EXPECT_EQ(missing_words({"f", "?", "m", "unknown", "-"}), (Values{"unknown", "?", "-"}));
+    for (const Values& values :
+         {Values{"+", "-", "+"}, Values{"none", "other", "f"}, Values{"unknown", "unknown"},
+          Values{"-", "", "-"}, Values{"n1", "nd2", "d"}, Values{"-1", "?2", "d"}})
+        EXPECT_EQ(missing_words(values), Values()) << values[0];
+    EXPECT_EQ(
+        doubts_about({{"sex", {"m", "?", "f", "?"}}}),
+        Values{"label 'sex' is '?' in 2 meshes, which counts as a group; where that stands for a "
+               "missing value, leave the cell empty"});
+}
+
+TEST(LabelDoubts, AreValuesThatSpreadsheetsMarkAsText)
+{
+    EXPECT_EQ(values_alike({"f", "'f", "m"}), (Values{"f", "'f"}));
+    EXPECT_EQ(values_alike({"f", "=\"f\"", "\"f\""}), (Values{"f", "=\"f\"", "\"f\""}));
+    EXPECT_EQ(values_alike({"'", "\"", "O'Neil", "ONeil"}), Values());
+}
+
 } // namespace
 } // namespace shape::internal

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <Eigen/Geometry>
+#include <fstream>
 
 #include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
@@ -73,6 +74,37 @@ TEST_F(Check, GoodMeshesAreAFewLinesAndOnRequestOneEach)
     const Outcome verbose = shape({"check", "set", "--verbose"});
     for (int i = 0; i < 7; ++i)
         EXPECT_NE(verbose.out.find(join("m", i, ".ply: ok\n")), std::string::npos) << verbose.out;
+}
+
+TEST_F(Check, MeshesThatAreBrokenAlikeAreSaidTogether)
+{
+    for (unsigned i = 1; i < 6; ++i) {
+        Points loose = sphere(i).points; // one vertex more, without a face
+        loose.conservativeResize(loose.rows() + (i == 5 ? 2 : 1), 3);
+        loose.bottomRows(loose.rows() - sphere(i).points.rows()).setOnes();
+        write(i, loose, sphere(i).topology.faces());
+    }
+    const Outcome outcome = shape({"check", "set"});
+    EXPECT_NE(outcome.out.find("m1.ply: broken\n"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("and 3 more, alike: set/m2.ply, set/m3.ply and set/m4.ply\n"),
+              std::string::npos)
+        << outcome.out;
+    EXPECT_NE(outcome.out.find("m5.ply: broken\n"), std::string::npos) << outcome.out;
+    const Outcome verbose = shape({"check", "set", "--verbose"});
+    for (int i = 1; i < 6; ++i)
+        EXPECT_NE(verbose.out.find(join("m", i, ".ply: broken\n")), std::string::npos);
+    EXPECT_EQ(run_shape(folder_.path(), {"check", "set", "--json"}).exit_code, outcome.exit_code);
+}
+
+TEST_F(Check, AFileBeyondALimitDoesNotKeepTheOthersFromBeingChecked)
+{
+    std::string deep = "<VTKFile type=\"PolyData\"><PolyData>";
+    for (int i = 0; i < 120'000; ++i)
+        deep += "<a>";
+    std::ofstream(folder_ / "set/deep.vtp") << deep;
+    const Outcome outcome = shape({"check", "set/deep.vtp", "set/m0.ply", "set/m1.ply"});
+    EXPECT_NE(outcome.out.find("3 meshes: 2 ok"), std::string::npos) << outcome.out << outcome.err;
+    EXPECT_NE(outcome.out.find("tags of XML"), std::string::npos) << outcome.out;
 }
 
 TEST_F(Check, SeamsAreSaidAndRepaired)

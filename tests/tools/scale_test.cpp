@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "libshape/base/format.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
@@ -315,6 +316,23 @@ TEST_F(Scale, AnUpdatedModelIsThatOfAFreshRun)
         expect_near(read_model(folder_ / "updated.h5"), read_model(folder_ / "fresh.h5"),
                     kept.empty() ? 1e-8 : 1e-10);
     }
+    // Files are read, a collection's rows that the model has are not: it says so either way.
+    const Outcome of_file = outcome({"stats", "c.h5", "--update", "early_model.h5", "-o", "v.h5"});
+    EXPECT_NE(of_file.err.find("; 50 that it has by their names were not read"), std::string::npos)
+        << of_file.err;
+    Collection corrected = subset(all, {0, 3, 52, 53});
+    corrected.points[1].row(5).swap(corrected.points[1].row(6));
+    std::filesystem::create_directory(folder_ / "files");
+    for (std::size_t i = 0; i < corrected.size(); ++i)
+        write_mesh(folder_ / "files" / (corrected.names[i] + ".ply"), corrected.points[i],
+                   corrected.topology.faces(), MeshFormat::Ply);
+    const Outcome changed = outcome({"stats", "files", "--update", "early_model.h5", "-o", "w.h5"});
+    EXPECT_NE(changed.err.find(
+                  internal::join("1 mesh of the input is another than in early_model.h5, which "
+                                 "keeps those that it has: ",
+                                 corrected.names[1])),
+              std::string::npos)
+        << changed.err;
     write_collection(folder_ / "other.h5", bumpy_spheres(60, 4)); // the same names
     const Outcome other =
         outcome({"stats", "other.h5", "--update", "early_model.h5", "-o", "u.h5"});

@@ -135,6 +135,7 @@ void lower_limits(std::uint64_t size)
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     dup2(nowhere, STDOUT_FILENO); // of a C library that finds its heap damaged
     dup2(nowhere, STDERR_FILENO);
+    ::close(nowhere); // where few files may be open, the one to be read needs its place
     for (const int signal :
          {SIGALRM, SIGXCPU, SIGTERM, SIGINT, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGPIPE})
         std::signal(signal, SIG_DFL);
