@@ -182,6 +182,8 @@ const char* kind_name(OddityKind kind)
             return "inside_out";
         case OddityKind::Size:
             return "size";
+        case OddityKind::Stretched:
+            return "stretched";
         case OddityKind::Copies:
             return "copies";
         case OddityKind::Coarse:

@@ -20,6 +20,7 @@
 #include "libshape/mesh/coordinate_spacing.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/handedness.h"
+#include "libshape/mesh/stretched_meshes.h"
 #include "libshape/mesh/unit_ratio.h"
 
 namespace shape {
@@ -220,6 +221,26 @@ void find_sizes(const Collection& collection, std::vector<Oddity>& oddities)
     oddities.push_back({OddityKind::Size, odd, text});
 }
 
+void find_stretched(const Collection& collection, std::vector<Oddity>& oddities)
+{
+    StretchedMeshes found = stretched_meshes(collection.points);
+    if (found.meshes.empty())
+        return;
+    const bool is_one = found.meshes.size() == 1;
+    const bool is_longer = found.factor > 1.0;
+    const std::string axis =
+        found.axis < 0 ? std::string("one axis of theirs") : std::string(1, "xyz"[found.axis]);
+    oddities.push_back(
+        {OddityKind::Stretched, found.meshes,
+         join(list_names(collection.names, found.meshes), is_one ? " is " : " are ",
+              rounded(is_longer ? found.factor : 1.0 / found.factor), " times ",
+              is_longer ? "longer" : "shorter", " along ",
+              is_one && found.axis < 0 ? "one of its axes" : axis, " than ",
+              the_others(collection.size() - found.meshes.size()),
+              ", as a wrong voxel spacing or slice thickness makes ", is_one ? "it" : "them",
+              "; compare with the images, and export anew or scale that axis")});
+}
+
 void find_copies(const Collection& collection, std::vector<Oddity>& oddities)
 {
     for (const Copies& copies : congruent_meshes(collection.topology, collection.points))
@@ -261,6 +282,7 @@ std::vector<Oddity> find_oddities(const Collection& collection)
     find_seams(collection, oddities);
     find_orientation(collection, oddities);
     find_sizes(collection, oddities);
+    find_stretched(collection, oddities);
     find_copies(collection, oddities);
     find_coarse(collection, oddities);
     return oddities;

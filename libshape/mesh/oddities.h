@@ -18,6 +18,7 @@ enum class OddityKind
     Bent,      ///< Some sheets bend the other way, or are mirror images: nothing tells which.
     InsideOut, ///< All meshes, or all but those, are inside out.
     Size,      ///< Some meshes are far larger or smaller than the others (odd_sizes()).
+    Stretched, ///< Some meshes are longer or shorter along one axis (stretched_meshes.h).
     Copies,    ///< Some meshes are the same one, in place or moved, give or take rounding.
     Coarse, ///< Coordinates are rounded to more than a hundredth of the edges (coordinate_spacing.h).
 };

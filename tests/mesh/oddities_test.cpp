@@ -259,6 +259,30 @@ TEST(Oddities, OneOfTwoIsComparedWithTheOtherMesh)
     EXPECT_NE(found[1].message.find("than the other mesh;"), std::string::npos) << found[1].message;
 }
 
+TEST(Oddities, StretchedMeshesAreNamedWithAxisAndFactor)
+{
+    Collection collection = spheres();
+    collection.points[3].col(1) *= 0.5;
+    std::vector<Oddity> found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, OddityKind::Stretched);
+    EXPECT_EQ(found[0].meshes, Indices{3});
+    EXPECT_TRUE(found[0].message.starts_with("d is ")) << found[0].message;
+    EXPECT_NE(found[0].message.find(" times shorter along y than the other 6 meshes"),
+              std::string::npos)
+        << found[0].message;
+    for (const std::size_t i : {3U, 5U})
+        collection.points[i] = test::moved(collection.points[i], 4);
+    collection.points[5] = collection.points[3];
+    collection.points[5].row(0) *= 1.01; // no copy
+    found = find_oddities(collection);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NE(found[0].message.find("shorter along one axis of theirs than the other 5 meshes"),
+              std::string::npos)
+        << found[0].message;
+    expect_no_command(found);
+}
+
 TEST(Oddities, CoarseCoordinatesAreNamedWithTheirStepAndCause)
 {
     Collection collection = spheres();

@@ -430,6 +430,7 @@ std::string advice_on(const Oddity& oddity)
                    "doubt)";
         case OddityKind::NearSeam:
         case OddityKind::Bent:
+        case OddityKind::Stretched:
         case OddityKind::Copies:
         case OddityKind::Coarse:
             break;
