@@ -92,7 +92,7 @@ TEST(LabelDoubts, AreWordsAndSignsThatStandForNoValue)
         EXPECT_EQ(missing_words({"f", word, "m", "", word}), Values{word}) << word;
     EXPECT_EQ(missing_words({"f", "?", "m", "unknown", "-"}), (Values{"unknown", "?", "-"}));
     for (const Values& values :
-         {Values{"+", "-", "+"}, Values{"none", "other", "f"}, Values{"unknown", "unknown"},
+         {Values{"+", "-", "f"}, Values{"none", "other", "f"}, Values{"unknown", "unknown"},
           Values{"-", "", "-"}, Values{"n1", "nd2", "d"}, Values{"-1", "?2", "d"}})
         EXPECT_EQ(missing_words(values), Values()) << values[0];
     EXPECT_EQ(
