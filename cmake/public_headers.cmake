@@ -32,6 +32,7 @@ set(public_headers
     libshape/embedding/path_embedder.h
     libshape/embedding/report.h
     libshape/embedding/residual_field.h
+    libshape/embedding/resized.h
     libshape/embedding/sequence_jumps.h
     libshape/io/collection_file.h
     libshape/io/collection_stream.h

@@ -34,6 +34,7 @@
 #include "libshape/embedding/path_embedder.h"
 #include "libshape/embedding/report.h"
 #include "libshape/embedding/residual_field.h"
+#include "libshape/embedding/resized.h"
 #include "libshape/embedding/sequence_jumps.h"
 #include "libshape/io/collection_file.h"
 #include "libshape/io/collection_stream.h"

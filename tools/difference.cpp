@@ -94,14 +94,10 @@ NamedMesh mesh_of(const DifferenceVector& difference, const std::string& file)
     return {file, file, difference.reference_points, difference.topology.faces()};
 }
 
-/// The start of a transfer: a mesh, brought to the size that is wanted.
-ShapePoint shape_of(const Topology& topology, const Points& points,
-                    const std::optional<double>& size)
+/// The start of a transfer: a mesh at its own size.
+ShapePoint shape_of(const Topology& topology, const Points& points)
 {
-    ShapePoint point{edge_lengths(topology, points), dihedral_angles(topology, points)};
-    if (size)
-        point.edge_lengths *= *size / point.edge_lengths.sum();
-    return point;
+    return {edge_lengths(topology, points), dihedral_angles(topology, points)};
 }
 
 /// Applies differences to their starting mean, or to each of some meshes.
@@ -136,21 +132,28 @@ public:
         const DifferenceVector& first = differences.front();
         if (arguments_.size && first.scale == Scale::None)
             throw UsageError("--size has no meaning with --scale none, lengths stay as they are");
+        const auto resized = [&](double own_size) {
+            return arguments_.size ? *arguments_.size / own_size : 1.0;
+        };
         std::vector<EmbeddingTarget> targets;
         if (arguments_.onto.empty())
-            targets.push_back({"applied", [&] {
-                                   const double size = arguments_.size.value_or(first.from_size);
-                                   return apply_differences(start_of(first, size), differences,
-                                                            amounts);
-                               }});
+            targets.push_back({.name = "applied",
+                               .shape =
+                                   [&] {
+                                       return apply_differences(start_of(first, first.from_size),
+                                                                differences, amounts);
+                                   },
+                               .resized = resized(first.from_size)});
         for (std::size_t i = 0; i < onto_.size(); ++i)
-            targets.push_back({onto_.names[i],
-                               [&, i] {
-                                   return apply_differences(
-                                       shape_of(onto_.topology, onto_.points[i], arguments_.size),
-                                       differences, amounts);
-                               },
-                               &onto_.points[i]});
+            targets.push_back(
+                {.name = onto_.names[i],
+                 .shape =
+                     [&, i] {
+                         return apply_differences(shape_of(onto_.topology, onto_.points[i]),
+                                                  differences, amounts);
+                     },
+                 .place = &onto_.points[i],
+                 .resized = resized(edge_lengths(onto_.topology, onto_.points[i]).sum())});
         const Points& reference =
             onto_.points.empty() ? first.reference_points : onto_.points.front();
         return embed_and_write(session_, arguments_.embedding, first.topology, {reference}, targets,

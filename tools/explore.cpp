@@ -176,8 +176,8 @@ void add_regressions(const Session& session, const Arguments& arguments, const S
         Eigen::MatrixXd values(static_cast<Eigen::Index>(meshes.size()), 1);
         for (std::size_t i = 0; i < meshes.size(); ++i)
             values(static_cast<Eigen::Index>(i), 0) =
-                parse_number(label.values[meshes[i]],
-                             join("--regress ", name, ": mesh ", model.names[meshes[i]]));
+                number_of_label(label, meshes[i], model.names, join("--regress: ", arguments.model),
+                                "; correct it, or leave the cell empty, and make the model again");
         if (values.minCoeff() == values.maxCoeff())
             throw InvalidInput(
                 join("--regress ", name, ": is constant, ", values(0, 0), " for all ",
@@ -251,8 +251,8 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& argum
 /// One end of a feasible range; where nothing broke as far as was looked, that.
 std::string print_feasible(double end)
 {
-    constexpr double most = 10.0; // how far feasible_range() looks
-    return std::abs(end) < most ? print_fixed(end) : join(end < 0 ? "below -" : "above ", most);
+    return std::abs(end) < feasible_reach ? print_fixed(end)
+                                          : join(end < 0 ? "below -" : "above ", feasible_reach);
 }
 
 /// @param modes  How many, the first ones.
@@ -315,7 +315,7 @@ Json model_json(const Arguments& arguments, const ShapeModel& model, int modes,
     const Eigen::Matrix3d view = automatic_view(model.topology.faces(), model.reference_points);
     json["view"] = numbers(view.reshaped<Eigen::RowMajor>());
     for (int k = 0; k < modes; ++k) {
-        const FeasibleRange range = feasible_range(model, k);
+        const FeasibleRange range = feasible_range(model, k, feasible_reach);
         json["modes"].push_back({{"share", model.variances[k] / model.total_variance},
                                  {"deviation", std::sqrt(model.variances[k])},
                                  {"low", range.low},

@@ -11,6 +11,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/stop.h"
 #include "libshape/base/to_size.h"
+#include "libshape/embedding/resized.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
@@ -61,12 +62,16 @@ std::vector<Points> make_meshes(const Session& session, const ShapeModel& model,
 {
     const Embedder embedder(model.topology, {model.reference_points}, {});
     const Progress progress = session.progress();
+    const bool is_scaled = scale_of(model.space) == Scale::Unit;
     std::vector<Points> meshes;
     for (std::size_t i = 0; i < model.names.size(); ++i) {
         progress("embedding", i, model.names.size());
         const auto row = static_cast<Eigen::Index>(i);
-        const Points points =
-            embedder.embed(model_point(model, model.scores.row(row), model.sizes[row])).points;
+        const DecodedShape shape =
+            model_point(model, model.scores.row(row), model.mean_size()); // as `generate`
+        const Points points = resized(embedder.embed(shape), model.topology, shape,
+                                      is_scaled ? model.sizes[row] / model.mean_size() : 1.0)
+                                  .points;
         meshes.push_back(best_rigid_motion(points, mean)(points));
     }
     progress("embedding", model.names.size(), model.names.size());

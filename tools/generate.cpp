@@ -69,6 +69,12 @@ double size_of(const ShapeModel& model, const Arguments& arguments)
     return arguments.size.value_or(model.mean_size());
 }
 
+/// All points are embedded at the mean size, so that the shape is the same at every size.
+DecodedShape shape_of(const ShapeModel& model, const Eigen::VectorXd& scores)
+{
+    return model_point(model, scores, model.mean_size());
+}
+
 /// The N equally spaced values of "A:B:N", or the one of "A" [standard deviations].
 std::vector<double> sigma_values(const std::string& text)
 {
@@ -125,12 +131,12 @@ Eigen::VectorXd scores_along(const ShapeModel& model, std::int64_t mode, double 
     return scores;
 }
 
-std::vector<ModelPoint> mode_points(const ShapeModel& model, const Arguments& arguments)
+std::vector<ModelPoint> mode_points(const ShapeModel& model, const Arguments& arguments,
+                                    const std::vector<double>& sigmas)
 {
     if (arguments.mode > model.mode_count())
         throw InvalidInput(join("--mode: ", arguments.mode, " is out of range, ", arguments.model,
                                 " has modes 1 to ", model.mode_count()));
-    const std::vector<double> sigmas = sigma_values(arguments.sigma);
     const std::vector<std::string> names = mode_names(arguments.mode, sigmas);
     std::vector<ModelPoint> points;
     for (std::size_t i = 0; i < sigmas.size(); ++i)
@@ -217,10 +223,10 @@ std::vector<ModelPoint> points_of_file(const ShapeModel& model, const Arguments&
 
 /// The share of the scores with which the point keeps the inequalities of edge lengths: 1 if it does as it is; else 99 %
 /// of the way from the mean to their boundary, which is found by halving.
-double feasible_share(const ShapeModel& model, const Eigen::VectorXd& scores, double size)
+double feasible_share(const ShapeModel& model, const Eigen::VectorXd& scores)
 {
     const auto is_feasible = [&](double share) {
-        const DecodedShape shape = model_point(model, share * scores, size);
+        const DecodedShape shape = shape_of(model, share * scores);
         const ShapePoint* const point = std::get_if<ShapePoint>(&shape);
         return point == nullptr ||
                ((point->edge_lengths.array() > 0.0).all() &&
@@ -252,19 +258,19 @@ std::vector<ModelPoint> sampled_points(const ShapeModel& model, const Arguments&
         Eigen::VectorXd scores(model.mode_count());
         for (Eigen::Index k = 0; k < scores.size(); ++k)
             scores[k] = deviations[k] * random.normal();
-        const double size = size_of(model, arguments);
-        const double share = arguments.feasible ? feasible_share(model, scores, size) : 1.0;
-        points.push_back({numbered_name("sample", to_size(i)), share * scores, size, share,
-                          scores.squaredNorm()});
+        const double share = arguments.feasible ? feasible_share(model, scores) : 1.0;
+        points.push_back({numbered_name("sample", to_size(i)), share * scores,
+                          size_of(model, arguments), share, scores.squaredNorm()});
     }
     return points;
 }
 
+/// @param sigmas  Those of --sigma.
 std::vector<ModelPoint> wanted_points(const Session& session, const ShapeModel& model,
-                                      const Arguments& arguments)
+                                      const Arguments& arguments, const std::vector<double>& sigmas)
 {
     if (arguments.mode > 0)
-        return mode_points(model, arguments);
+        return mode_points(model, arguments, sigmas);
     if (!arguments.scores.empty())
         return {point_of_scores(model, arguments)};
     if (!arguments.scores_file.empty())
@@ -291,12 +297,11 @@ std::vector<double> stations_of(double from, double to)
 
 /// The path along a mode [standard deviations], if its points are of edge-length space.
 /// @param model  Outlives it.
-std::optional<FramePath> sweep_of(const ShapeModel& model, const Arguments& arguments)
+std::optional<FramePath> sweep_of(const ShapeModel& model, const Arguments& arguments,
+                                  const std::vector<double>& sigmas)
 {
-    const std::vector<double> sigmas = sigma_values(arguments.sigma);
-    const double size = size_of(model, arguments);
-    const auto shape = [&model, size, mode = arguments.mode](double sigma) {
-        return model_point(model, scores_along(model, mode, sigma), size);
+    const auto shape = [&model, mode = arguments.mode](double sigma) {
+        return shape_of(model, scores_along(model, mode, sigma));
     };
     if (sigmas.size() < 2 || !std::holds_alternative<ShapePoint>(shape(sigmas.front())))
         return {};
@@ -364,15 +369,19 @@ void run(const Session& session, const Arguments& arguments)
     if (arguments.size && scale_of(model.space) == Scale::None)
         throw UsageError(join("--size: ", arguments.model,
                               " was made with --scale none, size is part of its modes"));
-    const std::vector<ModelPoint> points = wanted_points(session, model, arguments);
+    const std::vector<double> sigmas =
+        arguments.mode > 0 ? sigma_values(arguments.sigma) : std::vector<double>();
+    const std::vector<ModelPoint> points = wanted_points(session, model, arguments, sigmas);
+    const bool has_size = scale_of(model.space) == Scale::Unit; // else it is a part of the shape
     std::vector<EmbeddingTarget> targets;
     std::vector<const ModelPoint*> own;
     for (const std::size_t i : arguments.shard.own(points.size())) {
         own.push_back(&points[i]);
         targets.push_back(
-            {points[i].name,
-             [&model, &point = points[i]] { return model_point(model, point.scores, point.size); },
-             nullptr, i});
+            {.name = points[i].name,
+             .shape = [&model, &point = points[i]] { return shape_of(model, point.scores); },
+             .frame = i,
+             .resized = has_size ? points[i].size / model.mean_size() : 1.0});
     }
     std::vector<std::filesystem::path> inputs{arguments.model};
     if (!arguments.scores_file.empty())
@@ -384,10 +393,9 @@ void run(const Session& session, const Arguments& arguments)
     MeshOutput output(session, place, names(targets), inputs);
     // The meshes of a shard are not neighbours, but of one path.
     const bool is_sequence = arguments.mode > 0 && !arguments.shard.is_given();
-    Json figures =
-        embed_and_write(session, arguments.embedding, model.topology, {model.reference_points},
-                        targets, output, is_sequence ? TargetOrder::Sequence : TargetOrder::Any,
-                        arguments.mode > 0 ? sweep_of(model, arguments) : std::nullopt);
+    Json figures = embed_and_write(
+        session, arguments.embedding, model.topology, {model.reference_points}, targets, output,
+        is_sequence ? TargetOrder::Sequence : TargetOrder::Any, sweep_of(model, arguments, sigmas));
     if (arguments.feasible)
         tell_moved(session, own, arguments.embedding.verbose, figures);
     session.print_figures(figures);

@@ -362,7 +362,8 @@ Eigen::MatrixXd checked_covariates(const Arguments& arguments, const MeshLabels&
                                    const Grouping& groups, const Grouping& blocks,
                                    const Eigen::VectorXd& sizes)
 {
-    Eigen::MatrixXd covariates = covariates_of(meshes, sizes, arguments.covariates);
+    Eigen::MatrixXd covariates =
+        covariates_of(meshes, sizes, arguments.covariates, arguments.input.meshes.labels);
     if (covariates.cols() == 0)
         return covariates;
     const std::vector<std::vector<int>> lists = members(groups);

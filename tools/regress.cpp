@@ -155,7 +155,8 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     const ShapeSpace space = make_space(collection, arguments.space);
     warn_of_alignment(session, space);
     findings.sizes = sizes(space, collection);
-    findings.covariates = covariates_of(collection, findings.sizes, arguments.on);
+    findings.covariates =
+        covariates_of(collection, findings.sizes, arguments.on, arguments.input.meshes.labels);
     const Grouping blocks = group_by_label_or_all(collection, arguments.within);
     check_covariates(arguments, findings.covariates, blocks);
     findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
@@ -179,7 +180,8 @@ Findings find_in_passes(const Session& session, const Arguments& arguments,
     options.scratch = scratch_folder(arguments.output);
     const Grouping blocks = group_by_label_or_all(meshes, arguments.within);
     options.covariates = [&](const Eigen::VectorXd& sizes) {
-        Eigen::MatrixXd covariates = covariates_of(meshes, sizes, arguments.on);
+        Eigen::MatrixXd covariates =
+            covariates_of(meshes, sizes, arguments.on, arguments.input.meshes.labels);
         check_covariates(arguments, covariates, blocks);
         return covariates;
     };
@@ -228,8 +230,11 @@ std::vector<std::pair<std::string, double>> places(const Arguments& arguments)
 {
     std::vector<std::pair<std::string, double>> result;
     if (!arguments.at.empty())
-        for (const std::string& text : split(arguments.at, ','))
+        for (const std::string& text : split(arguments.at, ',')) {
             result.emplace_back(text, read_number(text, "--at"));
+            if (arguments.on.front() == "size" && !(result.back().second > 0.0))
+                throw UsageError(join("--at ", text, ": a size must be > 0"));
+        }
     return result;
 }
 
@@ -253,14 +258,18 @@ void warn_of_extrapolation(const Session& session, const Arguments& arguments,
 std::vector<EmbeddingTarget> expected_targets(const Arguments& arguments, const Findings& findings)
 {
     std::vector<EmbeddingTarget> targets;
-    const bool is_size = arguments.on.front() == "size";
-    for (const auto& [text, value] : places(arguments)) {
-        const double size = is_size ? value : findings.sizes.mean();
-        targets.push_back({join(arguments.on.front(), "_", text), [&findings, value = value, size] {
-                               return expected_shape(findings.effect,
-                                                     Eigen::VectorXd::Constant(1, value), size);
-                           }});
-    }
+    const double mean_size = findings.sizes.mean();
+    const bool is_size =
+        arguments.on.front() == "size" && scale_of(findings.effect.space) == Scale::Unit;
+    for (const auto& [text, value] : places(arguments))
+        targets.push_back({.name = join(arguments.on.front(), "_", text),
+                           .shape =
+                               [&findings, value = value, mean_size] {
+                                   return expected_shape(findings.effect,
+                                                         Eigen::VectorXd::Constant(1, value),
+                                                         mean_size);
+                               },
+                           .resized = is_size ? value / mean_size : 1.0});
     return targets;
 }
 

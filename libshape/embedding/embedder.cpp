@@ -17,6 +17,7 @@
 #include "libshape/embedding/dihedral/dihedral_embedding.h"
 #include "libshape/embedding/finished_embedding.h"
 #include "libshape/embedding/multiscale/multiscale_embedding.h"
+#include "libshape/embedding/target_size.h"
 #include "libshape/mesh/dihedral_angles.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/working_unit.h"
@@ -137,15 +138,6 @@ struct Embedder::State
 };
 
 namespace {
-
-/// Measures of results hold fifth powers of lengths.
-void check_size(double largest, const char* what)
-{
-    constexpr double limit = 1e60;
-    if (!(largest >= 1.0 / limit && largest <= limit))
-        throw InvalidInput(join("the longest edge of ", what, " is ", largest, ", must be in [",
-                                1.0 / limit, ", ", limit, "]; choose another unit"));
-}
 
 /// Methods that glue triangles together cannot start where one has sides that no triangle has.
 EmbeddingMethod method_for(EmbeddingMethod chosen, const Topology& topology,

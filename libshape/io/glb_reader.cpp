@@ -95,9 +95,10 @@ public:
             return *otherwise;
         if (found == object.end() || !found->is_number_integer())
             fail(join("'", name, "' is missing or no integer"));
-        const auto value = found->get<std::int64_t>();
-        if (value < 0 || value > (std::int64_t{1} << 40))
-            fail(join("'", name, "' is ", value));
+        constexpr std::int64_t most = std::int64_t{1} << 40; // more than any file holds
+        const auto value = found->get<std::int64_t>();       // negative beyond 2^63
+        if (value < 0 || value > most)
+            fail(join("'", name, "' is ", found->dump(), ", must be in [0, ", most, "]"));
         return value;
     }
 
@@ -337,8 +338,9 @@ std::vector<PlacedMesh> placed_meshes(const Glb& glb)
     std::vector<std::pair<std::int64_t, Eigen::Matrix4d>> open;
     const auto push = [&](const Json& nodes, const Eigen::Matrix4d& parent) {
         for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
-            if (!node->is_number_unsigned())
-                glb.fail("a node is referred to by something other than a number");
+            if (!node->is_number_unsigned() || node->get<std::int64_t>() < 0) // beyond 2^63
+                glb.fail(join("a node is referred to by ", in_quotes(node->dump()),
+                              ", must be the number of one"));
             open.emplace_back(node->get<std::int64_t>(), parent);
         }
     };

@@ -57,7 +57,8 @@ std::optional<Vector3d> position_in(const std::array<std::string, 3>& cells,
                  " missing; give all of them, or none where the landmark is not to be seen"));
     Vector3d position;
     for (std::size_t k = 0; k < 3; ++k)
-        position[static_cast<Eigen::Index>(k)] = parse_number(values[k], place);
+        position[static_cast<Eigen::Index>(k)] =
+            parse_number(values[k], join(place, ", ", "xyz"[k]));
     return position;
 }
 
@@ -127,7 +128,7 @@ LandmarkFile read_csv(const std::string& path)
             landmark.scan = label_name(without_mesh_ending(label_name(cells[to_size(scan)])));
         const std::string number = vertex >= 0 ? label_value(cells[to_size(vertex)]) : "";
         if (!number.empty()) {
-            const double value = parse_number(number, place);
+            const double value = parse_number(number, join(place, ", vertex"));
             if (!(value >= 0.0 && value < 1e9 && value == std::floor(value)))
                 throw InvalidInput(
                     join(place, ": vertex is ", value, ", must be a whole number >= 0"));

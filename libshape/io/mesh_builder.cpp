@@ -145,10 +145,8 @@ void MeshBuilder::refuse_crossing(std::size_t polygon) const
 void MeshBuilder::cut_alone(std::size_t polygon, std::vector<int>& corners) const
 {
     const std::vector<int> vertices = fans().vertices_of(polygon);
-    const Points points = positions_of(vertices);
-    if (!fan_folds_over(points))
-        return;
-    const auto cut = cut_polygon(points);
+    const auto cut =
+        cut_polygon(positions_of(vertices)); // the fan, which is there, unless it folds over
     if (!cut)
         refuse_crossing(polygon);
     std::size_t next = to_size(3 * polygons_[polygon]);

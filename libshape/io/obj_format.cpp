@@ -57,7 +57,7 @@ std::int64_t resolve(const LineReader& reader, std::string_view text, std::int64
 {
     const std::optional<std::int64_t> index = spelled_integer(text);
     if (!index)
-        reader.fail(join("vertex index is ", in_quotes(text), ", must be an integer"));
+        reader.fail(join("vertex index is ", in_quotes(text), ", ", broken_rule_of_integer(text)));
     if (*index == 0 || *index > count || *index < -count)
         reader.fail(join("vertex index is ", *index, ", must be in [1, ", count, "] or [-", count,
                          ", -1]: there are ", count, " before this line"));
@@ -100,7 +100,10 @@ std::array<double, 3> parse_vertex(LineReader& reader)
             reader.fail(
                 join("coordinates are followed by ", in_quotes(text), ", must be numbers alone"));
     if (is_weight && spelled_number(fourth) != 1.0)
-        reader.fail(join("has the weight ", fourth, "; only 1 is read"));
+        reader.fail(
+            join("has the weight ", fourth,
+                 ", of which programs make different things; only 1 is read. Export without "
+                 "weights (x y z alone), or, if it is no weight, take the fourth number away"));
     return point;
 }
 

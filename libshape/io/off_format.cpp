@@ -57,7 +57,8 @@ public:
     std::int64_t count(std::string_view what)
     {
         if (go_on(what) && !spelled_integer(first_token(reader_.rest())))
-            fail(join(what, " is ", in_quotes(first_token(reader_.rest()))));
+            fail(join(what, " is ", in_quotes(first_token(reader_.rest())), ", ",
+                      broken_rule_of_integer(first_token(reader_.rest()))));
         const std::int64_t count = reader_.integer(what);
         if (count < 0)
             reader_.fail(join(what, " is ", count, ", must be at least 0"));
@@ -163,6 +164,9 @@ std::int64_t parse_vertex_count(LineReader& reader, NumberStream& numbers, std::
 {
     if (!glued.empty()) {
         const std::optional<std::int64_t> count = spelled_integer(glued);
+        if (!count && broken_rule_of_integer(glued) != broken_rule_of_integer(""))
+            reader.fail(
+                join("vertex count is ", in_quotes(glued), ", ", broken_rule_of_integer(glued)));
         if (!count || *count < 0)
             reader.fail(join("the header is 'OFF' and ", in_quotes(glued),
                              "; the vertex count must follow OFF"));

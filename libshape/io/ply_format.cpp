@@ -297,7 +297,8 @@ public:
     {
         const std::optional<std::int64_t> value = integer_at(next(type), type, swap_);
         if (!value)
-            fail("an integer is beyond what can be counted, 2^63 - 1");
+            fail(join("an integer is ", unsigned_at(next(type), swap_),
+                      ", which is beyond what can be counted, 2^63 - 1"));
         offset_ += to_size(size_of(type));
         return *value;
     }

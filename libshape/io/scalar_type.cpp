@@ -80,7 +80,7 @@ std::optional<std::int64_t> integer_at(const char* bytes, ScalarType type, bool 
         case ScalarType::Int64:
             return stored<std::int64_t>(bytes, swap);
         case ScalarType::Uint64: {
-            const auto value = stored<std::uint64_t>(bytes, swap);
+            const std::uint64_t value = unsigned_at(bytes, swap);
             if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
                 return std::nullopt;
             return static_cast<std::int64_t>(value);
@@ -88,6 +88,11 @@ std::optional<std::int64_t> integer_at(const char* bytes, ScalarType type, bool 
         default:
             return std::nullopt;
     }
+}
+
+std::uint64_t unsigned_at(const char* bytes, bool swap)
+{
+    return stored<std::uint64_t>(bytes, swap);
 }
 
 } // namespace shape::internal

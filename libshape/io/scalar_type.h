@@ -34,4 +34,7 @@ enum class ScalarType
 /// The same of an integer type; none if it exceeds 63 bits, or if the type is not an integer's.
 [[nodiscard]] std::optional<std::int64_t> integer_at(const char* bytes, ScalarType type, bool swap);
 
+/// The 64 bits there as an unsigned integer, for messages of what exceeds 63.
+[[nodiscard]] std::uint64_t unsigned_at(const char* bytes, bool swap);
+
 } // namespace shape::internal

@@ -24,13 +24,15 @@ constexpr std::uint64_t largest_table = std::uint64_t{2} << 30;
 
 using Row = std::vector<std::string>;
 
+std::string name_of(char separator)
+{
+    return separator == '\t' ? "a tab" : separator == ' ' ? "a blank" : join("'", separator, "'");
+}
+
 /// What is wrong where cells are separated by this.
 std::string wrong_separator(char separator)
 {
-    const std::string name = separator == '\t'  ? "a tab"
-                             : separator == ' ' ? "a blank"
-                                                : join("'", separator, "'");
-    return join("the separator of the cells is ", name,
+    return join("the separator of the cells is ", name_of(separator),
                 ", must be ','; save the table as CSV with commas (and decimal points)");
 }
 
@@ -75,9 +77,11 @@ public:
     {
         line_ = next_line_;
         Row cells;
-        do
-            cells.push_back(rest_.starts_with('"') ? quoted_cell() : plain_cell(cells.empty()));
-        while (take(","));
+        quoted_.clear();
+        do {
+            quoted_.push_back(rest_.starts_with('"') ? 1 : 0);
+            cells.push_back(quoted_.back() != 0 ? quoted_cell() : plain_cell(cells.empty()));
+        } while (take(","));
         if (take("\n") || take("\r\n") || done()) {
             ++next_line_;
             return cells;
@@ -91,6 +95,12 @@ public:
         fail(rest_.starts_with(' ') || rest_.starts_with('\t')
                  ? "a blank follows a closing quote; take it away"
                  : "text follows a closing quote");
+    }
+
+    /// How often a character stands in a cell of the row that was read last; 0 in quotes, where it is a part of the value.
+    [[nodiscard]] std::ptrdiff_t count_unquoted(const Row& row, std::size_t cell, char c) const
+    {
+        return quoted_[cell] != 0 ? 0 : std::count(row[cell].begin(), row[cell].end(), c);
     }
 
     [[noreturn]] void fail(std::string_view rule) const
@@ -170,6 +180,79 @@ private:
     std::string path_;
     std::size_t line_ = 1;
     std::size_t next_line_ = 1;
+    std::vector<char> quoted_; ///< Which cells of the row were.
+};
+
+/// Whether the cells of a row from one on are empty, or blanks.
+bool are_empty(const Row& row, std::size_t first)
+{
+    return std::all_of(
+        row.begin() + static_cast<std::ptrdiff_t>(std::min(first, row.size())), row.end(),
+        [](const std::string& cell) { return cell.find_first_not_of(" \t") == std::string::npos; });
+}
+
+/// What to do about a row that was read last and has another number of cells than the header.
+std::string advice_on(const Row& row, const Row& header, const CsvParser& parser)
+{
+    if (row.size() > header.size())
+        return are_empty(row, header.size())
+                   ? "; the last is empty: take the comma at the end of the line away (one at the "
+                     "end of every line does no harm), or put values that have a comma in quotes"
+                   : "; put values that have a comma in quotes, and write numbers with a decimal "
+                     "point";
+    if (are_empty(row, 0) && row.size() == 1)
+        return "; take the empty line away";
+    for (const char separator : {';', '\t', '|'}) // as where a part of another table was pasted
+        for (std::size_t c = 0; c < row.size(); ++c)
+            if (parser.count_unquoted(row, c, separator) > 0)
+                return join("; ", name_of(separator),
+                            " separates some of them: separate all cells by ','");
+    return "; write a comma for each value that is missing";
+}
+
+/// Names of columns that may be several, joined by a separator that every row has as often in that place.
+class JoinedColumns
+{
+public:
+    /// @param parser  Has read the header last.
+    JoinedColumns(const Row& header, const CsvParser& parser)
+    {
+        if (header.size() > 1)
+            for (std::size_t c = 0; c < header.size(); ++c)
+                for (const char separator : {';', '\t'})
+                    if (const auto count = parser.count_unquoted(header, c, separator); count > 0)
+                        joined_.push_back({c, separator, count});
+    }
+
+    void take(const Row& row, const CsvParser& parser)
+    {
+        has_rows_ = true;
+        std::erase_if(joined_, [&](const Joined& column) {
+            return parser.count_unquoted(row, column.cell, column.separator) != column.count;
+        });
+    }
+
+    /// @throws InvalidInput if there is one.
+    void check(const Row& header, const std::string& path) const
+    {
+        if (joined_.empty() || !has_rows_)
+            return;
+        const Joined& first = joined_.front();
+        throw InvalidInput(join(path, ": line 1: the column name ", in_quotes(header[first.cell]),
+                                " and all cells below it have ", name_of(first.separator),
+                                " in them: separate all cells by ',', or put these in quotes if "
+                                "they are one value each"));
+    }
+
+private:
+    struct Joined
+    {
+        std::size_t cell;
+        char separator;
+        std::ptrdiff_t count;
+    };
+    std::vector<Joined> joined_;
+    bool has_rows_ = false;
 };
 
 /// Whether all rows that are left have so many cells.
@@ -251,14 +334,31 @@ void check_separator(const Row& columns, std::string_view content, const std::st
     }
 }
 
-void append_row(std::string& text, const Row& cells)
+/// What to do about a cell that spells no finite number, if that can be told.
+std::string_view advice_on_number(std::string_view cell)
+{
+    if (cell.find(',') != std::string_view::npos)
+        return " (decimal point, no comma)";
+    if (spells_a_number(cell) && cell.find_first_of("0123456789") != std::string_view::npos)
+        return ": double precision ends at 1.8e308; give it in another unit";
+    const auto separator = cell.find_first_of("-/.:");
+    const bool is_date = cell.find_first_not_of("0123456789-/.:TZ ") == std::string_view::npos &&
+                         separator != std::string_view::npos && separator > 0 &&
+                         std::count(cell.begin(), cell.end(), cell[separator]) == 2;
+    return is_date ? ", but a date or a time; write how long after a beginning it is, such as days"
+                   : "";
+}
+
+/// @param is_header  Names that may be several to a reader are quoted.
+void append_row(std::string& text, const Row& cells, bool is_header = false)
 {
     for (std::size_t c = 0; c < cells.size(); ++c) {
         text += c == 0 ? "" : ",";
         const std::string& cell = cells[c];
         // A lone empty cell must not become a blank line.
-        const bool is_plain = cell.find_first_of(",\"\r\n") == std::string::npos &&
-                              !(cell.empty() && cells.size() == 1);
+        const bool is_plain =
+            cell.find_first_of(is_header ? ",\"\r\n;\t" : ",\"\r\n") == std::string::npos &&
+            !(cell.empty() && cells.size() == 1);
         if (is_plain) {
             text += cell;
             continue;
@@ -282,19 +382,28 @@ Table read_table(const std::filesystem::path& path)
     Table table;
     table.columns = parser.row();
     check_separator(table.columns, content, path.string());
+    JoinedColumns joined(table.columns, parser);
+    const Row header = table.columns;
+    std::size_t width = header.size(); // of the rows; those of some programs all end with a comma
     while (!parser.done()) {
         Row row = parser.row();
-        if (row.size() != table.columns.size())
+        if (table.rows.empty() && row.size() != width && are_empty(row, width) &&
+            are_empty(header, row.size()) && rows_have(row.size(), parser))
+            width = row.size();
+        if (row.size() != width || !are_empty(row, header.size()))
             parser.fail(join("has ", counted(row.size(), "cell"), ", the header has ",
-                             table.columns.size(),
-                             table.rows.empty() && row.size() == table.columns.size() + 1 &&
-                                     rows_have(row.size(), parser)
+                             header.size(),
+                             table.rows.empty() && row.size() == header.size() + 1 &&
+                                     !are_empty(row, header.size()) && rows_have(row.size(), parser)
                                  ? ", as have all rows; if their first cells number or name them, "
                                    "write the table without these (R: row.names = FALSE, pandas: "
                                    "index=False)"
-                                 : ""));
+                                 : advice_on(row, header, parser)));
+        joined.take(row, parser);
+        row.resize(header.size());
         table.rows.push_back(std::move(row));
     }
+    joined.check(header, path.string());
     drop_blank_columns(table);
     check_columns(table.columns, path.string() + ": line 1: ");
     return table;
@@ -315,7 +424,7 @@ void write_long_table(const std::filesystem::path& path, const std::vector<std::
     constexpr std::size_t piece = std::size_t{1} << 20;
     write_pieces_atomically(path, [&](const AppendText& append) {
         std::string text;
-        append_row(text, columns);
+        append_row(text, columns, true);
         std::size_t count = 0;
         make_rows([&](const Row& row) {
             if (row.size() != columns.size())
@@ -344,8 +453,7 @@ double parse_number(const std::string& cell, const std::string& place)
     const std::optional<double> value = spelled_number(cell);
     if (!value)
         throw InvalidInput(
-            join(place, ": ", in_quotes(cell), " is not a finite number",
-                 cell.find(',') == std::string::npos ? "" : " (decimal point, no comma)"));
+            join(place, ": ", in_quotes(cell), " is not a finite number", advice_on_number(cell)));
     return *value;
 }
 

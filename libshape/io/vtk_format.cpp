@@ -85,8 +85,10 @@ public:
     {
         const std::string_view text = word(what);
         const std::optional<std::int64_t> value = spelled_integer(text);
-        if (!value || *value < 0)
+        if (value && *value < 0)
             fail(join(what, " is ", in_quotes(text), ", must be an integer >= 0"));
+        if (!value)
+            fail(join(what, " is ", in_quotes(text), ", ", broken_rule_of_integer(text)));
         return *value;
     }
 
@@ -131,8 +133,10 @@ public:
             const std::optional<std::int64_t> value =
                 bytes != nullptr ? integer_at(bytes, type, swap_bytes) : spelled_integer(text);
             if (!value)
-                fail(join("an index is ", bytes != nullptr ? "too large" : in_quotes(text),
-                          ", must be an integer"));
+                fail(bytes != nullptr ? join("an index is ", unsigned_at(bytes, swap_bytes),
+                                             ", which is beyond what can be counted, 2^63 - 1")
+                                      : join("an index is ", in_quotes(text), ", ",
+                                             broken_rule_of_integer(text)));
             result.push_back(*value);
         });
         return result;

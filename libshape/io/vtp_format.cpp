@@ -116,7 +116,8 @@ public:
             return 0;
         const std::optional<std::int64_t> value = spelled_integer(attribute.value());
         if (!value || *value < 0 || *value > std::numeric_limits<int>::max())
-            fail(join(name, " is ", in_quotes(attribute.value()), ", must be an integer >= 0"));
+            fail(join(name, " is ", in_quotes(attribute.value()), ", must be an integer in [0, ",
+                      std::numeric_limits<int>::max(), "]"));
         return *value;
     }
 
@@ -145,9 +146,12 @@ public:
         return values<std::int64_t>(
             array, count,
             [&](const char* bytes) {
-                // what is too large to be counted is out of any range
-                return integer_at(bytes, kind, swap_)
-                    .value_or(std::numeric_limits<std::int64_t>::max());
+                const std::optional<std::int64_t> value = integer_at(bytes, kind, swap_);
+                if (!value)
+                    fail(join("array ", in_quotes(array.attribute("Name").value()), " holds ",
+                              unsigned_at(bytes, swap_),
+                              ", which is beyond what can be counted, 2^63 - 1"));
+                return *value;
             },
             [](std::string_view text) { return spelled_integer(text); });
     }
@@ -169,8 +173,9 @@ private:
                 const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n"));
                 const auto value = from_text(word);
                 if (!value)
-                    fail(join("array ", name, " holds ", in_quotes(word),
-                              ", must be finite numbers"));
+                    fail(join("array ", name, " holds ", in_quotes(word), ", ",
+                              std::is_same_v<Value, double> ? "must be finite numbers"
+                                                            : broken_rule_of_integer(word)));
                 result.push_back(*value);
                 text.remove_prefix(word.size());
             }

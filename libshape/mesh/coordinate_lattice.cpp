@@ -172,6 +172,75 @@ int kind_of(const Faces& faces, const Lattice& lattice)
     return runs.two_steps >= nearly_all ? 2 : 0;
 }
 
+/// Whether the surface has flat steps along an axis, with slanted faces between them: what rounding to steps of more than an edge
+/// makes of a smooth one. Slices have no vertices but on their rims, and vertical walls are built.
+bool is_terraced(const Faces& faces, const Points& points, const Lattice& lattice,
+                 Eigen::Index axis)
+{
+    constexpr double least_within = 0.02;     // of all vertices
+    constexpr std::size_t least_plateaus = 3; // two are the ends
+    constexpr double upright = 0.05;
+    std::vector<char> is_within(to_size(points.rows()), 1);
+    int risers = 0;
+    int slanted = 0;
+    for (const auto& face : faces.rowwise())
+        for (int c = 0; c < 3; ++c) {
+            const int a = face[c];
+            const int b = face[(c + 1) % 3];
+            if (lattice.levels[a] == lattice.levels[b])
+                continue;
+            is_within[to_size(a)] = is_within[to_size(b)] = 0;
+            Eigen::RowVector3d along = points.row(a) - points.row(b);
+            const double rise = std::abs(along[axis]);
+            along[axis] = 0.0;
+            ++risers;
+            slanted += along.norm() > upright * rise ? 1 : 0;
+        }
+    std::vector<int> plateaus;
+    for (std::size_t v = 0; v < is_within.size(); ++v)
+        if (is_within[v] != 0)
+            plateaus.push_back(lattice.levels[static_cast<Eigen::Index>(v)]);
+    const auto within = static_cast<double>(plateaus.size());
+    std::sort(plateaus.begin(), plateaus.end());
+    plateaus.erase(std::unique(plateaus.begin(), plateaus.end()), plateaus.end());
+    return plateaus.size() >= least_plateaus &&
+           within >= least_within * static_cast<double>(points.rows()) && 2 * slanted > risers;
+}
+
+/// Whether the mesh is a part made of planes: faces lie in one plane with their neighbours or meet them in a sharp edge, and
+/// all have an area. Of a smooth surface that was rounded neighbours meet in small angles too.
+bool is_made_of_planes(const Faces& faces, const Points& points)
+{
+    constexpr double nearly_all = 0.99;
+    constexpr double flat = 1e-5; // sine: single precision, of faces that are not slivers
+    constexpr double sharp = 0.9; // cosine: 26 degrees
+    Points normals(faces.rows(), 3);
+    std::vector<std::pair<std::pair<int, int>, Eigen::Index>> sides;
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+        const Eigen::Vector3d a = points.row(faces(f, 0));
+        const Eigen::Vector3d b = points.row(faces(f, 1));
+        const Eigen::Vector3d c = points.row(faces(f, 2));
+        const Eigen::Vector3d normal = (b - a).cross(c - a);
+        if (!(normal.norm() > flat * (b - a).norm() * (c - a).norm()))
+            return false;
+        normals.row(f) = normal.normalized().transpose();
+        for (int k = 0; k < 3; ++k)
+            sides.emplace_back(std::minmax({faces(f, k), faces(f, (k + 1) % 3)}), f);
+    }
+    std::sort(sides.begin(), sides.end());
+    double planar = 0.0;
+    double all = 0.0;
+    for (std::size_t k = 1; k < sides.size(); ++k) {
+        if (sides[k].first != sides[k - 1].first)
+            continue;
+        const Eigen::Vector3d n = normals.row(sides[k].second);
+        const Eigen::Vector3d m = normals.row(sides[k - 1].second);
+        all += 1.0;
+        planar += n.cross(m).norm() < flat || n.dot(m) < sharp ? 1.0 : 0.0;
+    }
+    return planar >= nearly_all * all;
+}
+
 /// Whether vertices are as marching cubes leave them, in the middle of an edge between two voxels.
 bool are_halfway(const std::array<std::optional<Lattice>, 3>& lattices)
 {
@@ -338,6 +407,13 @@ std::array<bool, 3> are_meant(const Faces& faces, const Points& points,
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (lattices[axis])
             kinds[axis] = kind_of(faces, *lattices[axis]);
+    if (is_made_of_planes(faces, points))
+        return {true, true, true};
+    std::array<bool, 3> is_step{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        is_step[axis] =
+            kinds[axis] == 1 && kinds[(axis + 1) % 3] == 0 && kinds[(axis + 2) % 3] == 0 &&
+            is_terraced(faces, points, *lattices[axis], static_cast<Eigen::Index>(axis));
     const bool halfway = are_halfway(lattices);
     // Heights over a raster are asked alone.
     const bool all =
@@ -346,15 +422,16 @@ std::array<bool, 3> are_meant(const Faces& faces, const Points& points,
     bool asks_surface = false;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const bool beside = kinds[(axis + 1) % 3] == 1 || kinds[(axis + 2) % 3] == 1;
-        is_regular[axis] = all || kinds[axis] == 1 || (kinds[axis] == 2 && (beside || halfway));
-        asks_surface = asks_surface || (lattices[axis] && !is_regular[axis]);
+        is_regular[axis] = !is_step[axis] &&
+                           (all || kinds[axis] == 1 || (kinds[axis] == 2 && (beside || halfway)));
+        asks_surface = asks_surface || (lattices[axis] && !is_regular[axis] && !is_step[axis]);
     }
     if (!asks_surface)
         return is_regular;
     const std::vector<Offset> surface = offsets(faces, points);
     std::array<bool, 3> meant = is_regular;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (!lattices[axis] || is_regular[axis])
+        if (!lattices[axis] || is_regular[axis] || is_step[axis])
             continue;
         const double rough =
             roughness(surface, static_cast<Eigen::Index>(axis), lattices[axis]->step);

@@ -38,8 +38,11 @@ struct Lattice
 /// - vertices that rounding would move off the surface (abs(n) >= 0.25 along it, no plateau) are on it: their distance from a
 ///   quadric through two rings has a median below 0.2 of the standard deviation that rounding leaves, step / sqrt(12); or
 /// - both other axes are of the first two kinds, and the median is 3 and more of that: uneven heights.
+/// Levels that are flat steps of a slanted surface are no slices, if no other axis is of that kind: 2 % of the vertices have all
+/// neighbours on their level, of three levels at the least, and most edges between levels do not run along the axis.
 /// All three are, if fewer than two are of the first two kinds, their steps are within a factor of 12, 60 % of the edges, 200
 /// at the least, run by at most one step along every axis, and none has lost its length: of rounded ones many would have.
+/// All three are of a part made of planes: of 99 % of the edges both faces lie in one plane or meet at more than 26 degrees.
 /// @param lattices  Of the axes.
 /// Cost: O(#V + #F).
 [[nodiscard]] std::array<bool, 3> are_meant(const Faces& faces, const Points& points,

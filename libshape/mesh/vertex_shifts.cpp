@@ -78,6 +78,7 @@ struct FlatShell
 {
     Eigen::MatrixX2d shell;
     Eigen::RowVector2d vertex;
+    double height = 0.0; ///< Of the vertex.
     double radius = 0.0; ///< Mean distance of the shell from the centroid, in space.
 };
 
@@ -95,7 +96,9 @@ FlatShell flat_shell(const Shell& shell, int vertex, const Points& points)
     Eigen::Matrix<double, 3, 2> axes;
     axes.col(0) = normal.unitOrthogonal();
     axes.col(1) = normal.cross(axes.col(0));
-    return {around * axes, (points.row(vertex) - centre) * axes, around.rowwise().norm().mean()};
+    const Eigen::RowVector3d from_centre = points.row(vertex) - centre;
+    return {around * axes, from_centre * axes, from_centre.dot(normal),
+            around.rowwise().norm().mean()};
 }
 
 /// The weights with which the shell gives the vertex, and which sum to one.
@@ -112,10 +115,23 @@ Eigen::VectorXd weights(const FlatShell& flat)
     return mean + flat.shell * squares.ldlt().solve(flat.vertex.transpose());
 }
 
-/// The shift of a vertex in every mesh.
-Eigen::RowVectorXd shifts_of(const Shell& shell, int vertex, std::span<const Points> meshes)
+/// Change of the height of a vertex in every mesh.
+Eigen::RowVectorXd heights_of(const std::vector<FlatShell>& all)
 {
-    std::vector<FlatShell> all;
+    Eigen::RowVectorXd heights(std::ssize(all));
+    for (std::size_t i = 0; i < all.size(); ++i)
+        heights[static_cast<Eigen::Index>(i)] =
+            all[i].radius > 0.0 ? all[i].height / all[i].radius : 0.0;
+    const double usual = median({heights.begin(), heights.end()});
+    return (heights.array() - usual).abs();
+}
+
+/// The shift of a vertex in every mesh.
+/// @param all  Gets its shell in each.
+Eigen::RowVectorXd shifts_of(const Shell& shell, int vertex, std::span<const Points> meshes,
+                             std::vector<FlatShell>& all)
+{
+    all.clear();
     Eigen::MatrixXd weight(std::ssize(meshes), std::ssize(shell.vertices));
     for (const Points& points : meshes) {
         all.push_back(flat_shell(shell, vertex, points));
@@ -148,13 +164,16 @@ VertexShifts vertex_shifts(const Topology& topology, std::span<const Points> mes
         asked.push_back(static_cast<int>(static_cast<std::int64_t>(k) * all / count));
     std::vector<char> is_known(asked.size(), 0);
     Eigen::MatrixXd shifts(count, std::ssize(meshes));
+    Eigen::MatrixXd heights(count, std::ssize(meshes));
     parallel_for(asked.size(), 64, [&](std::size_t begin, std::size_t end) {
         ShellFinder finder(topology, rings);
+        std::vector<FlatShell> flat;
         for (std::size_t k = begin; k < end; ++k) {
             const Shell shell = finder.around(asked[k]);
             if (shell.vertices.size() < 3)
                 continue;
-            shifts.row(static_cast<Eigen::Index>(k)) = shifts_of(shell, asked[k], meshes);
+            shifts.row(static_cast<Eigen::Index>(k)) = shifts_of(shell, asked[k], meshes, flat);
+            heights.row(static_cast<Eigen::Index>(k)) = heights_of(flat);
             is_known[k] = 1;
         }
     });
@@ -166,6 +185,7 @@ VertexShifts vertex_shifts(const Topology& topology, std::span<const Points> mes
             known.push_back(static_cast<Eigen::Index>(k));
         }
     result.shifts = shifts(known, Eigen::all);
+    result.heights = heights(known, Eigen::all);
     return result;
 }
 

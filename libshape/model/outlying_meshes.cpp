@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <set>
@@ -282,6 +283,64 @@ std::vector<Place> largest_gaps(const Topology& topology, const RowMatrix& gaps)
     return places;
 }
 
+/// How far a vertex stands out of its neighbours where its edges are unlike those of any other mesh: a joint that bends further
+/// than any other lifts its neighbours too, and leaves lengths as they are.
+std::vector<Place> largest_spikes(const Topology& topology, const VertexShifts& all,
+                                  const RowMatrix& gaps)
+{
+    constexpr double varying = 3.0;
+    Eigen::MatrixXd heights = Eigen::MatrixXd::Zero(topology.vertex_count(), gaps.rows());
+    Eigen::VectorXd usual = Eigen::VectorXd::Zero(topology.vertex_count());
+    for (std::size_t k = 0; k < all.vertices.size(); ++k) {
+        const auto row = all.heights.row(static_cast<Eigen::Index>(k));
+        heights.row(all.vertices[k]) = row;
+        usual[all.vertices[k]] = median({row.begin(), row.end()});
+    }
+    std::vector<Place> places(to_size(gaps.rows()));
+    parallel_for(places.size(), 1, [&](std::size_t begin, std::size_t) {
+        const auto mesh = static_cast<Eigen::Index>(begin);
+        std::vector<double> around;
+        for (int v = 0; v < topology.vertex_count(); ++v) {
+            const double beyond = heights(v, mesh) - varying * usual[v];
+            if (beyond <= 0.0)
+                continue;
+            around.clear();
+            double gap = 0.0;
+            for (const Topology::Spoke& spoke : topology.spokes(v)) {
+                around.push_back(heights(spoke.vertex, mesh));
+                gap += gaps(mesh, spoke.edge);
+            }
+            gap /= static_cast<double>(around.size());
+            const double square = (beyond - median(around)) * gap;
+            if (const double value = std::sqrt(std::max(0.0, square)); value > places[begin].value)
+                places[begin] = {value, v};
+        }
+    });
+    for (Place& place : places)
+        place.value = std::max(0.0, place.value); // no vertex is beyond what is usual
+    return places;
+}
+
+/// Whether the edges at a vertex have other lengths in a mesh than in most.
+/// @param logarithms  Of unit-sum lengths, a row a mesh.
+bool has_other_lengths(const Topology& topology, const RowMatrix& logarithms, int vertex,
+                       Eigen::Index mesh)
+{
+    constexpr double varying = 3.0;
+    constexpr double least = 0.05;
+    double sum = 0.0;
+    for (const Topology::Spoke& spoke : topology.spokes(vertex)) {
+        const auto column = logarithms.col(spoke.edge);
+        const double usual = median({column.begin(), column.end()});
+        std::vector<double> distances;
+        for (const double value : column)
+            distances.push_back(std::abs(value - usual));
+        const double distance = distances[to_size(mesh)];
+        sum += std::max(0.0, distance - varying * median(std::move(distances)));
+    }
+    return sum > least * static_cast<double>(topology.spokes(vertex).size());
+}
+
 /// A vertex, or what is around it, that lies elsewhere in a mesh than in most.
 struct Shift : Place
 {
@@ -289,7 +348,10 @@ struct Shift : Place
 };
 
 /// By how much the shift of a vertex exceeds three times the usual one there.
-std::vector<Shift> largest_shifts(const VertexShifts& all)
+/// @param least  Smaller ones count as 0. @param counts  Asked whether the others do.
+std::vector<Shift> largest_shifts(
+    const VertexShifts& all, double least = -1.0,
+    const std::function<bool(int vertex, Eigen::Index mesh)>& counts = {})
 {
     constexpr double varying = 3.0;
     constexpr double alike = 0.5; // of the shift: where the same slip leads depends on the mesh
@@ -300,7 +362,8 @@ std::vector<Shift> largest_shifts(const VertexShifts& all)
         const double usual = median({row.begin(), row.end()});
         for (std::size_t i = 0; i < found.size(); ++i)
             if (const double value = row[static_cast<Eigen::Index>(i)] - varying * usual;
-                value > found[i].value) {
+                value > std::max(least, found[i].value) &&
+                (!counts || counts(all.vertices[k], static_cast<Eigen::Index>(i)))) {
                 found[i].value = value;
                 found[i].vertex = all.vertices[k];
                 rows[i] = static_cast<Eigen::Index>(k);
@@ -329,25 +392,36 @@ std::vector<OutlyingMesh> find_outlying_meshes(const Collection& collection)
 {
     if (collection.size() < least_meshes)
         return {};
+    const Topology& topology = collection.topology;
     const RowMatrix lengths = shape_vectors(collection);
+    const RowMatrix logarithms = lengths.array().log();
     // A vertex among its neighbours, and a region, that of a landmark, in what is around it.
-    const std::vector<Shift> shift_places = largest_shifts(vertex_shifts(
-        collection.topology, collection.points, 1, collection.topology.vertex_count()));
+    const VertexShifts shifts =
+        vertex_shifts(topology, collection.points, 1, topology.vertex_count());
+    Figure shift(values_of(largest_shifts(shifts)), 0.9, 2.0, 5.0);
+    // Where neighbours lie close together, as lips do, vertices are often shifted and keep their lengths.
+    const std::vector<Shift> shift_places =
+        largest_shifts(shifts, shift.limit, [&](int vertex, Eigen::Index mesh) {
+            return has_other_lengths(topology, logarithms, vertex, mesh);
+        });
+    shift.values = values_of(shift_places);
     const std::vector<Shift> region_places =
-        largest_shifts(vertex_shifts(collection.topology, collection.points, 6, 1500));
-    const std::vector<Place> gap_places =
-        largest_gaps(collection.topology, column_gaps(lengths.array().log().matrix()));
+        largest_shifts(vertex_shifts(topology, collection.points, 6, 1500));
+    const RowMatrix gaps = column_gaps(logarithms);
+    const std::vector<Place> gap_places = largest_gaps(topology, gaps);
+    const std::vector<Place> spike_places = largest_spikes(topology, shifts, gaps);
     const Figure distance = nearest_distances(lengths);
     const Figure length_gap(values_of(gap_places), 0.6, 2.5, 5.0);
-    const Figure shift(values_of(shift_places), 0.9, 2.0, 5.0);
     const Figure region_shift(values_of(region_places), 0.8, 4.0, 8.0);
+    const Figure spike(values_of(spike_places), 0.5, 3.0, 8.0);
     std::vector<OutlyingMesh> found;
     for (std::size_t i = 0; i < collection.size(); ++i) {
         OutlyingMesh mesh{i,
                           distance.values[i],
                           length_gap.values[i],
-                          shift.values[i],
+                          std::max(0.0, shift.values[i]),
                           region_shift.values[i],
+                          spike.values[i],
                           -1,
                           {}};
         std::string why;
@@ -366,6 +440,11 @@ std::vector<OutlyingMesh> find_outlying_meshes(const Collection& collection)
             mesh.vertex = gap_places[i].vertex;
             why = join("the edges at vertex ", mesh.vertex, " differ by a factor of ",
                        rounded(std::exp(mesh.length_gap)), " from those of every other mesh");
+        } else if (spike.is_far(i)) {
+            mesh.vertex = spike_places[i].vertex;
+            why =
+                join("vertex ", mesh.vertex,
+                     " stands out of its neighbours, with edges unlike those of every other mesh");
         } else if (distance.is_far(i)) {
             why = join("the nearest one is ", rounded(mesh.distance / distance.usual),
                        " times as far as usual");

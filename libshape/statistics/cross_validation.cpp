@@ -130,7 +130,8 @@ int check_fold(const Grouping& groups, const std::string& fold, const std::vecto
         if (!found[g])
             throw InvalidInput(join("cross-validation: without fold '", fold,
                                     "' nothing is left of group '", groups.names[g],
-                                    "' to learn from"));
+                                    "' to learn from; it needs observations in two folds, or "
+                                    "leave them out"));
     if (kept.size() <= group_count)
         throw InvalidInput(join("cross-validation: without fold '", fold, "' there are ",
                                 kept.size(), " observations in ", group_count,

@@ -73,6 +73,15 @@ TEST_F(LandmarkFiles, KeepsThoseWithoutCoordinatesApart)
     EXPECT_EQ(table.missing[2].vertex, 17);
     EXPECT_EQ(read_all("b.csv", "name,x,y,z\nnose,NA,NA,NA\n").missing.size(), 1U);
     EXPECT_NE(message_of<InvalidInput>([&] {
+                  (void)read("c.csv", "name,x,y,z\nnose,1,inf,3\n");
+              }).find("c.csv, row 1, y: 'inf' is not a finite number"),
+              std::string::npos);
+    EXPECT_NE(
+        message_of<InvalidInput>([&] {
+            (void)read("c.csv", "name,x,y,z,vertex\nnose,1,2,3,\"1,5\"\n");
+        }).find("c.csv, row 1, vertex: '1,5' is not a finite number (decimal point, no comma)"),
+        std::string::npos);
+    EXPECT_NE(message_of<InvalidInput>([&] {
                   (void)read("c.csv", "name,x,y,z\nnose,1,2,3\nchin,NA,2,3\n");
               }).find("row 2: 1 of the three coordinates is missing; give all of them"),
               std::string::npos);

@@ -120,6 +120,24 @@ void expect_unit_triangle(const NamedMesh& mesh)
     EXPECT_EQ(mesh.faces, (Faces(1, 3) << 0, 1, 2).finished());
 }
 
+TEST(MeshFile, PrintsIntegersBeyond63BitsAsTheyStandInTheFile)
+{
+    std::string bytes =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+        "property float y\nproperty float z\nelement face 1\n"
+        "property list uchar uint64 vertex_indices\nend_header\n";
+    for (const double x : {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0})
+        append_scalar<float>(bytes, x, false);
+    bytes += '\3';
+    bytes += std::string(16, '\0') + std::string(7, '\0') + '\x80';
+    const std::string message =
+        test::message_of<InvalidInput>([&] { (void)read("a.ply", bytes); });
+    EXPECT_NE(
+        message.find("an integer is 9223372036854775808, which is beyond what can be counted"),
+        std::string::npos)
+        << message;
+}
+
 TEST(MeshFile, GivesEveryBitAndTheOrderBackInEveryFormat)
 {
     const test::TemporaryDirectory directory;
@@ -498,7 +516,8 @@ std::vector<BadFile> bad_files()
         {"a.obj", obj + "f 1 2 4\n", "line 4", "vertex index is 4"},
         {"a.obj", obj + "f 1 2 -4\n", "line 4", "vertex index is -4"},
         {"a.obj", obj + "f 1 2 2147483648\n", "line 4", "2147483648"},
-        {"a.obj", obj + "f 1 2 99999999999999999999\n", "line 4", "must be an integer"},
+        {"a.obj", obj + "f 1 2 99999999999999999999\n", "line 4",
+         "'99999999999999999999', is beyond what can be counted"},
         {"a.obj", obj + "f 1 2 -9223372036854775808\n", "line 4", "vertex index is -92"},
         {"a.obj", obj + "f 1 2 3.0\n", "line 4", "must be an integer"},
         {"a.obj", obj + "f 1 2 x\n", "line 4", "'x'"},
@@ -518,6 +537,8 @@ std::vector<BadFile> bad_files()
         {"a.obj", "v 0,5 1,5 2,5\n", "line 1", "'0,5'"},
         {"a.obj", "v 0 0 0x1p3\n", "line 1", "'0x1p3'"},
         {"a.obj", "v 0 0 0 2\n", "line 1", "weight 2"},
+        {"a.obj", "v 0 0 0 2\n", "line 1", "Export without weights (x y z alone)"},
+        {"a.obj", "v 0 0 0 nan\n", "line 1", "take the fourth number away"},
         {"a.obj", obj + "f 1/x 2 3\n", "line 4", "corner is '1/x'"},
         {"a.obj", obj + "f 1/1/1/1 2 3\n", "line 4", "corner is '1/1/1/1'"},
         {"a.obj", "v 0 0 0 red\n", "line 1", "'red'"},
@@ -555,7 +576,10 @@ std::vector<BadFile> bad_files()
         {"a.off", off_counts("4000000000 1 0"), "line 2", "do not fit in"},
         {"a.off", off_counts("100000000 1 0"), "line 2", "do not fit in"},
         {"a.off", off_counts("1 100000000 0"), "line 2", "do not fit in"},
-        {"a.off", off_counts("99999999999999999999 1 0"), "line 2", "must be an integer"},
+        {"a.off", off_counts("99999999999999999999 1 0"), "line 2",
+         "'99999999999999999999', is beyond what can be counted"},
+        {"a.off", "OFF99999999999999999999 1 0\n", "line 1",
+         "vertex count is '99999999999999999999', is beyond"},
         {"a.off", off_counts("9223372036854775807 9223372036854775807 0"), "line 2", "do not fit"},
         {"a.off", off_counts("-4 1 0"), "line 2", "vertex count is -4"},
         {"a.off", off_counts("3 -1 0"), "line 2", "face count is -1"},

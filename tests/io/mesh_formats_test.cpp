@@ -211,6 +211,10 @@ TEST(VtkFile, RefusesInALineWhatItIsNot)
              {ascii + "POINTS 3 float\n", "must be 'DATASET POLYDATA'"},
              {ascii + "DATASET POLYDATA\nPOINTS 900 float\n0 0 0\n", "do not fit"},
              {ascii + "DATASET POLYDATA\nPOINTS -3 float\n", "must be an integer >= 0"},
+             {ascii + "DATASET POLYDATA\nPOINTS 9223372036854775808 float\n",
+              "'9223372036854775808', is beyond what can be counted, 2^63 - 1"},
+             {ascii + points + "POLYGONS 1 4\n3 0 1 9223372036854775808\n",
+              "an index is '9223372036854775808', is beyond what can be counted"},
              {ascii + "DATASET POLYDATA\nPOINTS 1 bit\n", "of type 'bit'"},
              {ascii + "DATASET POLYDATA\nPOINTS 1 float\n0 0 nan\n", "'nan'"},
              {ascii + points + "POLYGONS 1 4\n3 0 1 3\n", "names vertex 3 of 3"},
@@ -280,6 +284,9 @@ TEST(VtpFile, RefusesInALineWhatItIsNot)
              {"Int32", "Float32", "integer type"},
              {"0 2 3<", "0 2 4<", "names vertex 4"},
              {"\"4\"", "\"4000000000\"", "NumberOfPoints"},
+             {"\"4\"", "\"4000000000\"", "must be an integer in [0, 2147483647]"},
+             {"2 0 2 3<", "2 0 2 9223372036854775808<",
+              "holds '9223372036854775808', is beyond what can be counted"},
              {"ascii\">3 6", "appended\" offset=\"9\">", "behind"},
              {"Components=\"3\"", "Components=\"2\"", "three"}}) {
         const std::string message = refusal("a.vtp", replaced(vtp_text, what, by));
@@ -651,6 +658,12 @@ TEST(GlbFile, RefusesInALineWhatItDoesNotHold)
              {"\"count\":4", "\"count\":400000", "does not hold"},
              {"\"count\":4", "\"count\":-1", "'count' is -1"},
              {"\"count\":4", "\"count\":1e300", "no integer"},
+             // Beyond 63 bits: what stands in the file.
+             {"\"byteOffset\":48", "\"byteOffset\":9223372036854775808",
+              "'byteOffset' is 9223372036854775808, must be in [0, 1099511627776]"},
+             {"\"count\":4", "\"count\":18446744073709551615", "'count' is 18446744073709551615"},
+             {"\"children\":[1]", "\"children\":[18446744073709551615]",
+              "a node is referred to by '18446744073709551615'"},
              {"\"children\":[1]", "\"children\":[0]", "met twice"},
              {"\"children\":[1]", "\"children\":[7]", "no entry 7 of nodes"},
              {"\"indices\":1", "\"mode\":5", "mode 5"},

@@ -75,10 +75,33 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
              {"a,\n1,\n2,x\n", "line 1", "column 2 has no name"},
              {",mesh\n1,a\n", "line 1", "row.names = FALSE"},
              {"sep=,\na,b\n1,2,3\n", "line 3", "has 3 cells, the header has 2"},
-             {"a,b\n1,2\n3\n", "line 3", "has 1 cell, the header has 2"},
-             {"a,b\n1,2,3\n", "line 2", "has 3 cells, the header has 2"},
+             {"a,b\n1,2\n3\n", "line 3",
+              "has 1 cell, the header has 2; write a comma for each value that is missing"},
+             {"a,b\n1,2,3\n", "line 2", "has 3 cells, the header has 2, as have all rows"},
+             {"a,b\n1,2\n\n3,4\n", "line 3",
+              "has 1 cell, the header has 2; take the empty line away"},
+             {"a,b\n1,2\n3,4,5\n", "line 3",
+              "header has 2; put values that have a comma in quotes, and write numbers"},
+             // Commas at the ends of some lines.
+             {"a,b\n1,2\n3,4,\n", "line 3",
+              "has 3 cells, the header has 2; the last is empty: take the comma"},
+             {"a,b\n1,2,\n3,4\n", "line 2",
+              "has 3 cells, the header has 2; the last is empty: take the comma"},
+             {"a,b\n1,2,\n3,4,5\n", "line 3", "has 3 cells, the header has 2; put values"},
+             {"a,b,\n1,2,3\n4,5,\n", "line 1", "column 3 has no name"},
+             // Two separators in one table.
+             {"mesh,sex;age\na,f;30\nb,m;40\n", "line 1",
+              "'sex;age' and all cells below it have ';' in them: separate all cells by ','"},
+             {"mesh;sex,age\na;f,30\n", "line 1", "'mesh;sex' and all cells below it have ';'"},
+             {"mesh,sex\tage\na,f\t30\n", "line 1", "and all cells below it have a tab in them"},
+             {"mesh,sex,age\na,f;30\n", "line 2",
+              "has 2 cells, the header has 3; ';' separates some of them: separate all cells by "
+              "','"},
+             {"mesh,sex,age\na,f,30\nb;m;40\n", "line 3",
+              "has 1 cell, the header has 3; ';' separates"},
+             {"mesh,sex,age\na,f,30\nb\tm\t40\n", "line 3", "a tab separates some of them"},
+             {"mesh,sex,age\na,f|30\n", "line 2", "'|' separates some of them"},
              {"a,b\nx,1,2\ny,3,4\n", "line 2", "as have all rows; if their first cells"},
-             {"a,b\n1,2\n\n3,4\n", "line 3", "has 1 cell,"},
              {"a,b\n\"x\ny\",2\n1\n", "line 4", "has 1 cell,"},
              {"a,b\n1,\"2\n3,4\n", "line 2", "a quote is not closed"},
              {"a,b\n1,\"2\"x\n", "line 2", "text follows a closing quote"},
@@ -128,6 +151,34 @@ TEST(TableFile, NamesFileLineAndRuleOfWhatItRefuses)
         EXPECT_NE(message.find(c.place), std::string::npos) << message;
         EXPECT_NE(message.find(c.rule), std::string::npos) << message;
     }
+}
+
+TEST(TableFile, PassesOverCommasAtTheEndOfAllLines)
+{
+    const Table wanted = read("a,b\n1,2\n,4\n");
+    for (const char* text :
+         {"a,b\n1,2,\n,4,\n", "a,b,\n1,2,\n,4,\n", "a,b,\n1,2\n,4\n", "a,b\n1,2,,,\n,4,,,\n",
+          "a,b\r\n1,2,\r\n,4, \r\n", "a,b,,\n1,2,\n,4,\n"}) {
+        const Table found = read(text);
+        EXPECT_EQ(found.columns, wanted.columns) << text;
+        EXPECT_EQ(found.rows, wanted.rows) << text;
+    }
+    EXPECT_EQ(read("a,b,c\n1,,\n2,,\n").columns.size(), 3U); // values that are missing
+}
+
+TEST(TableFile, TakesSemicolonsOfNamesAndValuesForNoSeparators)
+{
+    // Not in all cells, or not as often; or in quotes.
+    for (const char* text :
+         {"mesh,sex;age\na,f;30\nb,m\n", "mesh,sex;age\na,f;30;1\n", "mesh,sex;age\n",
+          "mesh,\"sex;age\"\na,f;30\n", "mesh,sex;age\na,\"f;30\"\n", "mesh,note\na,x;y\n"})
+        EXPECT_EQ(read(text).columns.size(), 2U) << text;
+    // What is written is read again.
+    const test::TemporaryDirectory folder;
+    const Table table{{"mesh", "sex;age"}, {{"a", "f;30"}}};
+    write_table(folder / "t.csv", table);
+    EXPECT_EQ(read_table(folder / "t.csv").columns, table.columns);
+    EXPECT_EQ(read_table(folder / "t.csv").rows, table.rows);
 }
 
 TEST(TableFile, TakesBlanksAndColonsOfOneNameForNoSeparators)

@@ -11,6 +11,7 @@
 
 #include "libshape/base/random.h"
 #include "libshape/mesh/coordinate_spacing.h"
+#include "libshape/mesh/polygon_cut.h"
 #include "tests/support/meshes.h"
 
 namespace shape {
@@ -241,6 +242,66 @@ TEST(CoordinateLattice, OfPlatesIsMeant)
                                       }),
                                  unit)))
                 << length;
+}
+
+/// A comb in whole millimetres, `length` of its teeth; their ends are slanted by `slant`.
+Mesh comb(int teeth, int width, int length, int slant)
+{
+    std::vector<std::array<int, 2>> outline{{0, 0}, {2 * width * teeth - width, 0}};
+    for (int k = teeth - 1; k >= 0; --k) {
+        const int left = 2 * width * k;
+        const int end = 5 + length + k % 3;
+        outline.insert(outline.end(),
+                       {{left + width, 5}, {left + width, end - slant}, {left, end}, {left, 5}});
+        if (k == 0)
+            outline.pop_back();
+    }
+    const auto count = static_cast<int>(outline.size());
+    Points cap(count, 3);
+    for (int v = 0; v < count; ++v)
+        cap.row(v) << outline[static_cast<std::size_t>(v)][0],
+            outline[static_cast<std::size_t>(v)][1], 0;
+    Mesh mesh{Points(2 * count, 3), Faces(4 * count - 4, 3)};
+    mesh.points << cap, cap;
+    mesh.points.bottomRows(count).col(2).setConstant(3.0);
+    Eigen::Index f = 0;
+    const auto cut = cut_polygon(cap);
+    for (const auto& [a, b, c] : cut.value()) {
+        mesh.faces.row(f++) << b, a, c;
+        mesh.faces.row(f++) << a + count, b + count, c + count;
+    }
+    for (int v = 0; v < count; ++v) {
+        const int next = (v + 1) % count;
+        mesh.faces.row(f++) << v, next, next + count;
+        mesh.faces.row(f++) << v, next + count, v + count;
+    }
+    return mesh;
+}
+
+TEST(CoordinateLattice, OfPartsMadeOfPlanesIsMeant)
+{
+    for (const double unit : {1.0, 0.001, 1.0 / 25.4})
+        for (const int width : {1, 2, 5})
+            for (const int length : {7, 20, 60})
+                for (const int slant : {0, 1}) {
+                    const Mesh made = scaled(comb(15, width, length, slant), unit);
+                    if (slant == 0 || width < 3) { // else the ends are nearly flat: 11 degrees
+                        EXPECT_FALSE(is_coarse(made)) << width << " " << length << " " << slant;
+                        EXPECT_FALSE(is_coarse(in_single_precision(made)))
+                            << width << " " << length;
+                    }
+                }
+}
+
+TEST(CoordinateLattice, OfStepsOfASmoothSurfaceIsNotMeant)
+{
+    for (const int axis : {0, 1, 2})
+        for (const double edges : {0.05, 0.5, 1.2, 1.5, 2.0, 3.0}) {
+            Mesh mesh = ball(4);
+            const double step = 0.07 * edges;
+            mesh.points.col(axis) = (mesh.points.col(axis) / step).array().round().matrix() * step;
+            EXPECT_TRUE(is_coarse(mesh)) << axis << " " << edges;
+        }
 }
 
 TEST(CoordinateLattice, OfUnevenHeightsIsMeantAndOfASmoothHillIsNot)

@@ -49,6 +49,9 @@ TEST(VertexShifts, AreWhatAVertexMovedInThePlaneOfItsNeighboursByTheirMeanDistan
     EXPECT_NEAR(found.shifts(middle, 2), 0.8, 1e-3);
     EXPECT_NEAR(found.shifts(middle, 3), 0.0, 1e-3);
     EXPECT_NEAR(found.shifts(middle, 0), 0.0, 1e-3);
+    EXPECT_NEAR(found.heights(middle, 2), 0.0, 1e-12);
+    EXPECT_NEAR(found.heights(middle, 3), 0.8, 1e-12);
+    EXPECT_NEAR(found.heights(middle, 0), 0.0, 1e-12);
 }
 
 TEST(VertexShifts, AreThoseOfSomeVerticesAndOfShellsOfThree)

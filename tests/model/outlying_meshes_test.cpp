@@ -166,6 +166,85 @@ TEST(OutlyingMeshes, AreNoPosesOfAnArticulatedThing)
     }
 }
 
+TEST(OutlyingMeshes, AreThoseWithOneVertexMovedByTwoEdgesInAnyDirection)
+{
+    const std::filesystem::path folder = test::data_dir() / "ict_faces600";
+    if (!std::filesystem::exists(folder))
+        GTEST_SKIP() << folder << " is missing";
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".ply")
+            files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    std::vector<NamedMesh> meshes;
+    for (std::size_t i = 0; i < files.size(); i += 5)
+        meshes.push_back(read_mesh(files[i]));
+    const Collection all = collect(std::move(meshes));
+    int found = 0;
+    int sound = 0;
+    constexpr int trials = 50;
+    for (int trial = 0; trial < trials; ++trial) {
+        Random random(static_cast<std::uint64_t>(trial));
+        std::vector<std::size_t> some(all.size());
+        std::iota(some.begin(), some.end(), 0);
+        for (std::size_t i = some.size(); i > 1; --i)
+            std::swap(some[i - 1], some[random.index(i)]);
+        some.resize(20);
+        Collection collection = subset(all, some);
+        const std::size_t mesh = random.index(collection.size());
+        const auto vertex = static_cast<Eigen::Index>(
+            random.index(static_cast<std::uint64_t>(collection.topology.vertex_count())));
+        const Eigen::RowVector3d direction(random.normal(), random.normal(), random.normal());
+        Points& points = collection.points[mesh];
+        points.row(vertex) +=
+            2.0 * edge_lengths(collection.topology, points).mean() * direction.normalized();
+        for (const std::size_t outlier : outliers(collection))
+            (outlier == mesh ? found : sound) += 1;
+    }
+    EXPECT_GE(found, trials - 1); // along the normal, edges are longer and nothing else
+    EXPECT_LE(sound, 3);
+}
+
+/// A sheet whose vertices are drawn anew in every mesh, `jitter` of an edge; the squares are cut along either diagonal.
+Collection jittered_sheets(double jitter, std::uint64_t seed)
+{
+    constexpr int n = 30;
+    Random random(seed);
+    Faces faces(2 * n * n, 3);
+    Points flat((n + 1) * (n + 1), 3);
+    const auto vertex = [](int i, int j) { return i * (n + 1) + j; };
+    Eigen::Index f = 0;
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j) {
+            flat.row(vertex(i, j)) << i, j, 0.0;
+            if (i == n || j == n)
+                continue;
+            const int a = vertex(i, j), b = vertex(i, j + 1);
+            const int c = vertex(i + 1, j + 1), d = vertex(i + 1, j);
+            const bool is_turned = random.uniform() < 0.5;
+            faces.row(f++) << a, b, (is_turned ? d : c);
+            faces.row(f++) << (is_turned ? b : a), c, d;
+        }
+    Collection sheets{Topology(faces, static_cast<int>(flat.rows())), {}, {}, {}};
+    for (int k = 0; k < 10; ++k) {
+        sheets.names.push_back(join("m", k));
+        sheets.points.push_back(flat);
+        for (double& x : sheets.points.back().reshaped())
+            x += jitter * random.normal();
+    }
+    return sheets;
+}
+
+TEST(OutlyingMeshes, AreSeldomAmongJitteredSheetsWhateverTheirDiagonals)
+{
+    for (const double jitter : {0.1, 0.2, 0.3}) {
+        int named = 0;
+        for (std::uint64_t seed = 0; seed < 20; ++seed)
+            named += outliers(jittered_sheets(jitter, seed)).empty() ? 0 : 1;
+        EXPECT_LE(named, 1) << jitter;
+    }
+}
+
 TEST(OutlyingMeshes, AreThoseOfAnotherShape)
 {
     Collection collection = spheres(10);

@@ -234,9 +234,10 @@ TEST(CrossValidate, SaysWhatIsWrong)
         return test::message_of<InvalidInput>(
             [&] { (void)cross_validate(products, groups, folds, modes); });
     };
-    EXPECT_EQ(
-        message(s.states, s.states, 3),
-        "cross-validation: without fold 'calm' nothing is left of group 'calm' to learn from");
+    EXPECT_EQ(message(s.states, s.states, 3),
+              "cross-validation: without fold 'calm' nothing is left of group 'calm' to learn "
+              "from; it needs observations in two folds, or "
+              "leave them out");
     EXPECT_EQ(message(s.states, s.subjects, 55),
               "cross-validation: modes is 55, but without fold '0' there are 57 observations of 40 "
               "components in 3 groups; it must be at most 40");

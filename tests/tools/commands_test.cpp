@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <numeric>
 
 #include "libshape/base/format.h"
@@ -13,6 +15,7 @@
 #include "libshape/io/mesh_file.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
+#include "libshape/io/vertex_scalars.h"
 #include "libshape/mesh/edge_lengths.h"
 #include "tests/support/meshes.h"
 #include "tests/tools/program_test.h"
@@ -465,6 +468,75 @@ TEST_F(Commands, GenerateMeanHasTheMeanSizeOrTheOneAskedFor)
     EXPECT_NEAR(lengths("mean.ply").sum(), mean_size, 0.01 * mean_size);
     (void)run({"generate", "model.h5", "--mean", "--size", "7", "-o", "seven"});
     EXPECT_NEAR(lengths("seven/mean.ply").sum(), 7.0, 0.07);
+}
+
+/// Largest difference of coordinates, of those at a size divided by it [1].
+double difference_of_shapes(const Points& a, double size_of_a, const Points& b, double size_of_b)
+{
+    return (a / size_of_a - b / size_of_b).cwiseAbs().maxCoeff();
+}
+
+TEST_F(Commands, GenerateMakesTheSameShapeAtEverySize)
+{
+    fit();
+    const double mean_size = read_model(folder_ / "model.h5").mean_size();
+    const std::map<std::string, Arguments> asked{
+        {"far", {"--scores", "6,-5"}}, // which no mesh has: several are about as near
+        {"samples", {"--sample", "3"}},
+        {"feasible", {"--sample", "3", "--feasible"}},
+        {"sweep", {"--mode", "1", "--sigma", "-4:4:31"}}};
+    for (const auto& [name, what] : asked) {
+        const Arguments generate = Arguments{"generate", "model.h5", "--residuals"} + what;
+        const Json usual =
+            json_of(run_shape(folder_.path(), generate + Arguments{"-o", name + "/", "--json"}));
+        for (const double size : {7.3, 1e-5, 3e7}) {
+            const std::string at = join(name, "_at/");
+            const Outcome outcome = run_shape(
+                folder_.path(),
+                generate + Arguments{"-o", at, "--force", "--json", "--size", join(size)});
+            const Json resized = json_of(outcome);
+            for (std::size_t i = 0; i < usual["outputs"].size(); ++i) {
+                const std::string file =
+                    std::filesystem::path(usual["outputs"][i].get<std::string>()).filename();
+                if (file.find("_residuals") != std::string::npos)
+                    continue;
+                EXPECT_LT(difference_of_shapes(points(name + "/" + file), mean_size,
+                                               points(at + file), size),
+                          1e-12)
+                    << file << " at " << size;
+            }
+            for (std::size_t i = 0; i < usual["embeddings"].size(); ++i)
+                for (const char* figure : {"edge_rms", "dihedral_rms_deg", "iterations", "status"})
+                    EXPECT_EQ(usual["embeddings"][i][figure], resized["embeddings"][i][figure]);
+            const auto residuals = [&](const std::string& folder) {
+                const auto files = files_in(folder_ / (folder + "residuals"));
+                return read_vertex_scalar(folder_ / (folder + "residuals/" + files.front()),
+                                          "edge_error");
+            };
+            EXPECT_LT((residuals(name + "/") - residuals(at)).cwiseAbs().maxCoeff(), 1e-9);
+        }
+    }
+    // The sizes of a table: every mesh has its own.
+    (void)run({"project", "model.h5", "f.h5", "-o", "scores.csv"});
+    Table table = read_table(folder_ / "scores.csv");
+    const auto column = static_cast<std::size_t>(
+        std::find(table.columns.begin(), table.columns.end(), "size") - table.columns.begin());
+    for (auto& row : table.rows) // far away
+        row.back() = print_number(9.0 * parse_number(row.back(), "score"));
+    write_table(folder_ / "own.csv", table);
+    const Arguments of_table{"generate", "model.h5", "--scores-file", "own.csv"};
+    ASSERT_EQ(run_shape(folder_.path(), of_table + Arguments{"-o", "own/"}).exit_code, 0);
+    ASSERT_EQ(
+        run_shape(folder_.path(), of_table + Arguments{"-o", "one/", "--size", "1"}).exit_code, 0);
+    for (const auto& row : table.rows)
+        EXPECT_LT(difference_of_shapes(points("own/" + row.front() + ".ply"),
+                                       parse_number(row[column], "size"),
+                                       points("one/" + row.front() + ".ply"), 1.0),
+                  1e-12);
+    const Outcome large = run_shape(
+        folder_.path(), {"generate", "model.h5", "--mean", "--size", "1e70", "-o", "x.ply"});
+    EXPECT_EQ(large.exit_code, 3);
+    EXPECT_NE(large.err.find("the longest edge of the target is"), std::string::npos) << large.err;
 }
 
 TEST_F(Commands, GenerateNamesTheMeshesOfAMode)

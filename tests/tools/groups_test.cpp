@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -708,6 +709,57 @@ TEST_F(Groups, DifferencesAreTransferredToAnyMesh)
     EXPECT_EQ(chosen["pairs"], 2);
 }
 
+TEST_F(Groups, ShapesAreTheSameAtEverySize)
+{
+    const auto same = [&](const std::string& a, double size_of_a, const std::string& b,
+                          double size_of_b) {
+        EXPECT_LT((points(a) / size_of_a - points(b) / size_of_b).cwiseAbs().maxCoeff(), 1e-12)
+            << a << " " << b;
+    };
+    const auto shape = [&](const Arguments& arguments) {
+        const Outcome outcome = run_shape(folder_.path(), arguments); // which may warn
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    };
+    // A difference far beyond what any mesh has, at the size of its start and at others.
+    const Json figures = run(smile({"-o", "smile.h5"}));
+    const double from_size = figures["from_size"];
+    const Arguments load{"difference", "--load", "smile.h5", "--amount", "-9", "--mesh"};
+    shape(load + Arguments{"own.ply"});
+    for (const double size : {0.7, 1e6}) {
+        shape(load + Arguments{"at.ply", "--size", join(size), "--force"});
+        same("own.ply", from_size, "at.ply", size);
+    }
+    const auto centred = [&](const std::string& file) -> Points {
+        const Points mesh = points(file);
+        return mesh.rowwise() - mesh.colwise().mean();
+    };
+    shape(load + Arguments{"c_own.ply", "--onto", "c.ply"});
+    shape(load + Arguments{"c_at.ply", "--onto", "c.ply", "--size", "0.7"});
+    EXPECT_LT((centred("c_own.ply") / lengths("c.ply").sum() - centred("c_at.ply") / 0.7)
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-12);
+    // Shapes that are expected at a size have it; those at the same number of a label the mean size.
+    Table table = read_table(folder_ / "labels.csv");
+    table.columns.emplace_back("number");
+    double sum = 0.0;
+    for (auto& row : table.rows) {
+        const double size = lengths("people/" + row.front() + ".ply").sum();
+        sum += size;
+        row.push_back(print_number(size));
+    }
+    write_table(folder_ / "sizes.csv", table);
+    const double mean_size = sum / static_cast<double>(table.rows.size());
+    const Arguments regress{"regress", "people", "--labels", "sizes.csv", "--permutations", "9",
+                            "--at",    "90",     "--force",  "-o",        "r.csv",          "--on"};
+    shape(regress + Arguments{"size", "--expected", "by_size/"});
+    shape(regress + Arguments{"number", "--expected", "by_number/"});
+    same("by_size/size_90.ply", 90.0, "by_number/number_90.ply", mean_size);
+    expect_failure(
+        2, {"regress", "people", "--on", "size", "-o", "x.csv", "--at", "-3", "--expected", "at"},
+        {"--at -3: a size must be > 0"});
+}
+
 TEST_F(Groups, BadInputIsNamed)
 {
     const Arguments groups{"groups", "people.h5", "-o", "out.csv"};
@@ -740,6 +792,38 @@ TEST_F(Groups, BadInputIsNamed)
     expect_failure(3, regress + Arguments{"--on", "same"}, {"--on same: is constant, "});
     expect_failure(3, {"regress", "a.ply", "b.ply", "--on", "size", "-o", "x.csv"},
                    {"2 observations"});
+}
+
+TEST_F(Groups, CellsThatAreNoNumbersAreNamedWithWhatToDo)
+{
+    const std::vector<std::array<std::string, 2>> cells{
+        {"inf", "'inf' is not a finite number; correct it"},
+        {"\"1,5\"", "'1,5' is not a finite number (decimal point, no comma); correct it"},
+        {"1e400", "'1e400' is not a finite number: double precision ends at 1.8e308"},
+        {"2024-05-01", "'2024-05-01' is not a finite number, but a date or a time; write how long"},
+        {"old", "'old' is not a finite number; correct it"}};
+    for (const auto& [cell, said] : cells) {
+        Table table = read_table(folder_ / "labels.csv");
+        std::string text = "mesh,dose,mood\n";
+        for (std::size_t i = 0; i < table.rows.size(); ++i)
+            text +=
+                join(table.rows[i][0], ",", i == 4 ? cell : join(1.5 * static_cast<double>(i % 5)),
+                     ",", table.rows[i][2], "\n");
+        folder_.write("doses.csv", text);
+        const std::string mesh = table.rows[4][0];
+        const std::string place = join("doses.csv: label 'dose' of mesh ", mesh, ": ");
+        const std::string leave = "leave the cell empty and the mesh out (--only dose)";
+        const Arguments labelled{"people", "--labels", "doses.csv", "-o", "x.csv"};
+        expect_failure(3, Arguments{"regress", "--on", "dose"} + labelled, {place + said, leave});
+        expect_failure(3, Arguments{"groups", "--by", "mood", "--adjust-for", "dose"} + labelled,
+                       {place + said, leave});
+        // What takes it for a name goes on.
+        (void)run({"stats", "people", "--labels", "doses.csv", "-o", "dosed.h5", "--force"});
+        expect_failure(3, {"explore", "dosed.h5", "--regress", "dose", "-o", "x.html"},
+                       {join("--regress: dosed.h5: label 'dose' of mesh ", mesh, ": ") +
+                            said.substr(0, said.find(';')),
+                        "and make the model again"});
+    }
 }
 
 TEST_F(Groups, BadInputToRemovalAndTransferIsNamed)

@@ -674,6 +674,13 @@ TEST_F(Scale, ShardsThatAreNotAsTheyWereWrittenAreNotMerged)
     earlier.erase("beside");
     folder_.write("parts.shard-2-of-2/shard.json", earlier.dump());
     refused({"parts.shard-2-of-2: was made by an earlier version", "again with --force"});
+    // Of numbers beyond 32 bits the rest would do.
+    for (const char* key : {"shard", "shards"}) {
+        auto larger = nlohmann::ordered_json::parse(manifest);
+        larger[key] = 4294967298;
+        folder_.write("parts.shard-2-of-2/shard.json", larger.dump());
+        refused({"parts.shard-2-of-2: shard.json is not one that this program has written"});
+    }
     folder_.write("parts.shard-2-of-2/shard.json", manifest);
 
     folder_.write("parts.shard-1-of-2/notes.txt", "mine");

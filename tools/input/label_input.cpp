@@ -188,8 +188,20 @@ Grouping group_by_label_or_each(const MeshLabels& meshes, const std::string& lab
     return label.empty() ? group_by(meshes.names) : group_by_label(meshes, label);
 }
 
+double number_of_label(const LabelColumn& label, std::size_t mesh,
+                       const std::vector<std::string>& names, const std::string& place,
+                       const std::string& remedy)
+{
+    try {
+        return parse_number(label.values[mesh], join(place, place.empty() ? "" : ": ", "label '",
+                                                     label.name, "' of mesh ", names[mesh]));
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(join(error.what(), remedy));
+    }
+}
+
 Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& sizes,
-                              const std::vector<std::string>& columns)
+                              const std::vector<std::string>& columns, const std::string& table)
 {
     Eigen::MatrixXd result(sizes.size(), static_cast<Eigen::Index>(columns.size()));
     for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -205,8 +217,10 @@ Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& s
         }
         const LabelColumn& label = complete_label(meshes, columns[c], only(columns[c]));
         for (std::size_t i = 0; i < meshes.size(); ++i)
-            result(static_cast<Eigen::Index>(i), column) = parse_number(
-                label.values[i], join("label '", columns[c], "' of mesh ", meshes.names[i]));
+            result(static_cast<Eigen::Index>(i), column) =
+                number_of_label(label, i, meshes.names, table,
+                                join("; correct it, or leave the cell empty and the mesh out (",
+                                     only(label.name), ")"));
         check_magnitude(columns[c], result.col(column));
     }
     return result;

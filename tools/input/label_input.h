@@ -71,11 +71,20 @@ struct MeshLabels
 /// As group_by_label(), or every mesh in a group of its own if the label is empty.
 [[nodiscard]] Grouping group_by_label_or_each(const MeshLabels& meshes, const std::string& label);
 
+/// The number that a label says of a mesh.
+/// @param names  Of the meshes. @param place  The file of the labels, or nothing. @param remedy  Ends the message.
+/// @throws InvalidInput naming place, label, mesh and value if it is none.
+[[nodiscard]] double number_of_label(const LabelColumn& label, std::size_t mesh,
+                                     const std::vector<std::string>& names,
+                                     const std::string& place, const std::string& remedy);
+
 /// The numbers of labels, one column each; `size` stands for the sizes.
 /// @throws InvalidInput if there is no such label, or a mesh has no value of it or one that is not a
 ///     number, or if squares of the numbers overflow or underflow.
+/// @param table  Where the labels were read, if not in the files of the meshes.
 [[nodiscard]] Eigen::MatrixXd covariates_of(const MeshLabels& meshes, const Eigen::VectorXd& sizes,
-                                            const std::vector<std::string>& columns);
+                                            const std::vector<std::string>& columns,
+                                            const std::string& table);
 
 /// Warns of numbers in these columns that are likely to stand for no value (missing_codes()), where labels come from
 /// files of collections: tables say so themselves when they are read.

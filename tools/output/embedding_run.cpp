@@ -17,6 +17,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/edge_space/admissibility.h"
 #include "libshape/embedding/residual_field.h"
+#include "libshape/embedding/resized.h"
 #include "libshape/embedding/sequence_jumps.h"
 #include "libshape/io/vertex_scalars.h"
 #include "libshape/mesh/alignment.h"
@@ -271,14 +272,15 @@ void add_embedder_options(CLI::App& command, EmbeddingOptions& options, double s
         ->group("Embedding");
     add_number(
         command, "--anchor", options.anchor,
-        join("How firmly a mesh is held near its companion, the mesh that the blended turns of\n"
-             "patches lead to, so that it does not bend a little everywhere; less where lengths\n"
-             "and angles resist; >= 0, 0: not at all; along paths whose frames agree with each\n"
-             "other at most 0.01 (default: ",
-             default_anchor,
-             ").\nOf models with positions: how firmly near these, up to a hundred times as firmly\n"
-             "where lengths and angles hardly resist (default: ",
-             default_position_anchor, ").\nOf the method dihedral"))
+        join(
+            "How firmly a mesh is held near its companion, the mesh that the blended turns of\n"
+            "patches lead to, so that it does not bend a little everywhere; less where lengths\n"
+            "and angles resist; >= 0, 0: not at all; along paths whose frames agree with each\n"
+            "other at most 0.01 (default: ",
+            default_anchor,
+            ").\nOf models with positions: how firmly near these, up to a hundred times as firmly\n"
+            "where lengths and angles hardly resist (default: ",
+            default_position_anchor, ").\nOf the method dihedral"))
         ->check([](const std::string& text) {
             return std::strtod(text.c_str(), nullptr) < 0.0 ? text + " must be >= 0" : "";
         })
@@ -328,11 +330,16 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
 {
     const EmbeddingOptions options = embedding_options(session, arguments.options);
     prepare_output(arguments, topology, targets, output);
+    const auto made = [&](std::size_t i, const char* method, const DecodedShape& shape,
+                          const auto& embed) {
+        return finish(targets[i].name, method,
+                      [&] { return resized(embed(), topology, shape, targets[i].resized); });
+    };
     if (along) {
         const FrameEmbedder frames(topology, references, options, std::move(along),
                                    session.progress());
         const auto make = [&](std::size_t i, const DecodedShape& shape) {
-            return finish(targets[i].name, name(options.method), [&] {
+            return made(i, name(options.method), shape, [&] {
                 return frames.embed(targets[i].frame, std::get<ShapePoint>(shape));
             });
         };
@@ -340,7 +347,9 @@ Json embed_and_write(const Session& session, const EmbeddingArguments& arguments
     }
     const Embedder embedder(topology, std::move(references), options);
     const auto make = [&](std::size_t i, const DecodedShape& shape) {
-        return finished_mesh(embedder, options, targets[i].name, shape);
+        const char* const method =
+            std::holds_alternative<Points>(shape) ? "procrustes" : name(options.method);
+        return made(i, method, shape, [&] { return embedder.embed(shape); });
     };
     return make_and_write(session, arguments, topology, targets, make, output, order);
 }
@@ -373,7 +382,8 @@ Json make_and_write(const Session& session, const EmbeddingArguments& arguments,
         infeasible.add(targets[i].name, shape, mesh);
         output.write(i, mesh.points, topology.faces());
         if (arguments.residuals)
-            write_residuals(output, output.staged_companion(i), topology, mesh.points, shape);
+            write_residuals(output, output.staged_companion(i), topology, mesh.points,
+                            resized(shape, targets[i].resized));
         if (order == TargetOrder::Sequence && i > 0)
             steps.push_back(measure_step(topology, previous, mesh.points));
         rows.push_back(table_row(mesh.figures));
@@ -407,14 +417,6 @@ FinishedMesh finish(const std::string& target, const std::string& method,
     } catch (const NumericalError& error) {
         throw NumericalError(join(target, ": ", error.what()));
     }
-}
-
-FinishedMesh finished_mesh(const Embedder& embedder, const EmbeddingOptions& options,
-                           const std::string& target, const DecodedShape& shape)
-{
-    const char* const method =
-        std::holds_alternative<Points>(shape) ? "procrustes" : name(options.method);
-    return finish(target, method, [&] { return embedder.embed(shape); });
 }
 
 void warn_if_infeasible(const Session& session, const std::string& target, const FinishedMesh& mesh)

@@ -52,6 +52,8 @@ struct EmbeddingTarget
     std::function<DecodedShape()> shape;
     const Points* place = nullptr; ///< A mesh that the result is moved rigidly onto, if any.
     std::size_t frame = 0;         ///< Its number on the path, if it is of one.
+    double resized =
+        1.0; ///< The mesh is made at the size of the shape and multiplied by this, before `place`.
 };
 
 /// A mesh as it is written, and what is said about it.
@@ -101,10 +103,6 @@ void prepare_output(const EmbeddingArguments& arguments, const Topology& topolog
 /// What `embed` makes of a target, with its figures; errors name the target.
 [[nodiscard]] FinishedMesh finish(const std::string& target, const std::string& method,
                                   const std::function<Embedding()>& embed);
-
-/// The mesh of a target, with its figures; errors name the target.
-[[nodiscard]] FinishedMesh finished_mesh(const Embedder& embedder, const EmbeddingOptions& options,
-                                         const std::string& target, const DecodedShape& shape);
 
 /// Warns if the target of a mesh is infeasible.
 void warn_if_infeasible(const Session& session, const std::string& target,

@@ -14,7 +14,7 @@ Json mode_figures(const ShapeModel& model)
     double cumulative = 0.0;
     for (int k = 0; k < model.mode_count(); ++k) {
         cumulative += model.variances[k];
-        const FeasibleRange range = feasible_range(model, k);
+        const FeasibleRange range = feasible_range(model, k, feasible_reach);
         modes.push_back({{"mode", k + 1},
                          {"variance", model.variances[k]},
                          {"share", model.variances[k] / model.total_variance},

@@ -9,6 +9,9 @@
 
 namespace shape::tools {
 
+/// How far from the mean feasible ranges are looked for [standard deviations].
+inline constexpr double feasible_reach = 10.0;
+
 /// The modes of a model, one object each: mode, variance, share, cumulative (of the total
 /// variance), feasible_low, feasible_high [standard deviations].
 [[nodiscard]] Json mode_figures(const ShapeModel& model);

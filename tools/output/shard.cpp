@@ -62,6 +62,16 @@ Shard read_shard(const std::string& text)
     return shard;
 }
 
+/// A number of a manifest as it stands there; of a larger one the type would keep a part.
+/// @throws Json::exception if it is not in [1, most].
+int small_integer(const Json& number, int most)
+{
+    if (!number.is_number_unsigned() || number.get<std::uint64_t>() < 1 ||
+        number.get<std::uint64_t>() > static_cast<std::uint64_t>(most))
+        throw Json::other_error::create(501, "out of range", nullptr);
+    return number.get<int>();
+}
+
 void check_is_new(const fs::path& target)
 {
     if (fs::exists(fs::symlink_status(target)))
@@ -160,8 +170,8 @@ std::map<int, Part> find_parts(const fs::path& output)
             try {
                 part.manifest =
                     Json::parse(read_file(part.directory / manifest_name, std::uint64_t{1} << 30));
-                const int number = part.manifest.at("shard").get<int>();
-                const int shards = part.manifest.at("shards").get<int>();
+                const int shards = small_integer(part.manifest.at("shards"), most_shards);
+                const int number = small_integer(part.manifest.at("shard"), shards);
                 if (count != 0 && shards != count)
                     fail(part, join("is one of ", shards, " shards, another is one of ", count,
                                     "; remove those of the earlier run"));

@@ -14,6 +14,7 @@
 #include "libshape/base/format.h"
 #include "libshape/base/random.h"
 #include "libshape/base/to_size.h"
+#include "libshape/embedding/resized.h"
 #include "libshape/io/model_file.h"
 #include "libshape/io/table_file.h"
 #include "libshape/mesh/alignment.h"
@@ -182,6 +183,10 @@ py::list decode(const ModelPointer& handle, const std::vector<Doubles>& deviatio
             const ShapeModel& model = handle->model;
             const Eigen::VectorXd units = model.variances.cwiseSqrt();
             const std::shared_ptr<const Embedder> embedder = handle->embedders.get(options);
+            if (size && !(*size > 0.0 && std::isfinite(*size)))
+                throw InvalidInput(join("size: ", *size, ", must be > 0 and finite"));
+            const double factor =
+                size && scale_of(model.space) == Scale::Unit ? *size / model.mean_size() : 1.0;
             std::vector<Embedding> meshes;
             for (std::size_t i = 0; i < points.size(); ++i) {
                 progress("embedding", i, points.size());
@@ -189,8 +194,8 @@ py::list decode(const ModelPointer& handle, const std::vector<Doubles>& deviatio
                     throw InvalidInput(join("scores: ", points[i].size(), " given, the model has ",
                                             units.size(), " modes"));
                 const Eigen::VectorXd scores = points[i].cwiseProduct(units.head(points[i].size()));
-                meshes.push_back(
-                    embedder->embed(model_point(model, scores, size.value_or(model.mean_size()))));
+                const DecodedShape shape = model_point(model, scores, model.mean_size());
+                meshes.push_back(resized(embedder->embed(shape), model.topology, shape, factor));
             }
             progress("embedding", points.size(), points.size());
             return meshes;

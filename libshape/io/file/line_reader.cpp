@@ -58,6 +58,14 @@ std::optional<std::int64_t> spelled_integer(std::string_view text)
     return spelled<std::int64_t>(text);
 }
 
+std::string_view broken_rule_of_integer(std::string_view text)
+{
+    text.remove_prefix(text.starts_with('+') || text.starts_with('-') ? 1 : 0);
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos
+               ? "is beyond what can be counted, 2^63 - 1"
+               : "must be an integer";
+}
+
 std::string in_quotes(std::string_view text)
 {
     constexpr std::size_t longest = 40;
@@ -211,7 +219,7 @@ std::int64_t LineReader::integer(std::string_view what)
     const std::string_view text = word(what);
     const std::optional<std::int64_t> value = spelled_integer(text);
     if (!value)
-        fail(join(what, " is ", in_quotes(text), ", must be an integer"));
+        fail(join(what, " is ", in_quotes(text), ", ", broken_rule_of_integer(text)));
     return *value;
 }
 

@@ -20,6 +20,9 @@ namespace shape::internal {
 /// The integer that the whole of `text` spells.
 [[nodiscard]] std::optional<std::int64_t> spelled_integer(std::string_view text);
 
+/// What a text that spelled_integer() does not take breaks: "must be an integer", or, of one that is, that it is too large.
+[[nodiscard]] std::string_view broken_rule_of_integer(std::string_view text);
+
 /// `text` in quotes for a message: shortened, unprintable bytes as '?'.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
