@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -13,6 +14,7 @@
 #include "libshape/base/counted.h"
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
+#include "libshape/base/percent.h"
 #include "libshape/base/to_size.h"
 #include "libshape/embedding/embedder.h"
 #include "libshape/io/collection_file.h"
@@ -27,6 +29,7 @@
 #include "libshape/registration/landmark_checks.h"
 #include "libshape/registration/landmark_units.h"
 #include "libshape/registration/prior_fit.h"
+#include "libshape/registration/rigid_start.h"
 #include "libshape/registration/scan_fit.h"
 #include "tools/commands.h"
 #include "tools/input/mesh_input.h"
@@ -184,6 +187,16 @@ public:
                 return at_vertex(mark);
         return std::nullopt;
     }
+    /// Its vertex, or -1.
+    [[nodiscard]] int vertex_of(const Landmark& on_scan) const
+    {
+        if (on_scan.vertex >= 0)
+            return on_scan.vertex;
+        for (const Landmark& mark : landmarks_.missing)
+            if (mark.name == on_scan.name && mark.scan == pattern_.name)
+                return mark.vertex;
+        return -1;
+    }
     /// Whether the template's row says that the landmark has no place there.
     [[nodiscard]] bool is_missing(const Landmark& on_scan) const
     {
@@ -198,7 +211,8 @@ private:
         const Points& points = pattern_.points;
         if (mark.vertex >= points.rows())
             throw InvalidInput(join("landmark '", mark.name, "' of ", mark.scan, ": vertex ",
-                                    mark.vertex, " is not among the template's ", points.rows()));
+                                    mark.vertex, " is not among the template's ", points.rows(),
+                                    ", counted from 0"));
         return points.row(mark.vertex).transpose();
     }
 
@@ -236,6 +250,43 @@ LandmarkPairs pairs_of(const AllLandmarks& landmarks, const std::string& scan,
         pairs.on_scan.row(static_cast<Eigen::Index>(i)) = there[i];
     }
     return pairs;
+}
+
+/// By how much the best similarity misses landmarks, over their spread.
+double missed_by_similarity(const Points& here, const Points& there)
+{
+    return (landmark_start(here, there)(here) - there).norm() / spread(there);
+}
+
+/// Whether vertices that landmarks name are counted from 1, as R counts them: with 1 less, four and more of them miss those of a
+/// scan by a third of what they miss as they are, or less.
+std::optional<std::string> doubt_of_first_vertex(const AllLandmarks& landmarks,
+                                                 const std::string& scan, const Pattern& pattern)
+{
+    constexpr double least_missed = 0.05, explained = 1.0 / 3.0; // as mistaken_landmarks()
+    const TemplatePlaces on_template(landmarks, pattern);
+    std::vector<int> vertices;
+    std::vector<Eigen::Index> before;
+    std::vector<Eigen::Vector3d> places;
+    for (const Landmark& mark : landmarks.marks)
+        if (const int vertex = on_template.vertex_of(mark);
+            mark.scan == scan && vertex > 0 && vertex < pattern.points.rows()) {
+            vertices.push_back(vertex);
+            before.push_back(vertex - 1);
+            places.push_back(mark.position);
+        }
+    if (places.size() < 4)
+        return std::nullopt;
+    Points there(std::ssize(places), 3);
+    for (std::size_t i = 0; i < places.size(); ++i)
+        there.row(static_cast<Eigen::Index>(i)) = places[i];
+    const double as_given = missed_by_similarity(pattern.points(vertices, Eigen::all), there);
+    const double less = missed_by_similarity(pattern.points(before, Eigen::all), there);
+    if (!(as_given >= least_missed && less <= explained * as_given))
+        return std::nullopt;
+    return join("landmarks: vertices of the template are counted from 0. Those of ", scan,
+                " miss by ", percent(as_given), " of their spread as they are, by ", percent(less),
+                " with 1 taken from each: do they come from a program that counts from 1 (R)?");
 }
 
 /// The scans of all parts of the run, and what of the arguments says how.
@@ -344,6 +395,7 @@ public:
         if (!arguments_.landmarks.empty()) {
             note_missing_landmarks();
             warn_of_scans_without_landmarks();
+            warn_of_first_vertex();
         }
         settings_ = settings_of(arguments_, topology_);
         if (arguments_.resume) {
@@ -392,6 +444,16 @@ public:
                                   names.size() == 1 ? " has" : " have", " no coordinates and ",
                                   names.size() == 1 ? "is" : "are", " passed over, first ",
                                   names.front()));
+    }
+
+    void warn_of_first_vertex() const
+    {
+        for (const fs::path& scan : task_.scans)
+            if (const auto doubt =
+                    doubt_of_first_vertex(landmarks_, name_in_tables(scan), pattern_)) {
+                session_.warn(*doubt);
+                return;
+            }
     }
 
     /// They are fitted all the same, with those names of the table that may be theirs, spelt otherwise.
@@ -583,6 +645,28 @@ private:
     }
     [[nodiscard]] bool goes_to_standard_output() const { return session_.readable(output_) == "-"; }
 
+    /// A landmark in the wrong place of the template shows in every scan alike.
+    void warn_of_doubted_template_landmarks() const
+    {
+        constexpr std::size_t least = 3; // one or two may be slips of their own
+        std::map<std::string, std::size_t> doubted, of_fits;
+        for (std::size_t i = 0; i < names_.size(); ++i) {
+            if (!rows_[i].contains("doubted_landmarks"))
+                continue;
+            for (const Json& landmark : rows_[i]["doubted_landmarks"])
+                ++doubted[landmark["landmark"].get<std::string>()];
+            const std::string scan = name_in_tables(task_.scans[i]);
+            for (const Landmark& mark : landmarks_.marks)
+                if (mark.scan == scan)
+                    ++of_fits[mark.name];
+        }
+        for (const auto& [name, count] : doubted)
+            if (count >= least && 2 * count > of_fits[name])
+                session_.warn(join("landmark '", name, "' is doubted in ", count, " of ",
+                                   of_fits[name], " scans; is its place on the template, ",
+                                   pattern_.name, ", the wrong one?"));
+    }
+
     /// Scans may be in any unit; a model of which size is a part does not see it, though.
     void warn_of_other_sizes() const
     {
@@ -609,6 +693,7 @@ private:
     void conclude() const
     {
         warn_of_other_sizes();
+        warn_of_doubted_template_landmarks();
         const auto count = [&](const char* status) {
             return std::count_if(rows_.begin(), rows_.end(),
                                  [&](const Json& row) { return row["status"] == status; });

@@ -175,10 +175,10 @@ void run(const Session& session, const Arguments& arguments)
         sequence.targets.push_back(
             {numbered_name("frame", i),
              [&target, &weights = blends.weights[i]] { return target(weights); }});
-    if (!blends.places.empty())
-        sequence.along =
-            FramePath{{[&](double t) { return target(blends.weights_at(t)); }, blends.stations},
-                      blends.places};
+    if (!blends.places.empty()) {
+        TargetPath path{[&](double t) { return target(blends.weights_at(t)); }, blends.stations};
+        sequence.along = FramePath{std::move(path), blends.places};
+    }
     check_merged_output(shard, arguments.output.path);
     MeshOutputArguments place = arguments.output;
     if (shard.is_given())

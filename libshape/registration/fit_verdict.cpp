@@ -313,6 +313,27 @@ std::string doubt_of_rival_start(double turn)
                 "is right");
 }
 
+std::string doubt_of_names(const std::vector<std::string>& exchanged)
+{
+    std::string names;
+    for (std::size_t i = 0; i < exchanged.size(); ++i)
+        names += join(i == 0                     ? ""
+                      : i + 1 < exchanged.size() ? ", "
+                                                 : " and ",
+                      "'", exchanged[i], "'");
+    return join(in_doubt, "landmarks ", names,
+                " look exchanged; with other names among them it bends far less, or comes nearer");
+}
+
+std::string doubt_of_landmark(const DoubtedLandmark& landmark, double diagonal)
+{
+    return join("landmark '", landmark.name,
+                "' may be in the wrong place, on the scan or on the template: left out, the "
+                "template bends less, "
+                "and its place comes out ",
+                percent(landmark.off / diagonal), " of the diagonal away");
+}
+
 bool is_start_doubt(std::string_view reason)
 {
     return reason.starts_with(in_doubt);

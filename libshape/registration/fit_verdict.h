@@ -52,9 +52,15 @@ struct FitEvidence
 /// [rad] it fits nearly as well.
 [[nodiscard]] std::string doubt_of_bent_start();
 [[nodiscard]] std::string doubt_of_rival_start(double turn);
+/// Landmarks of these names, two or three, stand beside each other's names.
+[[nodiscard]] std::string doubt_of_names(const std::vector<std::string>& exchanged);
 
 /// Whether a reason is one of these.
 [[nodiscard]] bool is_start_doubt(std::string_view reason);
+
+/// The reason that a landmark gives.
+/// @param diagonal  Of the fit [length of the scan].
+[[nodiscard]] std::string doubt_of_landmark(const DoubtedLandmark& landmark, double diagonal);
 
 /// Fills what ScanFit reports beside points, scale, start_doubt and turned_faces: a figure for all that can go wrong, and
 /// from those its status, the worst that any calls for, with a reason for each.

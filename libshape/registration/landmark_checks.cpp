@@ -199,16 +199,27 @@ void check_not_zero(const std::vector<std::string>& names, const Points& landmar
         "ones empty"));
 }
 
-void check_not_on_line(const Points& landmarks, const std::string& whose)
+bool is_on_line(const Points& landmarks)
+{
+    if (landmarks.rows() < 3)
+        return true;
+    const Points centred = landmarks.rowwise() - landmarks.colwise().mean();
+    const Eigen::VectorXd spread = Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
+    return !(spread[1] > 1e-3 * spread[0]); // else less than the error of picking them by hand
+}
+
+void check_not_on_line(const Points& landmarks, const Points& surface, const std::string& whose)
 {
     if (landmarks.rows() < 3)
         return;
+    constexpr double one_point = 1e-3; // of the diagonal
     const Points centred = landmarks.rowwise() - landmarks.colwise().mean();
-    const Eigen::VectorXd spread = Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
-    if (spread[1] > 1e-3 * spread[0]) // else less than the error of picking them by hand
-        return;
-    throw InvalidInput(
-        join("landmarks of ", whose, ": they lie on a line, which leaves a turn about it open"));
+    if (centred.rowwise().norm().maxCoeff() <= one_point * bounding_box_diagonal(surface))
+        throw InvalidInput(join("landmarks of ", whose, ": all ", landmarks.rows(),
+                                " lie in one point, which leaves every turn open"));
+    if (is_on_line(landmarks))
+        throw InvalidInput(join("landmarks of ", whose,
+                                ": they lie on a line, which leaves a turn about it open"));
 }
 
 std::optional<std::string> mistaken_landmarks(const std::vector<std::string>& names,

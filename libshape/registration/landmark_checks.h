@@ -24,9 +24,13 @@ void check_not_far(const std::vector<std::string>& names, const Points& landmark
 void check_not_zero(const std::vector<std::string>& names, const Points& landmarks,
                     const Points& surface, const std::string& whose);
 
-/// Refuses three landmarks and more that lie on a line, as near as they are picked by hand.
+/// Whether landmarks lie on a line or in one point, as near as they are picked by hand: a turn is left open then. Fewer than
+/// three do.
+[[nodiscard]] bool is_on_line(const Points& landmarks);
+
+/// Refuses three landmarks and more that do; of those that all lie within 0.1 % of the surface's diagonal it says so.
 /// @throws InvalidInput
-void check_not_on_line(const Points& landmarks, const std::string& whose);
+void check_not_on_line(const Points& landmarks, const Points& surface, const std::string& whose);
 
 /// Whether landmarks look as if slips had put them beside the wrong ones: some that are exchanged, or all as in a mirror.
 /// A similarity takes those of the template to those of the scan. It misses them by 5 % of their spread (spread(), root

@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "libshape/base/error.h"
@@ -17,6 +18,7 @@
 #include "libshape/mesh/edge_lengths.h"
 #include "libshape/mesh/nearest_in_triangle.h"
 #include "libshape/mesh/vertex_normals.h"
+#include "libshape/registration/doubted_landmarks.h"
 #include "libshape/registration/fit_verdict.h"
 #include "libshape/registration/growth_energy.h"
 #include "libshape/registration/landmark_checks.h"
@@ -78,7 +80,7 @@ constexpr LevelRounds free_rounds{12, 2 * finer_steps, 0.3, 0.5, false, 100.0, t
 /// The preconditioner is factorised anew every N-th round, as the pulls have grown meanwhile. Set with the schedule
 /// above.
 constexpr int rounds_between_factors = 5;
-/// Trial::score. Right starts of faces, bodies and an arm have at most 0.054, wrong ones 0.18 and more
+/// CoarseTrial::score. Right starts of faces, bodies and an arm have at most 0.054, wrong ones 0.18 and more
 /// (docs/correspondence.md).
 constexpr double doubtful_start = 0.06;
 /// A start of another orientation may be the right one if its score is below the first of these times the best one's
@@ -87,6 +89,10 @@ constexpr double doubtful_start = 0.06;
 constexpr double nearly_as_well = 2.0, as_well_as_it_gets = 1e-3;
 /// Between starts whose scores are less apart, what is known without them decides.
 constexpr double clearly_better = 0.8;
+/// A landmark is doubted if without it its place comes out farther than this from where it was put, over the scan's
+/// diagonal, and than so many standard deviations of what is tolerated. Right ones of the collections, placed to 1 %,
+/// come out up to 5.9 % away (docs/correspondence.md).
+constexpr double doubtful_distance = 0.06, tolerated_deviations = 3.0;
 /// So many rigid starts are tried, each by so many rounds of the coarsest level, before the best of them goes on. Set by
 /// hand.
 constexpr int tried_starts = 4, trial_rounds = 12;
@@ -193,20 +199,25 @@ struct ScanFitter::State
                    const LevelRounds& schedule, LevelMesh& mesh) const;
     void finish(const Target& target, const ShapePoint& rest, double start_growth, LevelMesh& mesh,
                 ScanFit& fit) const;
-    /// What the first rounds make of a start.
-    struct Trial
-    {
-        Points points;      // of the coarsest level
-        double score = 0.0; // how much that bends and how far it is from the scan; 0 is best
-    };
-    [[nodiscard]] Trial try_start(const Similarity& start, Target& target) const;
+    [[nodiscard]] VectorXd bent_edges(const TemplateLevel& level, const ShapePoint& rest,
+                                      const LevelMesh& mesh) const;
+    [[nodiscard]] CoarseTrial try_start(const Similarity& start, Target& target) const;
+    [[nodiscard]] CoarseTrial try_landmarks(const LandmarkPairs& landmarks,
+                                            const std::vector<Similarity>& starts,
+                                            Target& target) const;
+    [[nodiscard]] std::vector<DoubtedLandmark> doubted(const Similarity& start,
+                                                       const LevelMesh& coarsest,
+                                                       Target& target) const;
     struct ChosenStart
     {
         Similarity start;
-        std::string doubt; // empty: none, or there was nothing to choose
+        std::string doubt;                // empty: none, or there was nothing to choose
+        std::optional<CoarseTrial> trial; // nothing if there was nothing to choose
     };
     [[nodiscard]] ChosenStart choose_start(const std::vector<Similarity>& starts,
                                            Target& target) const;
+    [[nodiscard]] std::string doubt_of_few(const std::vector<Similarity>& starts,
+                                           const ChosenStart& chosen, Target& target) const;
     void finish_landmarks(const Target& target, const ShapePoint& rest, LevelMesh& mesh) const;
 };
 
@@ -291,7 +302,8 @@ void ScanFitter::State::run_level(std::size_t number, const Target& target, cons
     }
 }
 
-ScanFitter::State::Trial ScanFitter::State::try_start(const Similarity& start, Target& target) const
+/// What the first rounds make of a start.
+CoarseTrial ScanFitter::State::try_start(const Similarity& start, Target& target) const
 {
     resize(start.scale, target);
     const TemplateLevel& level = target.levels.back();
@@ -301,12 +313,7 @@ ScanFitter::State::Trial ScanFitter::State::try_start(const Similarity& start, T
     LevelMesh mesh{start.motion(level.rest), VectorXd::Zero(level.rest.rows())};
     run_level(levels.size() - 1, target, rest, trial, mesh);
 
-    const VectorXd strains = energy_of(level, rest).strains(mesh.points, mesh.growth);
-    const VectorXd bends =
-        dihedral_angles(level.topology, mesh.points) - dihedral_angles(level.topology, level.rest);
-    double bent = 0.0;
-    for (const double bend : bends)
-        bent += wrapped_angle(bend) * wrapped_angle(bend);
+    VectorXd bent = bent_edges(level, rest, mesh);
     // Bends and distances count alike at 1 rad and 2 % of the diagonal; what the template lacks is not held
     // against a start beyond 10 %.
     const ClosestPoints tree(mesh.points, level.topology.faces());
@@ -316,9 +323,21 @@ ScanFitter::State::Trial ScanFitter::State::try_start(const Similarity& start, T
     for (Index p = 0; p < target.scan.points.rows(); p += stride, ++samples)
         apart += std::min(tree.nearest(target.scan.points.row(p)).distance, 0.1 * target.diagonal);
     apart /= 0.02 * target.diagonal * static_cast<double>(samples);
-    const double score =
-        (strains.squaredNorm() + bent) / static_cast<double>(strains.size()) + apart * apart;
-    return {std::move(mesh.points), score};
+    const double score = bent.mean() + apart * apart;
+    return {std::move(mesh), std::move(bent), score};
+}
+
+/// Squares of strains and bends of every edge of a level.
+VectorXd ScanFitter::State::bent_edges(const TemplateLevel& level, const ShapePoint& rest,
+                                       const LevelMesh& mesh) const
+{
+    VectorXd bent = energy_of(level, rest).strains(mesh.points, mesh.growth).cwiseAbs2();
+    const VectorXd angles = dihedral_angles(level.topology, mesh.points);
+    for (Index e = 0; e < bent.size(); ++e) {
+        const double bend = wrapped_angle(angles[e] - rest.dihedral_angles[e]);
+        bent[e] += bend * bend;
+    }
+    return bent;
 }
 
 /// The best start after a few rounds on the coarsest level from each: where the template bends least and comes nearest.
@@ -327,8 +346,8 @@ ScanFitter::State::ChosenStart ScanFitter::State::choose_start(
     const std::vector<Similarity>& starts, Target& target) const
 {
     if (starts.size() == 1)
-        return {starts.front(), {}};
-    std::vector<Trial> trials;
+        return {starts.front(), {}, std::nullopt};
+    std::vector<CoarseTrial> trials;
     for (const Similarity& start : starts)
         trials.push_back(try_start(start, target));
     // The axes that the template has already are meant, and the size of the scan is that of the shape, unless another
@@ -348,18 +367,66 @@ ScanFitter::State::ChosenStart ScanFitter::State::choose_start(
     resize(starts[best].scale, target);
     const double score = trials[best].score;
     if (score > doubtful_start)
-        return {starts[best], doubt_of_bent_start()};
+        return {starts[best], doubt_of_bent_start(), std::move(trials[best])};
     double rival_score = nearly_as_well * score + as_well_as_it_gets;
     double rival_turn = 0.0;
-    for (const Trial& trial : trials) {
+    for (const CoarseTrial& trial : trials) {
         const double turn =
-            turn_angle(best_rigid_motion(trials[best].points, trial.points).rotation);
+            turn_angle(best_rigid_motion(trials[best].mesh.points, trial.mesh.points).rotation);
         if (turn >= same_way && trial.score < rival_score) {
             rival_score = trial.score;
             rival_turn = turn;
         }
     }
-    return {starts[best], rival_turn > 0.0 ? doubt_of_rival_start(rival_turn) : std::string()};
+    std::string doubt = rival_turn > 0.0 ? doubt_of_rival_start(rival_turn) : std::string();
+    return {starts[best], std::move(doubt), std::move(trials[best])};
+}
+
+/// A trial with other landmarks: from where three and more say, else the best from these starts.
+CoarseTrial ScanFitter::State::try_landmarks(const LandmarkPairs& landmarks,
+                                             const std::vector<Similarity>& starts,
+                                             Target& target) const
+{
+    const LandmarkPairs given = std::exchange(target.landmarks, landmarks);
+    std::optional<CoarseTrial> best;
+    if (!is_on_line(landmarks.on_template) && !is_on_line(landmarks.on_scan))
+        best = try_start(landmark_start(landmarks.on_template, landmarks.on_scan), target);
+    else
+        for (const Similarity& start : starts)
+            if (CoarseTrial trial = try_start(start, target); !best || trial.score < best->score)
+                best = std::move(trial);
+    target.landmarks = given;
+    return std::move(*best);
+}
+
+/// Whether two or three landmarks stand beside the wrong names. Leaves the target at another size.
+std::string ScanFitter::State::doubt_of_few(const std::vector<Similarity>& starts,
+                                            const ChosenStart& chosen, Target& target) const
+{
+    const LandmarkPairs given = target.landmarks;
+    const std::vector<std::string> exchanged = exchanged_landmarks(
+        levels.back(), given, chosen.trial ? *chosen.trial : try_start(chosen.start, target),
+        [&](const LandmarkPairs& landmarks) { return try_landmarks(landmarks, starts, target); });
+    return exchanged.empty() ? std::string() : doubt_of_names(exchanged);
+}
+
+/// The landmarks that the others do not bear out, where no exchange explains them.
+/// @param coarsest  The fit on that level.
+std::vector<DoubtedLandmark> ScanFitter::State::doubted(const Similarity& start,
+                                                        const LevelMesh& coarsest,
+                                                        Target& target) const
+{
+    const LandmarkPairs given = target.landmarks;
+    if (mistaken_landmarks(given.names, given.on_template, given.on_scan))
+        return {};
+    const double near = std::max(doubtful_distance * bounding_box_diagonal(target.scan.points),
+                                 tolerated_deviations * options.landmark_tolerance);
+    const TemplateLevel& level = target.levels.back();
+    const std::vector<DoubtedLandmark> named = doubted_landmarks(
+        levels.back(), given, bent_edges(level, shape_of(level), coarsest), near,
+        [&](const LandmarkPairs& landmarks) { return try_landmarks(landmarks, {start}, target); });
+    resize(start.scale, target);
+    return named;
 }
 
 /// Landmarks to be met exactly are: what is still missing is spread over the mesh by a few steps in which
@@ -429,7 +496,7 @@ void check_landmarks(const LandmarkPairs& landmarks, const std::vector<std::stri
     const auto check = [&](const Points& points, const Points& surface, const std::string& whose) {
         check_not_zero(landmarks.names, points, surface, whose);
         check_not_far(landmarks.names, points, surface, whose);
-        check_not_on_line(points, whose);
+        check_not_on_line(points, surface, whose);
     };
     check(landmarks.on_template, on_template, "the template");
     check(landmarks.on_scan, on_scan, "the scan");
@@ -494,10 +561,14 @@ void ScanFitter::State::finish(const Target& target, const ShapePoint& rest, dou
            .landmark_tolerance = target.landmark_tolerance},
           own_figures, fit);
     fit.points = mesh.points;
-    if (!fit.start_doubt.empty()) {
+    const auto doubt = [&](const std::string& reason) {
         fit.status = std::max(fit.status, FitStatus::Check);
-        fit.reasons.push_back(fit.start_doubt);
-    }
+        fit.reasons.push_back(reason);
+    };
+    if (!fit.start_doubt.empty())
+        doubt(fit.start_doubt);
+    for (const DoubtedLandmark& landmark : fit.doubted_landmarks)
+        doubt(doubt_of_landmark(landmark, fit.diagonal));
 }
 
 ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
@@ -516,7 +587,13 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
     else if (s.options.search_start)
         starts = rigid_starts(s.surface, surface, tried_starts);
     State::Target target = s.target_of(std::move(surface), landmarks, starts.front().scale);
-    const auto [start, doubt] = s.choose_start(starts, target);
+    const State::ChosenStart chosen = s.choose_start(starts, target);
+    const Similarity& start = chosen.start;
+    std::string doubt = chosen.doubt;
+    if (landmarks.names.size() == 2 || landmarks.names.size() == 3)
+        if (const std::string names = s.doubt_of_few(starts, chosen, target); !names.empty())
+            doubt = names;
+    s.resize(start.scale, target);
     auto [oriented, more_turned] =
         oriented_like(scan.points, faces, Surface(start(s.surface.points), s.surface.faces));
     if (more_turned > 0)
@@ -534,6 +611,8 @@ ScanFit ScanFitter::fit(const Scan& scan, const LandmarkPairs& landmarks) const
             mesh = carried_to_finer(target.levels[number + 1], mesh, target.levels[number]);
         s.run_level(number, target, shape_of(target.levels[number]), rounds_of(number, count),
                     mesh);
+        if (number + 1 == count)
+            fit.doubted_landmarks = s.doubted(start, mesh, target);
     }
     s.finish(target, shape_of(target.levels.front()), start.scale / fit.scale, mesh, fit);
     return fit;
@@ -557,6 +636,7 @@ ScanFit ScanFitter::fit_again(const Scan& scan, const LandmarkPairs& landmarks, 
     ScanFit fit;
     fit.scale = from.scale;
     fit.start_doubt = from.start_doubt;
+    fit.doubted_landmarks = from.doubted_landmarks;
     fit.turned_faces = turned;
     LevelMesh mesh{from.points, VectorXd::Zero(from.points.rows())};
     s.run_level(0, target, rest, sliding == Sliding::Free ? free_rounds : held_rounds, mesh);

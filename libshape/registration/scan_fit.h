@@ -58,6 +58,13 @@ enum class FitStatus
     Failed, ///< It is not a fit.
 };
 
+/// A landmark that the others and the surface do not bear out.
+struct DoubtedLandmark
+{
+    std::string name;
+    double off = 0.0; ///< From where it is without it to where it was put [length of the scan].
+};
+
 struct ScanFit
 {
     Points points; ///< #V by 3: the template's vertices on the scan, in its frame and unit.
@@ -85,6 +92,8 @@ struct ScanFit
     FitStatus status = FitStatus::Good;
     std::vector<std::string> reasons; ///< Why it is not Good.
     std::string start_doubt; ///< The one of them that says that it may lie the wrong way round.
+    /// Each is one of them: it may be in the wrong place, on the scan or on the template.
+    std::vector<DoubtedLandmark> doubted_landmarks;
 };
 
 /// How far vertices move along the surface when a scan is fitted again.

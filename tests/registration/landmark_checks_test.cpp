@@ -138,13 +138,35 @@ TEST(LandmarkChecks, SayNoZerosAreMissingOnesUnlessTheOriginIsOnTheSurface)
 
 TEST(LandmarkChecks, SayWhoseLandmarksLieOnALine)
 {
+    const Points surface = random_points(50, 1);
     Points line = Points::Zero(4, 3);
     line.col(1) << 1.0, 2.0, 4.0, 9.0;
-    EXPECT_EQ(test::message_of<InvalidInput>([&] { check_not_on_line(line, "the template"); }),
-              "landmarks of the template: they lie on a line, which leaves a turn about it open");
-    EXPECT_NO_THROW(check_not_on_line(line.topRows(2), "the scan"));
+    EXPECT_EQ(
+        test::message_of<InvalidInput>([&] { check_not_on_line(line, surface, "the template"); }),
+        "landmarks of the template: they lie on a line, which leaves a turn about it open");
+    EXPECT_NO_THROW(check_not_on_line(line.topRows(2), surface, "the scan"));
     line(2, 0) = 0.1;
-    EXPECT_NO_THROW(check_not_on_line(line, "the scan"));
+    EXPECT_NO_THROW(check_not_on_line(line, surface, "the scan"));
+}
+
+TEST(LandmarkChecks, SayWhoseLandmarksLieInOnePoint)
+{
+    const Points surface = random_points(50, 1);
+    Points marks = surface.row(7).replicate(3, 1);
+    const std::string said =
+        "landmarks of the scan: all 3 lie in one point, which leaves every turn "
+        "open";
+    EXPECT_EQ(
+        test::message_of<InvalidInput>([&] { check_not_on_line(marks, surface, "the scan"); }),
+        said);
+    // As near as a hand puts the same one twice.
+    marks += 1e-4 * bounding_box_diagonal(surface) * random_points(3, 2);
+    EXPECT_EQ(
+        test::message_of<InvalidInput>([&] { check_not_on_line(marks, surface, "the scan"); }),
+        said);
+    marks = surface.row(7).replicate(3, 1) + 0.02 * random_points(3, 2);
+    EXPECT_NO_THROW(check_not_on_line(marks, surface, "the scan"));
+    EXPECT_NO_THROW(check_not_on_line(surface.row(7).replicate(2, 1), surface, "the scan"));
 }
 
 TEST(LandmarkChecks, NameAllThatAreOnePointOnOneSideAlone)

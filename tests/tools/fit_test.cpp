@@ -80,6 +80,31 @@ TEST_F(Fit, ScansWithoutLandmarksAreNamedWithThoseOfNoScan)
         << told.err;
 }
 
+TEST_F(Fit, VerticesCountedFromOneAreSaid)
+{
+    const Points scan = points("scans/s0.ply");
+    const auto said = [&](int first, const std::string& to) {
+        std::string marks = "scan,name,vertex,x,y,z\n";
+        for (const int v : {10, 100, 200, 300, 400, 600}) {
+            marks += "s0,l" + std::to_string(v) + "," + std::to_string(v + first);
+            for (int k = 0; k < 3; ++k)
+                marks +=
+                    "," + print_number(scan(v, k)); // both spheres begin with the same vertices
+            marks += "\n";
+        }
+        folder_.write("marks.csv", marks);
+        return outcome({"fit", "pattern.ply", "scans/s0.ply", "-o", to, "--landmarks", "marks.csv",
+                        "--keep-failed"})
+            .err;
+    };
+    EXPECT_EQ(said(0, "zero").find("counted from 0"), std::string::npos);
+    const std::string one = said(1, "one");
+    EXPECT_NE(one.find("vertices of the template are counted from 0. Those of s0 miss by "),
+              std::string::npos)
+        << one;
+    EXPECT_NE(one.find("with 1 taken from each"), std::string::npos) << one;
+}
+
 TEST_F(Fit, PassesOverLandmarksThatAreNotToBeSeen)
 {
     const Points pattern = points("pattern.ply"), scan = points("scans/s0.ply");
@@ -109,6 +134,49 @@ TEST_F(Fit, PassesOverLandmarksThatAreNotToBeSeen)
     const Json report = Json::parse(folder_.read("marked/fit.json"));
     EXPECT_EQ(report["scans"][0]["landmarks"], 4);
     EXPECT_EQ(report["scans"][0]["status"], "good");
+}
+
+TEST_F(Fit, ALandmarkInTheWrongPlaceOfTheTemplateIsNamed)
+{
+    const TestMesh scan = bumpy_sphere(4, 0.3, 5);
+    Points longer = scan.points;
+    longer.col(2) *= 1.1;
+    write("scans/s2.ply", longer, scan.topology.faces());
+    const auto row = [](const std::string& start, const Points& of, int v) {
+        std::string text = start;
+        for (int k = 0; k < 3; ++k)
+            text += "," + print_number(of(v, k));
+        return text + "\n";
+    };
+    const Points pattern = points("pattern.ply");
+    Eigen::Index wrong = 0;
+    ((pattern.rowwise() - pattern.row(200)).rowwise().norm().array() -
+     0.2 * bounding_box_diagonal(pattern))
+        .abs()
+        .minCoeff(&wrong);
+    std::string marks = "scan,name,x,y,z\n";
+    for (const int v : {0, 100, 200, 300, 400, 500}) {
+        const std::string name = ",l" + std::to_string(v);
+        marks += row("pattern" + name, pattern, v == 200 ? static_cast<int>(wrong) : v);
+        for (int i = 0; i < 3; ++i)
+            marks += row(join("s", i, name), points(join("scans/s", i, ".ply")), v);
+    }
+    folder_.write("marks.csv", marks);
+    const Outcome told =
+        outcome({"fit", "pattern.ply", "scans", "-o", "marked", "--landmarks", "marks.csv"});
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    EXPECT_NE(told.err.find("landmark 'l200' is doubted in 3 of 3 scans; is its place on the "
+                            "template, pattern, the wrong one?"),
+              std::string::npos)
+        << told.err;
+    const Json report = Json::parse(folder_.read("marked/fit.json"));
+    EXPECT_EQ(report["scans"][0]["status"], "check");
+    EXPECT_EQ(report["scans"][0]["doubted_landmarks"][0]["landmark"], "l200");
+    // And when an interrupted run goes on.
+    EXPECT_NE(outcome({"fit", "pattern.ply", "scans", "-o", "marked", "--landmarks", "marks.csv",
+                       "--resume"})
+                  .err.find("is doubted in 3 of 3 scans"),
+              std::string::npos);
 }
 
 TEST_F(Fit, WritesACollectionWithoutWhatFailed)

@@ -2,6 +2,7 @@
 """Every key that --json prints is in docs/json.md with the type that it says, and every key there is printed; errors
 are JSON too."""
 import json
+import math
 import re
 import shutil
 import struct
@@ -76,6 +77,7 @@ RUNS = [
     ["fit", "model.h5", "faces/s001_neutral.ply", "-o", "fitted3"],
     ["synth", "scans", "--count", "2", "--vertices", "300", "-o", "raw"],
     ["fit", "raw/template.ply", "raw/scans", "-o", "fitted4", "--rounds", "1", "--no-search"],
+    ["fit", "raw/template.ply", "raw/scans/s000_neutral.ply", "-o", "fitted5", "--landmarks", "moved.csv"],
     ["generate", "model.h5", "--sample", "2", "--shard", "1/1", "-o", "many/"],
     ["merge", "many/"],
     ["info", "faces.h5"],
@@ -153,6 +155,22 @@ def run(folder, arguments):
                           stderr=subprocess.PIPE, text=True)
 
 
+def move_a_landmark(raw, scan, moved):
+    """The table of landmarks of synthetic scans, the first of one scan a third of the way along its diagonal away."""
+    ply = (raw / f"scans/{scan}.ply").read_bytes()
+    count = int(re.search(rb"element vertex (\d+)", ply)[1])
+    flat = struct.unpack_from(f"<{3 * count}d", ply, ply.index(b"end_header\n") + 11)
+    vertices = list(zip(flat[::3], flat[1::3], flat[2::3]))
+    diagonal = math.dist(*zip(*((min(axis), max(axis)) for axis in zip(*vertices))))
+    lines = (raw / "landmarks.csv").read_text().splitlines()
+    row = next(i for i, line in enumerate(lines) if line.startswith(scan + ","))
+    cells = lines[row].split(",")
+    place = [float(cell) for cell in cells[2:]]
+    there = min(vertices, key=lambda vertex: abs(math.dist(vertex, place) - 0.3 * diagonal))
+    lines[row] = ",".join(cells[:2] + [str(x) for x in there])
+    moved.write_text("\n".join(lines) + "\n")
+
+
 def main():
     keys = documented()
     printed = defaultdict(set)
@@ -173,6 +191,8 @@ def main():
                 ply = (folder / "faces/s001_neutral.ply").read_bytes()
                 x, y, z = struct.unpack_from("<3d", ply, ply.index(b"end_header\n") + 11 + 3 * 24)
                 (folder / "marks.csv").write_text(f"scan,name,x,y,z,vertex\ns001_neutral,nose,{x},{y},{z},3\n")
+            if "moved.csv" in arguments:
+                move_a_landmark(folder / "raw", "s000_neutral", folder / "moved.csv")
             done = run(folder, arguments)
             command = arguments[0]
             without_page = command in ("explore", "report") and "without the page" in done.stderr

@@ -99,6 +99,9 @@ Json fit_figures(const std::string& scan, const ScanFit& fit, const Json& ignore
     const std::string turned = join(counted(fit.turned_faces, "face"), " turned to face outwards");
     if (fit.turned_faces > 0 && std::find(notes.begin(), notes.end(), turned) == notes.end())
         notes.push_back(turned);
+    Json doubted = Json::array();
+    for (const DoubtedLandmark& landmark : fit.doubted_landmarks)
+        doubted.push_back({{"landmark", landmark.name}, {"off", landmark.off}});
     return {{"scan", scan},
             {"status", status_name(fit.status)},
             {"reasons", fit.reasons},
@@ -109,6 +112,7 @@ Json fit_figures(const std::string& scan, const ScanFit& fit, const Json& ignore
             {"landmarks", errors.size()},
             {"landmark_mean", errors.size() > 0 ? errors.mean() : 0.0},
             {"landmark_max", errors.size() > 0 ? errors.maxCoeff() : 0.0},
+            {"doubted_landmarks", doubted},
             {"strain_rms", fit.strain_rms},
             {"growth_low", fit.growth_low},
             {"growth_high", fit.growth_high},
@@ -211,6 +215,9 @@ ScanFit read_fit(const FitPlaces& places, const Json& row)
     for (const Json& reason : row["reasons"])
         if (is_start_doubt(reason.get<std::string>()))
             fit.start_doubt = reason.get<std::string>();
+    for (const Json& doubted : row.value("doubted_landmarks", Json::array()))
+        fit.doubted_landmarks.push_back(
+            {doubted["landmark"].get<std::string>(), doubted["off"].get<double>()});
     fit.status = row["status"] == "good"    ? FitStatus::Good
                  : row["status"] == "check" ? FitStatus::Check
                                             : FitStatus::Failed;

@@ -67,6 +67,10 @@ py::tuple fit_scan(const Doubles& pattern, const Integers& faces, const Doubles&
     figures["contested_vertices"] = fit.contested_vertices;
     figures["turned_faces"] = fit.turned_faces;
     figures["scale"] = fit.scale;
+    py::dict doubted;
+    for (const DoubtedLandmark& landmark : fit.doubted_landmarks)
+        doubted[py::str(landmark.name)] = landmark.off;
+    figures["doubted_landmarks"] = doubted;
     figures["landmark_errors"] = array_of(std::move(fit.landmark_errors));
     figures["distance"] = array_of(std::move(fit.distance));
     figures["growth"] = array_of(std::move(fit.growth));

@@ -74,6 +74,7 @@ class FitReport:
     scale: float  #: Of the start: 1, or a change of unit.
     landmarks: List[str]  #: Names.
     landmark_errors: Array  #: (landmarks,) distances.
+    doubted_landmarks: Dict[str, float]  #: Names, and how far each is from where it is without it.
     distance: Array  #: (n,) of each vertex to the scan.
     growth: Array  #: (n,) factors by which the template grew.
     seen: "np.ndarray[Any, np.dtype[np.bool_]]"  #: (n,) whether the scan has a counterpart.
