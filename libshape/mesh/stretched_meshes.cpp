@@ -45,7 +45,7 @@ Stretch stretch(const Points& mesh, const Points& reference, const Matrix3d& inv
 {
     const Matrix3d affine = mesh.transpose() * reference * inverse_square;
     const Eigen::JacobiSVD<Matrix3d> svd(affine, Eigen::ComputeFullU);
-    const Vector3d& s = svd.singularValues();
+    const Eigen::Array3d s = svd.singularValues();
     if (!(s[2] > 1e-6 * s[0])) // flat: no axis across it
         return {};
     const bool is_longer = s[0] * s[2] > s[1] * s[1];
