@@ -3,7 +3,7 @@
 #include "libshape/mesh/stretched_meshes.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -44,15 +44,16 @@ struct Stretch
 Stretch stretch(const Points& mesh, const Points& reference, const Matrix3d& inverse_square)
 {
     const Matrix3d affine = mesh.transpose() * reference * inverse_square;
-    const Eigen::JacobiSVD<Matrix3d> svd(affine, Eigen::ComputeFullU);
-    const Eigen::Array3d s = svd.singularValues();
-    if (!(s[2] > 1e-6 * s[0])) // flat: no axis across it
+    // Its eigenvalues are the squares of the singular values, ascending.
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> square(affine * affine.transpose());
+    const Vector3d& s = square.eigenvalues();
+    if (!(s[0] > 1e-12 * s[2])) // flat: no axis across it
         return {};
-    const bool is_longer = s[0] * s[2] > s[1] * s[1];
-    return {std::log(s[0] / s[2]),
-            is_longer ? std::log(s[0] / std::sqrt(s[1] * s[2]))
-                      : std::log(s[2] / std::sqrt(s[0] * s[1])),
-            svd.matrixU().col(is_longer ? 0 : 2)};
+    const bool is_longer = s[2] * s[0] > s[1] * s[1];
+    return {0.5 * std::log(s[2] / s[0]),
+            0.5 * (is_longer ? std::log(s[2] / std::sqrt(s[1] * s[0]))
+                             : std::log(s[0] / std::sqrt(s[2] * s[1]))),
+            square.eigenvectors().col(is_longer ? 2 : 0)};
 }
 
 std::vector<Stretch> stretches_against(const std::vector<Points>& meshes, std::size_t reference)
