@@ -278,7 +278,8 @@ void run_found(const Session& session, const Arguments& arguments)
         join(arguments.output, ": ",
              difference.pairs.empty()
                  ? "difference of the means of two groups without pairs"
-                 : join("mean difference of ", counted(difference.pairs.size(), "pair"))));
+                 : join("mean difference of ", counted(difference.pairs.size(), "pair"),
+                        describe_repeated_pairs(options, collection, difference.pairs))));
     if (effects)
         figures["effects"] = find_effects(session, arguments, difference, *effects);
     session.print_figures(figures);
@@ -291,7 +292,8 @@ void add_finding_options(CLI::App& command, Arguments& arguments)
     command.get_option("MESHES")->required(false)->option_text("PATH ...");
     add_label(
         command, "--pair-by", arguments.pair_by,
-        "Meshes with the same value of it are a pair, others are left out (default: no pairs,\n"
+        "Meshes with the same value of it are a pair, or several on a side, whose mean counts;\n"
+        "others are left out (default: no pairs,\n"
         "the means of all meshes of both groups are compared)")
         ->group(group);
     command.add_option("--from", arguments.from, "Where the difference starts")

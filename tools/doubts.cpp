@@ -2,6 +2,8 @@
 
 #include "tools/doubts.h"
 
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "libshape/base/counted.h"
@@ -54,6 +56,30 @@ RepetitionQuestion rows_of_comparison(const Grouping& groups, const std::string&
             .are_groups = true,
             .remedy = "then chance looks significant. Give --within",
             .unnamed = "a label that names them"};
+}
+
+std::string describe_repeated_pairs(const DifferenceOptions& options, const Collection& collection,
+                                    const std::vector<std::string>& pairs)
+{
+    const std::vector<std::string>& pair = find_label(collection.labels, options.pair_by).values;
+    std::set<std::string> repeated;
+    for (const auto& [label, value] : {std::pair(options.from_label, options.from_value),
+                                       std::pair(options.to_label, options.to_value)}) {
+        const std::vector<std::string>& side = find_label(collection.labels, label).values;
+        std::set<std::string> seen;
+        for (std::size_t i = 0; i < collection.size(); ++i)
+            if (side[i] == value && !seen.insert(pair[i]).second)
+                repeated.insert(pair[i]);
+    }
+    std::vector<std::size_t> found;
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+        if (repeated.contains(pairs[k]))
+            found.push_back(k);
+    if (found.empty())
+        return {};
+    return join(", of which ", found.size(), " (", options.pair_by, " ", list_names(pairs, found),
+                ") ", found.size() == 1 ? "has" : "have",
+                " several meshes on a side, which count once, by their mean");
 }
 
 std::optional<std::string> doubt_about_members(const DifferenceOptions& options,

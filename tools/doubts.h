@@ -30,6 +30,11 @@ namespace shape::tools {
 /// What a comparison of groups asks about rows.
 [[nodiscard]] RepetitionQuestion rows_of_comparison(const Grouping& groups, const std::string& by);
 
+/// How many pairs have several meshes on a side, whose mean counts; "" if none has.
+[[nodiscard]] std::string describe_repeated_pairs(const DifferenceOptions& options,
+                                                  const Collection& collection,
+                                                  const std::vector<std::string>& pairs);
+
 /// Of the meshes of two groups without pairs.
 /// @param is_tested  Effects are; else the means alone count, in which whoever has more meshes weighs more.
 [[nodiscard]] std::optional<std::string> doubt_about_members(const DifferenceOptions& options,

@@ -21,6 +21,7 @@
 #include "libshape/statistics/group_fit.h"
 #include "libshape/statistics/group_spread.h"
 #include "tools/commands.h"
+#include "tools/covariate_doubts.h"
 #include "tools/doubts.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
@@ -257,6 +258,8 @@ Setting prepare(const Session& session, const Arguments& arguments, const MeshLa
         if (const auto doubt = doubt_about_lost_meshes(setting.groups, setting.blocks, arguments.by,
                                                        arguments.within))
             session.warn(*doubt);
+    if (const auto doubt = doubt_about_numeric_groups(setting.groups, arguments.by))
+        session.warn(*doubt);
     if (const auto doubt = doubt_of_replicates(arguments.replicates))
         session.warn(join("--bootstrap: ", *doubt));
     if (!arguments.means.path.empty())
@@ -325,8 +328,8 @@ std::string listed(const std::vector<std::string>& names, const std::vector<std:
     return text;
 }
 
-/// The observations that two groups are compared by, as compare_groups() does: the means of blocks, or the meshes of
-/// blocks that have both.
+/// The observations that two groups are compared by, as compare_groups() does: the means of blocks, or of blocks that
+/// have both in each.
 struct ComparedRows
 {
     Eigen::VectorXd is_second;
@@ -352,7 +355,9 @@ ComparedRows compared_rows(const Grouping& groups, const Grouping& blocks,
     for (const std::vector<int>& block : members(own_blocks))
         if (subset(pair, block).group_count() > 1)
             kept.insert(kept.end(), block.begin(), block.end());
-    return {codes(subset(pair, kept)), own(kept, Eigen::all), subset(own_blocks, kept)};
+    const GroupRows rows =
+        rows_of_groups(subset(pair, kept), subset(own_blocks, kept), own(kept, Eigen::all));
+    return {codes(rows.groups), rows.covariates, rows.blocks};
 }
 
 /// The covariates.
@@ -400,8 +405,9 @@ Eigen::MatrixXd checked_covariates(const Arguments& arguments, const MeshLabels&
 void warn_of_idle_covariates(const Session& session, const Arguments& arguments,
                              const Findings& findings, const Eigen::MatrixXd& covariates)
 {
-    const std::vector<std::vector<int>> blocks = members(findings.blocks);
     const bool is_crossed = findings.comparison.design == BlockDesign::Crossed;
+    const GroupRows means = rows_of_groups(findings.groups, findings.blocks, covariates);
+    const std::vector<std::vector<int>> blocks = members(means.blocks);
     const bool are_all_within =
         std::ranges::all_of(findings.comparison.pairs,
                             [&](const PairComparison& pair) { return is_within(findings, pair); });
@@ -416,7 +422,7 @@ void warn_of_idle_covariates(const Session& session, const Arguments& arguments,
         else if ((column.array() == column[0]).all())
             session.warn(join(changes, ": it is ", column[0], " in all meshes"));
         else if (is_crossed && std::ranges::all_of(blocks, [&](const std::vector<int>& block) {
-                     return is_constant(column, block);
+                     return is_constant(means.covariates.col(static_cast<Eigen::Index>(c)), block);
                  }))
             session.warn(join(changes, are_all_within ? "" : " of what is compared within them",
                               ": it is the same in all meshes of each ", arguments.within,
@@ -428,6 +434,37 @@ void warn_of_idle_covariates(const Session& session, const Arguments& arguments,
                               others.size() == 1 ? ", of which it is a multiple"
                                                  : ", of which it is a combination",
                               " but for a constant"));
+    }
+}
+
+/// Of covariates whose slopes few blocks, or one mesh, determine.
+void warn_of_slopes_of_few(const Session& session, const Arguments& arguments,
+                           const Findings& findings, const Eigen::MatrixXd& covariates,
+                           const std::vector<std::string>& meshes)
+{
+    const GroupFit fit(findings.groups, findings.blocks, covariates);
+    const bool is_crossed = findings.comparison.design == BlockDesign::Crossed;
+    const Eigen::MatrixXd shares = fit.slope_shares();
+    const GroupRows& rows = fit.rows();
+    Grouping carriers = rows.blocks;
+    if (arguments.within.empty())
+        carriers.names = meshes;
+    for (std::size_t c = 0; c < arguments.covariates.size(); ++c) {
+        const auto column = static_cast<Eigen::Index>(c);
+        const std::string option = join("--adjust-for ", arguments.covariates[c]);
+        auto doubt = is_crossed ? doubt_about_varying_blocks(rows.covariates.col(column),
+                                                             rows.blocks, option, arguments.within)
+                                : std::nullopt;
+        if (!doubt)
+            doubt = doubt_about_slope(
+                rows.covariates.col(column), carriers,
+                is_crossed ? Eigen::VectorXd(shares.col(column))
+                           : shares_beyond_means(shares.col(column), rows.blocks, rows.groups),
+                option, arguments.within);
+        if (doubt)
+            session.warn(join(*doubt, fit.has_slope_of_one_block()
+                                          ? "; variances and spread are not determined"
+                                          : ""));
     }
 }
 
@@ -478,6 +515,7 @@ void compare_in_memory(const Session& session, const Arguments& arguments,
     findings.comparison =
         compare_groups(products, groups, setting.blocks, covariates, permutations);
     warn_of_idle_covariates(session, arguments, findings, covariates);
+    warn_of_slopes_of_few(session, arguments, findings, covariates, collection.names);
     throw_if_stop_requested();
     findings.spread = group_spread(products, groups, setting.blocks, covariates,
                                    bootstrap_options(session, arguments));
@@ -512,7 +550,9 @@ void compare_in_passes(const Session& session, const Arguments& arguments,
                             std::move(found.comparison),
                             std::move(found.spread),
                             found.spread_test};
-    warn_of_idle_covariates(session, arguments, findings, covariates_at(findings.shapes.sizes));
+    const Eigen::MatrixXd covariates = covariates_at(findings.shapes.sizes);
+    warn_of_idle_covariates(session, arguments, findings, covariates);
+    warn_of_slopes_of_few(session, arguments, findings, covariates, meshes.names);
     throw_if_stop_requested();
     Json figures{{"outputs", Json::array()}};
     if (setting.means)

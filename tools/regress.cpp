@@ -15,12 +15,14 @@
 #include "libshape/base/to_size.h"
 #include "libshape/io/file/output_file.h"
 #include "libshape/io/table_file.h"
+#include "libshape/mesh/oddities.h"
 #include "libshape/model/covariate_effect.h"
 #include "libshape/model/streamed_effect.h"
 #include "libshape/report/plot.h"
 #include "libshape/statistics/covariate_blocks.h"
 #include "libshape/statistics/linear_model.h"
 #include "tools/commands.h"
+#include "tools/covariate_doubts.h"
 #include "tools/input/label_input.h"
 #include "tools/input/mesh_stream_input.h"
 #include "tools/input/repeated_rows.h"
@@ -61,16 +63,57 @@ struct Findings
     Eigen::MatrixXd covariates;     ///< N by C.
     Eigen::VectorXd sizes;          ///< N [length].
     CovariateEffect effect;
-    Eigen::VectorXd slope_norms; ///< C.
-    int passes = 0;              ///< 0: in memory.
+    Eigen::VectorXd slope_norms;      ///< C.
+    int passes = 0;                   ///< 0: in memory.
+    bool are_slopes_compared = false; ///< compares_slopes().
     LinearModelTest together;
     std::vector<LinearModelTest> each;
 };
 
-/// Says by their names which covariates cannot be regressed on.
-void check_covariates(const Arguments& arguments, const Eigen::MatrixXd& covariates,
-                      const Grouping& blocks)
+/// Covariates of what counts once, about their means in the blocks.
+Eigen::MatrixXd about_means(const Eigen::MatrixXd& covariates, const Grouping& blocks)
 {
+    const bool is_crossed = block_design(covariates, blocks) == BlockDesign::Crossed;
+    std::vector<int> firsts; // in whose place the others of a row are, of the same covariates
+    for (const std::vector<int>& row : members(covariate_rows(covariates, blocks)))
+        firsts.push_back(row.front());
+    Eigen::MatrixXd rows = covariates(firsts, Eigen::all);
+    for (const std::vector<int>& block :
+         members(is_crossed ? subset(blocks, firsts) : one_group(std::ssize(firsts)))) {
+        const Eigen::RowVectorXd mean = rows(block, Eigen::all).colwise().mean();
+        rows(block, Eigen::all).rowwise() -= mean;
+    }
+    return rows;
+}
+
+/// That covariates within blocks leave something to measure chance by, as they may not after a slip in a table that makes
+/// them so.
+void check_blocks(const Arguments& arguments, const Eigen::MatrixXd& covariates,
+                  const Grouping& blocks)
+{
+    const int rows = covariate_rows(covariates, blocks).group_count();
+    if (blocks.group_count() < 2 || rows > blocks.group_count() + covariates.cols())
+        return;
+    const std::vector<std::vector<int>> lists = members(blocks);
+    std::vector<std::size_t> varying;
+    for (std::size_t b = 0; b < lists.size(); ++b)
+        if (const Eigen::MatrixXd own = covariates(lists[b], Eigen::all);
+            (own.rowwise() - own.row(0)).cwiseAbs().maxCoeff() > 0.0)
+            varying.push_back(b);
+    throw InvalidInput(join("--on ", CLI::detail::join(arguments.on, ", "), ": differs within ",
+                            varying.size(), " of ", counted(blocks.group_count(), "block"),
+                            " of --within ", arguments.within, " (",
+                            list_names(blocks.names, varying),
+                            "), too few to tell slopes within blocks from chance. If that is a "
+                            "slip, correct it; where it is the same in all meshes of each block, "
+                            "the means of the blocks are regressed"));
+}
+
+/// Says by their names which covariates cannot be regressed on.
+void check_covariates(const Session& session, const Arguments& arguments,
+                      const Eigen::MatrixXd& covariates, const Grouping& blocks)
+{
+    constexpr double rounding = 1e-12; // that of the regression
     std::string nested;
     std::string crossed;
     for (Eigen::Index k = 0; k < covariates.cols(); ++k) {
@@ -80,15 +123,34 @@ void check_covariates(const Arguments& arguments, const Eigen::MatrixXd& covaria
             throw InvalidInput(join("--on ", name, ": is constant, ", column(0, 0), " for all ",
                                     counted(column.rows(), "mesh", "meshes"),
                                     "; shape is regressed on numbers that differ between meshes"));
-        (block_design(column, blocks) == BlockDesign::Nested ? nested : crossed) = name;
+        if ((column.array() - column.mean()).matrix().norm() <= rounding * column.norm())
+            throw InvalidInput(join("--on ", name, ": is constant but for rounding, ",
+                                    column.minCoeff(), " for all ",
+                                    counted(column.rows(), "mesh", "meshes"), " up to ",
+                                    column.maxCoeff() - column.minCoeff(),
+                                    "; subtract what its values have in common"));
+        const bool is_nested = block_design(column, blocks) == BlockDesign::Nested;
+        if (!is_nested && about_means(column, blocks).norm() <= rounding * column.norm())
+            throw InvalidInput(join("--on ", name, ": differs within the blocks of --within ",
+                                    arguments.within,
+                                    " by no more than rounding; write equal values alike"));
+        (is_nested ? nested : crossed) = name;
     }
     if (!nested.empty() && !crossed.empty())
         throw InvalidInput(join("--on ", nested, ": is the same for all meshes of a value of ",
                                 arguments.within, ", ", crossed,
                                 " is not; regress on one of them at a time"));
-    if (covariates.rows() < covariates.cols() + 2)
+    if (!crossed.empty()) {
+        check_blocks(arguments, covariates, blocks);
+        for (Eigen::Index k = 0; k < covariates.cols() && !arguments.within.empty(); ++k)
+            if (const auto doubt = doubt_about_varying_blocks(
+                    covariates.col(k), blocks, join("--on ", arguments.on[to_size(k)]),
+                    arguments.within))
+                session.warn(*doubt);
+    }
+    Eigen::MatrixXd directions = about_means(covariates, blocks);
+    if (directions.rows() < covariates.cols() + 2)
         return; // fails as such
-    Eigen::MatrixXd directions = covariates.rowwise() - covariates.colwise().mean();
     directions.colwise().normalize();
     for (Eigen::Index k = 1; k < covariates.cols(); ++k) {
         Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(directions.leftCols(k + 1));
@@ -99,7 +161,33 @@ void check_covariates(const Arguments& arguments, const Eigen::MatrixXd& covaria
                 ": is a combination of the covariates before it (",
                 CLI::detail::join(
                     std::vector<std::string>(arguments.on.begin(), arguments.on.begin() + k), ", "),
-                "); leave one of them out"));
+                ")", arguments.within.empty() ? "" : " where it is tested",
+                "; leave one of them out"));
+    }
+}
+
+/// Of slopes that one mesh or block determines.
+void warn_of_slopes_of_one(const Session& session, const Arguments& arguments,
+                           const Findings& findings, const Grouping& blocks)
+{
+    Grouping meshes = groups_of_one(findings.covariates.rows());
+    meshes.names = findings.names;
+    const bool are_blocks = !arguments.within.empty() && blocks.group_count() > 1;
+    const Grouping& carriers = are_blocks ? blocks : meshes;
+    const Grouping rows = covariate_rows(findings.covariates, blocks);
+    for (Eigen::Index k = 0; k < findings.covariates.cols(); ++k) {
+        const Eigen::VectorXd covariate = findings.covariates.col(k);
+        const std::string option = join("--on ", arguments.on[to_size(k)]);
+        if (are_blocks && doubt_about_varying_blocks(covariate, blocks, option, arguments.within))
+            continue; // which is said
+        Eigen::VectorXd shares =
+            slope_shares(findings.effect.regression.weights.col(k), rows, carriers);
+        if (!are_blocks || findings.effect.design == BlockDesign::Nested)
+            shares =
+                shares_beyond_means(shares, groups_of_one(shares.size()), one_group(shares.size()));
+        if (const auto doubt = doubt_about_slope(covariate, carriers, shares, option,
+                                                 are_blocks ? arguments.within : std::string()))
+            session.warn(*doubt);
     }
 }
 
@@ -132,9 +220,10 @@ void test(const Session& session, const Arguments& arguments, const Grouping& bl
                                      .seed = static_cast<std::uint64_t>(session.seed)};
     const ExchangeableRows rows =
         exchangeable_rows(findings.effect.products, findings.covariates, blocks);
+    findings.are_slopes_compared = compares_slopes(rows);
     const Eigen::MatrixXd& all = rows.covariates;
     const Eigen::MatrixXd none(all.rows(), 0);
-    findings.together = test_linear_model(rows.products, all, none, rows.blocks, options);
+    findings.together = test_covariates(rows, all, none, options);
     if (all.cols() == 1) {
         findings.each = {findings.together};
         return;
@@ -143,8 +232,11 @@ void test(const Session& session, const Arguments& arguments, const Grouping& bl
         throw_if_stop_requested();
         Eigen::MatrixXd others(all.rows(), all.cols() - 1);
         others << all.leftCols(k), all.rightCols(all.cols() - 1 - k);
-        findings.each.push_back(
-            test_linear_model(rows.products, all.col(k), others, rows.blocks, options));
+        try {
+            findings.each.push_back(test_covariates(rows, all.col(k), others, options));
+        } catch (const InvalidInput& error) {
+            throw InvalidInput(join("--on ", arguments.on[to_size(k)], ": ", error.what()));
+        }
     }
 }
 
@@ -158,9 +250,10 @@ Findings find(const Session& session, const Arguments& arguments, const Collecti
     findings.covariates =
         covariates_of(collection, findings.sizes, arguments.on, arguments.input.meshes.labels);
     const Grouping blocks = group_by_label_or_all(collection, arguments.within);
-    check_covariates(arguments, findings.covariates, blocks);
+    check_covariates(session, arguments, findings.covariates, blocks);
     findings.effect = covariate_effect(collection, space, findings.covariates, blocks);
     findings.slope_norms = findings.effect.regression.slopes.rowwise().norm();
+    warn_of_slopes_of_one(session, arguments, findings, blocks);
     warn_of_dependent_rows(session, arguments, collection, findings);
     throw_if_stop_requested();
     test(session, arguments, blocks, findings);
@@ -182,7 +275,7 @@ Findings find_in_passes(const Session& session, const Arguments& arguments,
     options.covariates = [&](const Eigen::VectorXd& sizes) {
         Eigen::MatrixXd covariates =
             covariates_of(meshes, sizes, arguments.on, arguments.input.meshes.labels);
-        check_covariates(arguments, covariates, blocks);
+        check_covariates(session, arguments, covariates, blocks);
         return covariates;
     };
     options.with_shapes = !arguments.expected.path.empty();
@@ -191,6 +284,7 @@ Findings find_in_passes(const Session& session, const Arguments& arguments,
     findings.sizes = std::move(found.sizes);
     findings.effect = std::move(found.effect);
     findings.slope_norms = std::move(found.slope_norms);
+    warn_of_slopes_of_one(session, arguments, findings, blocks);
     warn_of_dependent_rows(session, arguments, meshes, findings);
     findings.passes = found.passes;
     reference = std::move(found.reference_points);
@@ -322,7 +416,11 @@ std::string summary(const Arguments& arguments, const Findings& findings)
     std::string text;
     if (!arguments.within.empty())
         text += findings.effect.design == BlockDesign::Crossed
-                    ? join("within each ", arguments.within, ":\n")
+                    ? join("within each ", arguments.within,
+                           findings.are_slopes_compared
+                               ? join(", against how much slopes differ between them")
+                               : std::string(),
+                           ":\n")
                     : join("means of each ", arguments.within,
                            ", within which the covariates are the same:\n");
     for (std::size_t k = 0; k < arguments.on.size(); ++k)

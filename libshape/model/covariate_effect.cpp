@@ -36,11 +36,14 @@ CovariateEffect covariate_effect(const Collection& collection, const ShapeSpace&
     effect.space = space;
     RowMatrix coordinates = encode(space, collection);
     effect.design = block_design(covariates, blocks);
-    Eigen::VectorXd shares; // of the rows in the means, if each block counts once
-    if (effect.design == BlockDesign::Nested) {
-        const Eigen::MatrixXd weights = mean_weights(blocks);
-        effect.regression =
-            regress(RowMatrix(weights.transpose() * coordinates), weights.transpose() * covariates);
+    const Grouping rows = covariate_rows(covariates, blocks);
+    Eigen::VectorXd shares; // of the meshes in the means, if sets of them count once
+    if (effect.design == BlockDesign::Nested || rows.group_count() < rows.size()) {
+        const Eigen::MatrixXd weights = mean_weights(rows);
+        effect.regression = head(
+            regress(RowMatrix(weights.transpose() * coordinates),
+                    columns_of_rows(weights.transpose() * covariates, blocks, rows, effect.design)),
+            covariates.cols());
         effect.regression.weights = weights * effect.regression.weights;
         shares = weights.rowwise().mean();
     } else {
@@ -50,9 +53,8 @@ CovariateEffect covariate_effect(const Collection& collection, const ShapeSpace&
     effect.scores = regression_scores(effect.regression, coordinates, 0);
     effect.products = centred_inner_products(std::move(coordinates));
     const RowMatrix angles = companions(space, collection);
-    effect.mean_dihedral_angles = effect.design == BlockDesign::Nested
-                                      ? Eigen::VectorXd(angles.transpose() * shares)
-                                      : mean_of_rows(angles);
+    effect.mean_dihedral_angles =
+        shares.size() > 0 ? Eigen::VectorXd(angles.transpose() * shares) : mean_of_rows(angles);
     effect.slope_dihedral_angles = effect.regression.weights.transpose() * angles;
     return effect;
 }

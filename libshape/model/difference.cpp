@@ -5,18 +5,22 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
 #include "libshape/base/require.h"
+#include "libshape/statistics/grouping.h"
 #include "libshape/statistics/mean.h"
 
 namespace shape {
 using namespace internal;
 namespace {
 
-/// Members of one group: value of the pairing label -> index of the mesh.
-using Group = std::map<std::string, std::size_t>;
+/// Members of one group: value of the pairing label -> indices of the meshes.
+using Group = std::map<std::string, std::vector<std::size_t>>;
 
 Group find_group(const Collection& collection, const LabelColumn& pair_by, const std::string& label,
                  const std::string& value)
@@ -26,12 +30,7 @@ Group find_group(const Collection& collection, const LabelColumn& pair_by, const
     for (std::size_t i = 0; i < collection.size(); ++i) {
         if (column.values[i] != value || pair_by.values[i].empty()) // no value, no partner
             continue;
-        const auto [member, is_new] = group.try_emplace(pair_by.values[i], i);
-        if (!is_new)
-            throw InvalidInput(join("difference: ", pair_by.name, " '", pair_by.values[i],
-                                    "' occurs twice among ", label, " = '", value,
-                                    "': ", collection.names[member->second], " and ",
-                                    collection.names[i]));
+        group[pair_by.values[i]].push_back(i);
     }
     if (group.empty())
         throw InvalidInput(join("difference: no mesh has ", label, " = '", value,
@@ -39,31 +38,13 @@ Group find_group(const Collection& collection, const LabelColumn& pair_by, const
     return group;
 }
 
-/// The `from` members of all pairs, then the `to` members in the same order.
-Collection pair_up(const Collection& collection, const Group& from, const Group& to,
-                   std::vector<std::string>& pairs)
-{
-    Collection paired{collection.topology, {}, {}, {}};
-    const auto append = [&](std::size_t mesh) {
-        paired.names.push_back(collection.names[mesh]);
-        paired.points.push_back(collection.points[mesh]);
-    };
-    for (const auto& [value, mesh] : from)
-        if (to.contains(value)) {
-            pairs.push_back(value);
-            append(mesh);
-        }
-    for (const std::string& value : pairs)
-        append(to.at(value));
-    return paired;
-}
-
 /// What is compared: the `from` members, then the `to` members, paired in the same order.
 struct Compared
 {
     Collection members;
-    Eigen::Index from_count = 0;
+    Eigen::Index from_count = 0;    ///< Rows.
     std::vector<std::string> pairs; ///< Values of the pairing label; none: two groups.
+    Grouping rows;                  ///< Of the members: those that count once, by their mean.
 };
 
 Compared find_pairs(const Collection& collection, const DifferenceOptions& options)
@@ -71,14 +52,25 @@ Compared find_pairs(const Collection& collection, const DifferenceOptions& optio
     const LabelColumn& pair_by = find_label(collection.labels, options.pair_by);
     const Group from = find_group(collection, pair_by, options.from_label, options.from_value);
     const Group to = find_group(collection, pair_by, options.to_label, options.to_value);
-    std::vector<std::string> pairs;
-    const Collection paired = pair_up(collection, from, to, pairs);
-    if (pairs.empty())
+    Compared compared{{collection.topology, {}, {}, {}}, 0, {}, {}};
+    for (const auto& [value, meshes] : from)
+        if (to.contains(value))
+            compared.pairs.push_back(value);
+    if (compared.pairs.empty())
         throw InvalidInput(join("difference: no ", options.pair_by, " has both ",
                                 options.from_label, " = '", options.from_value, "' and ",
                                 options.to_label, " = '", options.to_value, "'"));
-    const auto count = static_cast<Eigen::Index>(pairs.size());
-    return {paired, count, std::move(pairs)};
+    for (const Group* side : {&from, &to})
+        for (const std::string& value : compared.pairs) {
+            for (const std::size_t mesh : side->at(value)) {
+                compared.members.names.push_back(collection.names[mesh]);
+                compared.members.points.push_back(collection.points[mesh]);
+                compared.rows.group_of.push_back(compared.rows.group_count());
+            }
+            compared.rows.names.push_back(value);
+        }
+    compared.from_count = static_cast<Eigen::Index>(compared.pairs.size());
+    return compared;
 }
 
 std::vector<std::size_t> meshes_with(const Collection& collection, const std::string& label,
@@ -106,7 +98,10 @@ Compared find_groups(const Collection& collection, const DifferenceOptions& opti
                                     options.to_label, " = '", options.to_value, "'"));
         meshes.push_back(i);
     }
-    return {subset(collection, meshes), count, {}};
+    return {subset(collection, meshes),
+            count,
+            {},
+            groups_of_one(static_cast<Eigen::Index>(meshes.size()))};
 }
 
 Compared find_compared(const Collection& collection, const DifferenceOptions& options)
@@ -114,6 +109,28 @@ Compared find_compared(const Collection& collection, const DifferenceOptions& op
     check(options);
     return options.pair_by.empty() ? find_groups(collection, options)
                                    : find_pairs(collection, options);
+}
+
+/// What is compared, each row once.
+ShapeVectors vectors_of(const Compared& compared, Scale scale)
+{
+    ShapeVectors vectors = shape_vectors(compared.members, scale);
+    if (compared.rows.group_count() == compared.rows.size())
+        return vectors;
+    const std::vector<std::vector<int>> rows = members(compared.rows);
+    const auto average = [&](auto& all) {
+        std::decay_t<decltype(all)> means(std::ssize(rows), all.cols());
+        for (std::size_t row = 0; row < rows.size(); ++row)
+            means.row(static_cast<Eigen::Index>(row)) = all(rows[row], Eigen::all).colwise().mean();
+        all = std::move(means);
+    };
+    average(vectors.edge_lengths);
+    average(vectors.dihedral_angles);
+    Eigen::VectorXd sizes(std::ssize(rows));
+    for (std::size_t row = 0; row < rows.size(); ++row)
+        sizes[static_cast<Eigen::Index>(row)] = vectors.sizes(rows[row]).mean();
+    vectors.sizes = std::move(sizes);
+    return vectors;
 }
 
 } // namespace
@@ -129,7 +146,7 @@ void check(const DifferenceOptions& options)
 DifferenceVector mean_difference(const Collection& collection, const DifferenceOptions& options)
 {
     Compared compared = find_compared(collection, options);
-    const ShapeVectors vectors = shape_vectors(compared.members, options.scale);
+    const ShapeVectors vectors = vectors_of(compared, options.scale);
     const Eigen::Index from = compared.from_count;
     const Eigen::Index to = vectors.sizes.size() - from;
     const auto mean_change = [&](const RowMatrix& rows) -> Eigen::VectorXd {
@@ -152,7 +169,7 @@ DifferenceVector mean_difference(const Collection& collection, const DifferenceO
 ColumnEffects difference_effects(const Collection& collection, const DifferenceOptions& options)
 {
     const Compared compared = find_compared(collection, options);
-    const ShapeVectors vectors = shape_vectors(compared.members, options.scale);
+    const ShapeVectors vectors = vectors_of(compared, options.scale);
     const Eigen::Index from = compared.from_count;
     const auto check_count = [](const std::string& label, const std::string& value,
                                 Eigen::Index count) {

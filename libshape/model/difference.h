@@ -31,7 +31,8 @@ struct DifferenceVector
 
 struct DifferenceOptions
 {
-    /// Two meshes with the same value of this label are a pair, those without a value are not. Empty:
+    /// Two meshes with the same value of this label are a pair, those without a value are not; several of one group, such as
+    /// repeated scans, count once, by their mean, as in compare_groups() within blocks. Empty:
     /// the groups are not paired, all meshes of both count.
     std::string pair_by = {};
     /// The label that chooses the meshes of the start; not empty.
@@ -49,8 +50,7 @@ struct DifferenceOptions
 /// @throws InvalidInput naming the first field that breaks its rule.
 void check(const DifferenceOptions& options);
 
-/// @throws InvalidInput if a label is missing, a group is empty, a value of pair_by occurs twice in
-///     a group, no value occurs in both, or a mesh is in both groups and they are not paired. Members
+/// @throws InvalidInput if a label is missing, a group is empty, no value occurs in both, or a mesh is in both groups and they are not paired. Members
 ///     without a partner are left out.
 [[nodiscard]] DifferenceVector mean_difference(const Collection& collection,
                                                const DifferenceOptions& options);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "libshape/base/error.h"
 #include "libshape/base/format.h"
@@ -31,6 +32,17 @@ MatrixXd with_blocks(const MatrixXd& covariates, const Grouping& blocks)
     return columns;
 }
 
+MatrixXd columns_of_rows(const MatrixXd& covariates, const Grouping& blocks, const Grouping& rows,
+                         BlockDesign design)
+{
+    if (design == BlockDesign::Nested)
+        return covariates;
+    std::vector<int> firsts;
+    for (const std::vector<int>& row : members(rows))
+        firsts.push_back(row.front());
+    return with_blocks(covariates, subset(blocks, firsts));
+}
+
 Regression head(Regression regression, Index count)
 {
     regression.covariate_means.conservativeResize(count);
@@ -46,15 +58,18 @@ EffectWeights effect_weights(const MatrixXd& covariates, const Grouping& blocks)
             join("covariates are of ", covariates.rows(), " meshes, blocks of ", blocks.size()));
     EffectWeights result;
     result.design = block_design(covariates, blocks);
-    const bool is_nested = result.design == BlockDesign::Nested;
-    result.means = is_nested ? mean_weights(blocks) : MatrixXd(covariates.rows(), 0);
-    const MatrixXd columns = is_nested ? MatrixXd(result.means.transpose() * covariates)
+    const Grouping rows = covariate_rows(covariates, blocks);
+    const bool are_means = result.design == BlockDesign::Nested || rows.group_count() < rows.size();
+    result.means = are_means ? mean_weights(rows) : MatrixXd(covariates.rows(), 0);
+    const MatrixXd columns = are_means ? columns_of_rows(result.means.transpose() * covariates,
+                                                         blocks, rows, result.design)
                                        : with_blocks(covariates, blocks);
     result.regression = regress_nothing(columns);
     result.weights = result.regression.weights;
     result.centred = columns.rowwise() - result.regression.covariate_means.transpose();
-    if (is_nested) {
-        result.regression.weights = result.means * result.weights;
+    if (are_means) {
+        result.regression = head(std::move(result.regression), covariates.cols());
+        result.regression.weights = result.means * result.regression.weights;
         result.shares = result.means.rowwise().mean();
     } else {
         result.regression = head(std::move(result.regression), covariates.cols());

@@ -16,6 +16,13 @@ namespace shape::internal {
 [[nodiscard]] Eigen::MatrixXd with_blocks(const Eigen::MatrixXd& covariates,
                                           const Grouping& blocks);
 
+/// What means of observations (covariate_rows()) are regressed on: nested, covariates alone.
+/// @param covariates  Of the rows.
+/// @param blocks, rows  Of the observations.
+[[nodiscard]] Eigen::MatrixXd columns_of_rows(const Eigen::MatrixXd& covariates,
+                                              const Grouping& blocks, const Grouping& rows,
+                                              BlockDesign design);
+
 /// The first covariates alone.
 [[nodiscard]] Regression head(Regression regression, Eigen::Index count);
 
@@ -25,7 +32,8 @@ struct EffectWeights
     Regression
         regression; ///< Means of the covariates, and weights, N by C; nothing of observations.
     Eigen::VectorXd shares; ///< N: of the observations in the mean; their sum is 1.
-    Eigen::MatrixXd means;  ///< Nested: N by B, mean_weights(); else N by 0.
+    Eigen::MatrixXd
+        means; ///< N by R, mean_weights() of covariate_rows(); N by 0 if each observation is one.
     Eigen::MatrixXd
         centred;       ///< What is regressed on, blocks too if they are crossed, about its mean.
     RowMatrix weights; ///< As many rows; of all slopes.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <memory>
 #include <set>
 #include <utility>
@@ -66,29 +67,44 @@ std::vector<std::size_t> groups_per_block(const Grouping& groups, const Grouping
     return counts;
 }
 
-/// Every block as one observation, its mean.
-Design means_of_blocks(const Design& design)
+/// Observations of one set as one, their mean; blocks and groups are those of the first.
+Design means_of(const Design& design, const Grouping& sets)
 {
-    const std::vector<std::vector<int>> blocks = members(design.blocks);
-    const auto count = static_cast<Index>(blocks.size());
+    const std::vector<std::vector<int>> lists = members(sets);
+    const auto count = static_cast<Index>(lists.size());
     if (count == design.groups.size())
         return design;
     Observations means = design.observations;
     means.count = count;
     MatrixXd covariates = MatrixXd::Zero(count, design.covariates.cols());
     for (std::size_t i = 0; i < means.row_of.size(); ++i) {
-        const int block = design.blocks.group_of[to_size(means.row_of[i])];
-        means.row_of[i] = block;
-        means.shares[static_cast<Index>(i)] /= static_cast<double>(blocks[to_size(block)].size());
+        const int set = sets.group_of[to_size(means.row_of[i])];
+        means.row_of[i] = set;
+        means.shares[static_cast<Index>(i)] /= static_cast<double>(lists[to_size(set)].size());
     }
     std::vector<int> representatives;
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-        representatives.push_back(blocks[b].front());
+    for (std::size_t b = 0; b < lists.size(); ++b) {
+        representatives.push_back(lists[b].front());
         covariates.row(static_cast<Index>(b)) =
-            design.covariates(blocks[b], Eigen::all).colwise().mean();
+            design.covariates(lists[b], Eigen::all).colwise().mean();
     }
-    return {std::move(means), subset(design.groups, representatives), groups_of_one(count),
-            std::move(covariates)};
+    return {std::move(means), subset(design.groups, representatives),
+            subset(design.blocks, representatives), std::move(covariates)};
+}
+
+/// The members that a block has of a group, numbered by the first of each.
+Grouping cells(const Design& design)
+{
+    Grouping result;
+    std::map<std::pair<int, int>, int> numbers;
+    for (std::size_t i = 0; i < design.groups.group_of.size(); ++i) {
+        const auto [place, is_new] = numbers.try_emplace(
+            {design.blocks.group_of[i], design.groups.group_of[i]}, result.group_count());
+        if (is_new)
+            result.names.push_back(std::to_string(place->second));
+        result.group_of.push_back(place->second);
+    }
+    return result;
 }
 
 /// Without the blocks that have one group alone: they say nothing of differences between groups.
@@ -102,12 +118,16 @@ Design blocks_of_several_groups(const Design& design)
     return subset(design, kept);
 }
 
-/// What is compared: the blocks' means, or the observations within the blocks.
+/// What is compared: the blocks' means; or within the blocks their means in each group. Members of one block and group
+/// are nearer to each other than to those of other blocks: they say how well a block was measured, not how much
+/// blocks differ in what tells the groups apart.
 Design exchangeable(const Design& design)
 {
-    if (block_design(design.groups, design.blocks) == BlockDesign::Crossed)
-        return blocks_of_several_groups(design);
-    Design means = means_of_blocks(design);
+    if (block_design(design.groups, design.blocks) == BlockDesign::Crossed) {
+        const Design several = blocks_of_several_groups(design);
+        return means_of(several, cells(several));
+    }
+    Design means = means_of(design, design.blocks);
     means.blocks = one_group(means.groups.size());
     return means;
 }
@@ -140,12 +160,17 @@ void check_compared(const Design& compared, BlockDesign design)
 {
     const int blocks = compared.blocks.group_count();
     const int least = blocks + compared.groups.group_count();
-    if (design == BlockDesign::Crossed && compared.observations.count < least)
-        throw InvalidInput(join(
-            "groups: ", counted(blocks, "block has", "blocks have"), " members of several groups, ",
-            counted(compared.observations.count, "observation"), " in all; to compare ",
-            compared.groups.group_count(), " groups within ", blocks == 1 ? "it" : "them",
-            " takes ", least, " at the least"));
+    if (design == BlockDesign::Nested || compared.observations.count >= least)
+        return;
+    std::string names;
+    for (const std::string& name : compared.blocks.names)
+        names += join(names.empty() ? "'" : ", '", name, "'");
+    throw InvalidInput(join(
+        "groups: ", counted(blocks, "block has", "blocks have"), " members of several groups (",
+        names, "), ", compared.observations.count,
+        " means in all, as each counts once in a group; ", "to compare ",
+        compared.groups.group_count(), " groups within ", blocks == 1 ? "it" : "them", " takes ",
+        least, " at the least. If that is a slip, correct it; else compare without blocks"));
 }
 
 /// What body() gives; an error of it names the groups.

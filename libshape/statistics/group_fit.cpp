@@ -152,6 +152,12 @@ GroupFit::GroupFit(const Grouping& groups, const Grouping& blocks, const MatrixX
         if (is_adjusted())
             slopes_.row(row) = centred(all_, row) * all_.inverse.rightCols(covariates_.cols());
     }
+    if (rows_.design == BlockDesign::Crossed && is_adjusted()) {
+        // With few blocks, what groups take from the covariate of the one lies in all others.
+        const MatrixXd within = block_centred_.rightCols(covariates_.cols());
+        has_slope_of_one_block_ = std::max(slope_shares().maxCoeff(),
+                                           shares_of_blocks(within).maxCoeff()) > determining_share;
+    }
     open_ = MatrixXd::Zero(0, group_count);
     if (!is_direct_)
         open_ = all_.null_space.transpose() *
@@ -366,6 +372,23 @@ VectorXd GroupFit::leverages() const
         }
     }
     return result;
+}
+
+MatrixXd GroupFit::slope_shares() const
+{
+    return shares_of_blocks(slopes_);
+}
+
+/// What part of the squares of each column, of one row each, a block has.
+MatrixXd GroupFit::shares_of_blocks(const MatrixXd& columns) const
+{
+    MatrixXd shares = MatrixXd::Zero(rows_.blocks.group_count(), columns.cols());
+    for (Index row = 0; row < columns.rows(); ++row)
+        shares.row(rows_.blocks.group_of[to_size(row)]) += columns.row(row).cwiseAbs2();
+    for (Index c = 0; c < shares.cols(); ++c)
+        if (const double sum = shares.col(c).sum(); sum > 0.0)
+            shares.col(c) /= sum;
+    return shares;
 }
 
 std::vector<SumColumns> columns_of(const GroupFit& fit, Index width)

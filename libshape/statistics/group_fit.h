@@ -17,6 +17,9 @@
 
 namespace shape::internal {
 
+/// Whoever determines more than this share of a slope determines it alone: of eleven at the least.
+constexpr double determining_share = 0.9;
+
 /// What counts once in a group: a point; the mean of a block that lies in one group; or, of a block that has members
 /// of several groups, the mean of its members in this one. Points of blocks that lie in one group, where others have
 /// members of several, belong to no row, unless their group has no other blocks.
@@ -79,6 +82,12 @@ public:
     /// differences between blocks stay in what is left, what the slopes take is neglected.
     [[nodiscard]] Eigen::VectorXd leverages() const;
 
+    /// B by C: how much of a slope each block of rows() determines, columns of sum 1; 0 of a slope that is not used.
+    [[nodiscard]] Eigen::MatrixXd slope_shares() const;
+    /// Whether one block determines nearly all of a slope within blocks. Applied to the differences between blocks, which
+    /// may be far larger, it makes of what is left over anything.
+    [[nodiscard]] bool has_slope_of_one_block() const { return has_slope_of_one_block_; }
+
     /// The fit to rows that count some times each.
     struct Solution
     {
@@ -102,6 +111,7 @@ public:
 
 private:
     void link_groups();
+    [[nodiscard]] Eigen::MatrixXd shares_of_blocks(const Eigen::MatrixXd& columns) const;
     void set_columns();
     [[nodiscard]] int group_of(Eigen::Index row) const;
     [[nodiscard]] int part_of(Eigen::Index row) const;
@@ -126,6 +136,7 @@ private:
     Eigen::MatrixXd open_;       ///< By G: how much of what is left open is in each mean.
     RowMatrix row_weights_;      ///< R by G.
     Eigen::MatrixXd slopes_;     ///< R by C: weights of the rows in the slopes.
+    bool has_slope_of_one_block_ = false;
 };
 
 /// The sums that are the means of the groups, G columns; those of undetermined ones are of no use.

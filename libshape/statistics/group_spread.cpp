@@ -63,6 +63,8 @@ double loss_of_slopes(const GroupFit& fit, const VectorXd& leverages, const std:
 {
     if (!fit.is_adjusted())
         return 1.0;
+    if (fit.has_slope_of_one_block())
+        return not_determined;
     const double left = (1.0 - leverages(rows).array()).sum();
     return left > rounding ? static_cast<double>(rows.size() - 1) / left : not_determined;
 }
@@ -221,6 +223,8 @@ LinearModelTest test_spread_of(const GroupFit& fit, const VectorXd& squares,
                                const PermutationOptions& options)
 {
     check(options);
+    if (fit.has_slope_of_one_block())
+        return {};
     // The mean of two lies in the middle: their distances are the same one, whatever the points are.
     constexpr std::size_t least_members = 3;
     VectorXd distances = squares.cwiseSqrt();

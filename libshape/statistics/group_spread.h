@@ -33,7 +33,7 @@ struct GroupSpread
 /// group does, blocks that lie in one group are left out, and blocks are drawn jointly. With covariates means are
 /// adjusted, in each replicate anew, and variances are those of the residuals: of what is left of the observations
 /// when their covariates are moved to those of their group along the slopes, which for the intervals stay as they
-/// are. Replicates in which a group has no member, or a slope is not determined, are left out.
+/// are; NaN where one block determines nearly all of a slope within blocks. Replicates in which a group has no member, or a slope is not determined, are left out.
 /// @param products  N by N inner products of the points.
 /// @param covariates  N by any number, also 0.
 /// @throws InvalidInput if sizes disagree, an option is out of its range, or no replicate is left.

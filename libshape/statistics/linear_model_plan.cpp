@@ -198,6 +198,16 @@ struct LinearModelPlan::Model
     }
 };
 
+DesignColumns design_columns(const MatrixXd& tested, const MatrixXd& nuisance, const Blocks& blocks)
+{
+    DesignColumns result;
+    result.all.resize(tested.rows(), tested.cols() + nuisance.cols());
+    result.all << centred_and_scaled(tested, blocks), centred_and_scaled(nuisance, blocks);
+    result.nuisance = orthonormal_basis(result.all.rightCols(nuisance.cols()));
+    result.tested = orthonormal_basis(without(result.nuisance, result.all.leftCols(tested.cols())));
+    return result;
+}
+
 Observations all_points(Index count)
 {
     std::vector<int> points(to_size(count));
@@ -213,10 +223,7 @@ LinearModelPlan::LinearModelPlan(Observations observations, const MatrixXd& test
     const Index count = observations.count;
     check_data(count, tested, nuisance, blocks);
     const Blocks lists = members(blocks);
-    RowMatrix columns(count, tested.cols() + nuisance.cols());
-    columns << centred_and_scaled(tested, lists), centred_and_scaled(nuisance, lists);
-    const MatrixXd taken = orthonormal_basis(columns.rightCols(nuisance.cols()));
-    const MatrixXd left = orthonormal_basis(without(taken, columns.leftCols(tested.cols())));
+    const auto [columns, left, taken] = design_columns(tested, nuisance, lists);
     degrees_.permutations = options.permutations;
     degrees_.degrees_of_freedom = static_cast<int>(left.cols());
     degrees_.residual_degrees_of_freedom =

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "libshape/linalg/dense.h"
 #include "libshape/statistics/linear_model.h"
 #include "libshape/statistics/point_sums.h"
 
@@ -23,6 +24,18 @@ struct Observations
 
 /// Every point an observation.
 [[nodiscard]] Observations all_points(Eigen::Index count);
+
+/// The columns of a design about their means in each block.
+struct DesignColumns
+{
+    RowMatrix all; ///< Tested and nuisance, of length 1; 0 where they are constant in the blocks.
+    Eigen::MatrixXd tested; ///< Orthonormal basis of what the tested ones are beyond the nuisance.
+    Eigen::MatrixXd nuisance; ///< Orthonormal basis of the nuisance.
+};
+
+[[nodiscard]] DesignColumns design_columns(const Eigen::MatrixXd& tested,
+                                           const Eigen::MatrixXd& nuisance,
+                                           const std::vector<std::vector<int>>& blocks);
 
 /// A test of test_linear_model() before anything is known of the points: what it asks of them, and the
 /// result once that is answered.

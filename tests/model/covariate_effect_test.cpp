@@ -111,6 +111,21 @@ TEST(CovariateEffect, WithinBlocksIsThatOfTheirDeviations)
               1e-12 * expected.norm());
 }
 
+TEST(CovariateEffect, WithinBlocksTakesTheMeanOfWhatHasOneValue)
+{
+    const Collection collection = test::bumpy_spheres(count, 6);
+    const Grouping blocks = group_by({"x", "x", "x", "y", "y", "y", "y"});
+    const MatrixXd age = (VectorXd(7) << 1, 1, 3, 2, 4, 4, 4).finished();
+    const RowMatrix all = shape_vectors(collection, Scale::Unit).edge_lengths;
+    const RowMatrix x = all.row(2) - 0.5 * (all.row(0) + all.row(1)); // in two years each
+    const RowMatrix y = all.bottomRows(3).colwise().mean() - all.row(3);
+    const CovariateEffect effect = effect_on(collection, age, {}, blocks);
+    EXPECT_LE((effect.regression.slopes - 0.25 * (x + y)).norm(), 1e-12 * x.norm());
+    EXPECT_NEAR(effect.regression.covariate_means[0], 2.5, 1e-15);
+    const VectorXd weights{{-1.0 / 8, -1.0 / 8, 0.25, -0.25, 1.0 / 12, 1.0 / 12, 1.0 / 12}};
+    EXPECT_LE((effect.regression.weights - weights).norm(), 1e-12);
+}
+
 TEST(CovariateEffect, RefusesWhatBreaksARule)
 {
     const Collection collection = test::bumpy_spheres(count, 5);

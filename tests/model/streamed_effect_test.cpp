@@ -34,6 +34,16 @@ Grouping triples(Index count)
     return blocks;
 }
 
+/// Blocks in which the first covariate has values of several meshes.
+Grouping pairs_and_fours(Index count)
+{
+    Grouping blocks = triples(count);
+    for (int& block : blocks.group_of)
+        block /= 2;
+    blocks.names.resize(blocks.names.size() / 2);
+    return blocks;
+}
+
 void expect_near(const auto& a, const auto& b, const char* what)
 {
     ASSERT_EQ(a.rows(), b.rows()) << what;
@@ -52,9 +62,10 @@ TEST(StreamedEffect, IsThatOfTheCollectionInMemory)
         Grouping blocks;
         BlockDesign expected;
     };
-    for (const Design& design : {Design{-1, one_group(24), BlockDesign::Crossed},
-                                 Design{0, triples(24), BlockDesign::Nested},
-                                 Design{1, triples(24), BlockDesign::Crossed}})
+    for (const Design& design :
+         {Design{-1, one_group(24), BlockDesign::Crossed},
+          Design{0, triples(24), BlockDesign::Nested}, Design{1, triples(24), BlockDesign::Crossed},
+          Design{0, pairs_and_fours(24), BlockDesign::Crossed}})
         for (const SpaceOptions& space : {SpaceOptions{}, SpaceOptions{.dihedral_weight = 0.3}}) {
             StreamedEffectOptions options;
             options.space = space;

@@ -68,6 +68,28 @@ TEST(CovariateBlocks, NestedRowsAreTheMeansOfTheBlocks)
     EXPECT_EQ(same.blocks.group_of, three_blocks.group_of);
 }
 
+TEST(CovariateBlocks, CrossedRowsAreTheMeansOfWhatBlocksHaveOfOneValue)
+{
+    Random random(4);
+    RowMatrix data(6, 4);
+    for (double& x : data.reshaped())
+        x = random.normal();
+    const Eigen::MatrixXd age = columns({1, 1, 2, 3, 2, 1});
+    EXPECT_EQ(covariate_rows(age, three_blocks).group_of, (std::vector<int>{0, 0, 1, 2, 1, 3}));
+    const ExchangeableRows rows = exchangeable_rows(inner_products(data), age, three_blocks);
+    RowMatrix means(4, 4);
+    means << data.topRows(2).colwise().mean(), 0.5 * (data.row(2) + data.row(4)), data.row(3),
+        data.row(5);
+    EXPECT_EQ(rows.design, BlockDesign::Crossed);
+    EXPECT_TRUE(rows.products.isApprox(inner_products(means), 1e-12));
+    EXPECT_TRUE(rows.covariates.isApprox(Eigen::Vector4d(1, 2, 3, 1), 1e-12));
+    EXPECT_EQ(rows.blocks.group_of, (std::vector<int>{0, 1, 1, 2}));
+    // In one block nothing says what is repeated.
+    EXPECT_EQ(covariate_rows(age, one_group(6)).group_count(), 6);
+    EXPECT_EQ(covariate_rows(columns({1, 1, 2, 2, 2, 1}), three_blocks).group_of,
+              three_blocks.group_of);
+}
+
 /// Repeated measurements of people say no more than their means: chance stays chance.
 TEST(CovariateBlocks, KeepTheLevelOfTestsOfRepeatedMeasurements)
 {

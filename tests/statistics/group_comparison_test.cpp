@@ -127,6 +127,77 @@ TEST(CompareGroups, MeasuresTheDifferenceWithinBlocksHoweverOftenEachWasMeasured
                 1e-12);
 }
 
+/// Subjects of two states, some scans of each; each subject changes in a way of its own, which is nothing on average.
+struct Scans
+{
+    RowMatrix data;
+    Labels states;
+    Labels subjects;
+};
+
+Scans repeated_scans(int subjects, int scans, Random& random)
+{
+    Scans result{RowMatrix(2 * subjects * scans, 3), {}, {}};
+    Index row = 0;
+    for (int s = 0; s < subjects; ++s)
+        for (const char* state : {"a", "b"}) {
+            Eigen::RowVector3d own;
+            for (double& x : own)
+                x = 3.0 * s + random.normal();
+            for (int k = 0; k < scans; ++k, ++row) {
+                for (Index e = 0; e < 3; ++e)
+                    result.data(row, e) = own[e] + 0.3 * random.normal();
+                result.states.emplace_back(state);
+                result.subjects.push_back(std::to_string(s));
+            }
+        }
+    return result;
+}
+
+TEST(CompareGroups, CountRepeatedScansOfAStateOnce)
+{
+    Random random(21);
+    const Scans scans = repeated_scans(6, 3, random);
+    const GroupComparison repeated = compare(scans.data, scans.states, group_by(scans.subjects));
+    RowMatrix means(12, 3);
+    Labels states;
+    Labels subjects;
+    for (Index i = 0; i < 12; ++i) {
+        means.row(i) = scans.data.middleRows(3 * i, 3).colwise().mean();
+        states.push_back(scans.states[to_size(3 * i)]);
+        subjects.push_back(scans.subjects[to_size(3 * i)]);
+    }
+    const GroupComparison once = compare(means, states, group_by(subjects));
+    EXPECT_NEAR(repeated.overall.f, once.overall.f, 1e-9);
+    EXPECT_NEAR(repeated.overall.r_squared, once.overall.r_squared, 1e-12);
+    EXPECT_EQ(repeated.overall.p_value, once.overall.p_value);
+    EXPECT_EQ(repeated.overall.residual_degrees_of_freedom, 5);
+    EXPECT_NEAR(repeated.overall.smallest_p, 2.0 / 64.0, 1e-12);
+    EXPECT_NEAR(repeated.pairs[0].distance, once.pairs[0].distance, 1e-12);
+    // Pairs of three groups, some of them of unequal numbers, likewise.
+    Labels three = scans.states;
+    for (std::size_t i = 0; i < three.size(); i += 3)
+        three[i] = std::string(1, 'c');
+    const GroupComparison pairs = compare(scans.data, three, group_by(scans.subjects));
+    for (const PairComparison& pair : pairs.pairs)
+        EXPECT_EQ(pair.test.residual_degrees_of_freedom, 5);
+}
+
+TEST(CompareGroups, KeepTheLevelWhereSubjectsChangeDifferently)
+{
+    Random random(22);
+    int found = 0;
+    for (unsigned round = 0; round < 200; ++round) {
+        const Scans scans = repeated_scans(8, 5, random);
+        found += compare(scans.data, scans.states, group_by(scans.subjects),
+                         {.permutations = 199, .seed = round})
+                             .overall.p_value <= 0.05
+                     ? 1
+                     : 0;
+    }
+    EXPECT_LE(found, 20); // of 200 at 5 %: more with probability 0.001
+}
+
 TEST(CompareGroups, TakesCovariatesIntoAccount)
 {
     // The groups differ by their covariate alone.
@@ -193,8 +264,9 @@ TEST(CompareGroups, SaysWhatIsWrong)
     EXPECT_EQ(message({"a", "a", "b", "b"}, group_by({"1", "1", "2", "2"})),
               "groups: 2 blocks in 2 groups; there must be more blocks than groups");
     EXPECT_EQ(message({"a", "a", "b", "a"}, group_by({"1", "1", "2", "2"})),
-              "groups: 1 block has members of several groups, 2 observations in all; to compare 2 "
-              "groups within it takes 3 at the least");
+              "groups: 1 block has members of several groups ('2'), 2 means in all, as each counts "
+              "once in a group; to compare 2 groups within it takes 3 at the least. If that is a "
+              "slip, correct it; else compare without blocks");
     EXPECT_NE(message({"a", "b"}, groups_of_one(4)).find("all must agree"), std::string::npos);
     RowMatrix equal = data;
     equal.row(1) = equal.row(0);

@@ -263,6 +263,24 @@ TEST(GroupFit, KnowsWhatTheCovariatesDoNotDetermine)
     EXPECT_FALSE(both.solve((VectorXd(6) << 2, 0, 0, 2, 2, 0).finished()).is_determined);
 }
 
+TEST(GroupFit, KnowsWhichBlocksDetermineASlope)
+{
+    const Labels groups{"a", "b", "a", "b", "a", "b", "a", "b"};
+    const Labels blocks{"1", "1", "2", "2", "3", "3", "4", "4"};
+    const GroupFit one = fit_of(groups, blocks, (VectorXd(8) << 1, 1, 5, 6, 3, 3, 7, 7).finished());
+    EXPECT_TRUE(one.has_slope_of_one_block());
+    // About the means of groups: 3/8 of a year in one, 1/8 in the others, either way.
+    const VectorXd shares{{1.0 / 12, 0.75, 1.0 / 12, 1.0 / 12}};
+    EXPECT_LE((one.slope_shares() - shares).norm(), 1e-12);
+    const GroupFit all = fit_of(groups, blocks, (VectorXd(8) << 1, 2, 5, 4, 3, 6, 7, 5).finished());
+    EXPECT_FALSE(all.has_slope_of_one_block());
+    EXPECT_FALSE(fit_of(groups, blocks).has_slope_of_one_block());
+    // Without blocks leverages tell.
+    EXPECT_FALSE(fit_of(groups, {"1", "2", "3", "4", "5", "6", "7", "8"},
+                        (VectorXd(8) << 1, 2, 1, 2, 1, 2, 1, 2000).finished())
+                     .has_slope_of_one_block());
+}
+
 TEST(GroupFit, RefusesWhatBreaksARule)
 {
     const Grouping pairs = group_by({"a", "a", "b", "b"});

@@ -392,6 +392,25 @@ TEST(GroupSpread, OfBlocksThatLackAGroupIsOfLeastSquares)
                 (own.rowwise() - own.colwise().mean()).squaredNorm() / 7.0, 1e-9);
 }
 
+TEST(GroupSpread, HasNoVarianceByTheSlopeOfOneBlock)
+{
+    const RowMatrix data = test::random_matrix(12, 3, 77);
+    std::vector<std::string> states;
+    std::vector<std::string> people;
+    Eigen::MatrixXd age(12, 1);
+    for (int i = 0; i < 12; ++i) {
+        states.emplace_back(i % 2 == 0 ? "a" : "b");
+        people.push_back(std::to_string(i / 2));
+        age(i, 0) = 20 + 3 * (i / 2) + (i == 5 ? 1 : 0); // a slip
+    }
+    const Eigen::MatrixXd products = inner_products(data);
+    const GroupSpread spread =
+        group_spread(products, group_by(states), group_by(people), age, {.replicates = 99});
+    for (const double figure : {spread.variances[0], spread.variance_intervals[1].high})
+        EXPECT_TRUE(std::isnan(figure)) << figure;
+    EXPECT_EQ(test_spread(products, group_by(states), group_by(people), age, {}).permutations, 0);
+}
+
 TEST(GroupSpread, HasNoDistanceThatTheCovariatesLeaveOpen)
 {
     Eigen::VectorXd habitat(60);

@@ -146,7 +146,7 @@ TEST_F(Groups, SayTheSmallestPValueThatTheyAllow)
     const Arguments groups{"groups",    "people.h5", "--by",  "sex",    "--only",
                            "mood=calm", "-o",        "g.csv", "--force"};
     EXPECT_NEAR(run(groups)["overall"]["smallest_p"], 0.1, 1e-12); // three against three
-    EXPECT_NE(run_shape(folder_.path(), groups).err.find("(so few meshes allow none below 0.1)"),
+    EXPECT_NE(run_shape(folder_.path(), groups).err.find("(so few meshes or blocks allow none below 0.1)"),
               std::string::npos);
     // More permutations than the design has would not help; fewer do count.
     EXPECT_NEAR(run(groups + Arguments{"--permutations", "4"})["overall"]["smallest_p"], 0.2,
@@ -303,10 +303,143 @@ TEST_F(Groups, BlocksThatMakeADesignCrossedByASlipAreNamed)
               std::string::npos)
         << outcome.err;
     EXPECT_NE(outcome.err.find("correct the values of sex or subject"), std::string::npos);
-    EXPECT_NE(outcome.err.find("error: groups: 1 block has members of several groups, 2 "
-                               "observations in all; to compare 2 groups within it takes 3"),
+    EXPECT_NE(outcome.err.find("error: groups: 1 block has members of several groups ('s2'), 2 "
+                               "means in all, as each counts once in a group; to compare 2 groups "
+                               "within it takes 3"),
               std::string::npos)
         << outcome.err;
+}
+
+TEST_F(Groups, BlocksWhoseCovariateDiffersByASlipAreNamed)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    const std::size_t age = 4;
+    const auto err = [&](const Arguments& arguments, int exit_code = 0) {
+        write_table(folder_ / "slip.csv", labels);
+        const Outcome outcome =
+            run_shape(folder_.path(), arguments + Arguments{"--labels", "slip.csv", "--within",
+                                                            "subject", "-o", "g.csv", "--force"});
+        EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+        return outcome.err;
+    };
+    const auto expect_said = [](const std::string& text, const std::string& said) {
+        EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
+    };
+    labels.rows[4][age] = "30"; // of s2, whose other mesh has 23
+    expect_said(err({"regress", "people", "--on", "age"}, 3),
+                "error: --on age: differs within 1 of 6 blocks of --within subject (s2), too few "
+                "to tell slopes within blocks from chance. If that is a slip, correct it");
+    const std::string adjusted = err({"groups", "people", "--by", "mood", "--adjust-for", "age"});
+    expect_said(adjusted,
+                "warning: --adjust-for age is the same in all meshes of each block of "
+                "--within subject but for 1 of 6: s2, which alone determines its slope");
+    expect_said(adjusted, "variances and spread are not determined\n");
+    expect_said(adjusted, "calm: 6 meshes, subject counted: 6, variance not determined\n");
+    labels.rows[8][age] = "50"; // of s4
+    const std::string two = err({"regress", "people", "--on", "age"});
+    expect_said(two,
+                "warning: --on age is the same in all meshes of each block of --within "
+                "subject but for 2 of 6: s2 and s4, which alone determine its slope");
+    EXPECT_EQ(two.find("determines the slope ("), std::string::npos) << two;
+    for (std::size_t i = 1; i < 12; i += 2) // all are a year older when they are glad, s2 many
+        labels.rows[i][age] = std::to_string(std::stoi(labels.rows[i - 1][age]) + 1);
+    labels.rows[5][age] = "3000";
+    expect_said(err({"regress", "people", "--on", "age"}),
+                "warning: --on age: subject s2 alone determines the slope (100 % of what it rests "
+                "on), from 30 to 3000 where the others lie from 20 to ");
+}
+
+TEST_F(Groups, AMeshThatAloneDeterminesASlopeIsNamed)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    for (std::size_t i = 0; i < labels.rows.size(); ++i)
+        labels.rows[i][4] = std::to_string(20 + i);
+    labels.rows[7][4] = "2300";
+    write_table(folder_ / "far.csv", labels);
+    for (const Arguments& command :
+         {Arguments{"regress", "people", "--on", "age"},
+          Arguments{"groups", "people", "--by", "mood", "--adjust-for", "age"}}) {
+        const Outcome outcome = run_shape(
+            folder_.path(), command + Arguments{"--labels", "far.csv", "-o", "g.csv", "--force"});
+        EXPECT_NE(outcome.err.find(" age: s3_glad alone determines the slope (100 % of what it "
+                                   "rests on), at 2300 where the others lie from 20 to 31"),
+                  std::string::npos)
+            << outcome.err;
+    }
+}
+
+TEST_F(Groups, CovariatesThatDifferByRoundingAreNamed)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    labels.columns.insert(labels.columns.end(), {"near", "big", "more"});
+    for (std::size_t i = 0; i < labels.rows.size(); ++i) {
+        const std::vector<std::string> cells{join("5.0000000000000", 10 + i),
+                                             join("10000000000000", 10 + i), // 1e15
+                                             std::to_string(std::stoi(labels.rows[i][4]) + i % 2)};
+        labels.rows[i].insert(labels.rows[i].end(), cells.begin(), cells.end());
+    }
+    write_table(folder_ / "near.csv", labels);
+    const Arguments regress{"regress", "people", "--labels", "near.csv", "-o", "x.csv"};
+    expect_failure(3, regress + Arguments{"--on", "near"},
+                   {"--on near: is constant but for rounding, 5 for all 12 meshes up to "});
+    expect_failure(3, regress + Arguments{"--on", "big"},
+                   {"--on big: is constant but for rounding, ", "subtract what"});
+    // Size, and a number that is one more for the glad ones, differ by other things within subjects.
+    for (std::size_t i = 0; i < labels.rows.size(); ++i)
+        labels.rows[i][8] = std::to_string(i % 2 == 0 ? 3 : 4);
+    labels.columns[8] = "state";
+    write_table(folder_ / "near.csv", labels);
+    expect_failure(3, regress + Arguments{"--on", "state", "--on", "more", "--within", "subject"},
+                   {"--on more: is a combination of the covariates before it (state) where it is "
+                    "tested"});
+}
+
+TEST_F(Groups, OfNumbersThatAreNearlyAllDifferentAreDoubted)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    for (std::size_t i = 0; i < labels.rows.size(); ++i)
+        labels.rows[i][4] = i == 1 ? "20.5" : join(20 + i, ".5");
+    write_table(folder_ / "ages.csv", labels);
+    const Outcome outcome = run_shape(
+        folder_.path(), {"groups", "people", "--labels", "ages.csv", "--by", "age", "-o", "g.csv"});
+    EXPECT_NE(outcome.err.find("warning: --by age: its 11 values in 12 meshes are numbers, nearly "
+                               "all different, and each is a group here; shape regress --on age"),
+              std::string::npos)
+        << outcome.err;
+}
+
+TEST_F(Groups, PairsOfRepeatedScansCountOnce)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    labels.rows[2][1] = "s0"; // s1_calm: a second scan of s0
+    write_table(folder_ / "again.csv", labels);
+    const Outcome outcome = run_shape(
+        folder_.path(), {"difference", "people", "--labels", "again.csv", "--pair-by", "subject",
+                         "--from", "mood=calm", "--to", "mood=glad", "-o", "d.h5"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.err.find("mean difference of 5 pairs, of which 1 (subject s0) has several "
+                               "meshes on a side, which count once, by their mean"),
+              std::string::npos)
+        << outcome.err;
+}
+
+TEST_F(Groups, SlopesWithinSubjectsAreTestedAgainstTheirDifferences)
+{
+    Table labels = read_table(folder_ / "labels.csv");
+    for (std::size_t i = 0; i < labels.rows.size(); ++i) {
+        labels.rows[i][1] = join("t", i / 4); // three subjects of four visits
+        labels.rows[i][4] = std::to_string(20 + i);
+    }
+    write_table(folder_ / "visits.csv", labels);
+    const Arguments regress{"regress",  "people",  "--labels", "visits.csv", "--on",   "age",
+                            "--within", "subject", "-o",       "g.csv",      "--force"};
+    const Json figures = run(regress);
+    EXPECT_EQ(figures["together"]["residual_df"], 2);
+    EXPECT_EQ(figures["together"]["smallest_p"], 0.25);
+    const std::string err = run_shape(folder_.path(), regress).err;
+    EXPECT_NE(err.find("within each subject, against how much slopes differ between them:\n"),
+              std::string::npos)
+        << err;
 }
 
 TEST_F(Groups, PairsThatNoBlockHasAreSaidToBeComparedOtherwise)
