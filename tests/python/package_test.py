@@ -509,9 +509,13 @@ class Behaviour(WithFaces):
         return [line[len(mark):].replace("--", "") for line in said.split("\n") if line.startswith(mark)]
 
     def test_groups_that_may_mislead_are_warned_of_as_by_the_program(self) -> None:
-        subjects = [f"s{i // 3}" for i in range(12)]
+        subjects = [f"s{i // 2}" for i in range(12)]
         plain = ["a"] * 6 + ["b"] * 6
-        slip = plain[:5] + ["b"] + plain[6:]
+        slip = plain[:5] + ["b", "a"] + plain[7:]
+        single = ls.collection(list(self.faces), labels={"subject": subjects, "g": plain[:5] + ["b"] + plain[6:]})
+        self.assertRaisesRegex(
+            ls.InvalidInput, "1 block has members of several groups \\('s2'\\)",
+            lambda: ls.groups(single, "g", within="subject"))
         for values, within in ((plain, ""), (slip, "subject"), (plain, "subject")):
             made = ls.collection(list(self.faces), labels={"subject": subjects, "g": values})
             made.write(self.folder / "g.h5")
@@ -526,10 +530,10 @@ class Behaviour(WithFaces):
             slipped = ls.groups(
                 ls.collection(list(self.faces), labels={"subject": subjects, "g": slip}), "g", within="subject"
             )
-        self.assertEqual((slipped.design, slipped.left_out, slipped.pairs[0].design), ("crossed", 9, "crossed"))
+        self.assertEqual((slipped.design, slipped.left_out, slipped.pairs[0].design), ("crossed", 8, "crossed"))
         nested = ls.groups(made, "g", within="subject", permutations=99)
         self.assertEqual((nested.design, nested.left_out, nested.pairs[0].design), ("nested", 0, "nested"))
-        self.assertAlmostEqual(nested.overall.smallest_p, 1 / 3)  # 4! / 2!^2 / 2
+        self.assertAlmostEqual(nested.overall.smallest_p, 1 / 10)  # 6! / 3!^2 / 2
         self.assertEqual(
             self.warnings_of(lambda: ls.groups(made, "g", within="subject", permutations=9, replicates=1)),
             [text.replace("bootstrap: ", "replicates: ", 1) for text in self.warnings_of_program(

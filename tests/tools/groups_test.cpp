@@ -146,7 +146,8 @@ TEST_F(Groups, SayTheSmallestPValueThatTheyAllow)
     const Arguments groups{"groups",    "people.h5", "--by",  "sex",    "--only",
                            "mood=calm", "-o",        "g.csv", "--force"};
     EXPECT_NEAR(run(groups)["overall"]["smallest_p"], 0.1, 1e-12); // three against three
-    EXPECT_NE(run_shape(folder_.path(), groups).err.find("(so few meshes or blocks allow none below 0.1)"),
+    EXPECT_NE(run_shape(folder_.path(), groups)
+                  .err.find("(so few meshes or blocks allow none below 0.1)"),
               std::string::npos);
     // More permutations than the design has would not help; fewer do count.
     EXPECT_NEAR(run(groups + Arguments{"--permutations", "4"})["overall"]["smallest_p"], 0.2,

@@ -102,7 +102,8 @@ std::string describe(const LinearModelTest& test)
     if (test.smallest_p * (1.0 + test.permutations) <= 1.0 + 1e-9)
         return join(text, p);
     char least[80];
-    std::snprintf(least, sizeof least, " (so few meshes or blocks allow none below %.4g)", test.smallest_p);
+    std::snprintf(least, sizeof least, " (so few meshes or blocks allow none below %.4g)",
+                  test.smallest_p);
     return join(text, p, least);
 }
 
