@@ -262,15 +262,19 @@ void check_together(Result& result)
             result.meshes[index[i]].warnings.push_back({kind, -1, vertex, message});
     };
     bool has_seam = false;
+    std::set<std::size_t> stretched; // which is why they are far from the others
     for (const Oddity& oddity : find_oddities(collection)) {
         warn(kind_name(oddity.kind), oddity.meshes, -1, advice_on(oddity));
+        if (oddity.kind == OddityKind::Stretched)
+            stretched.insert(oddity.meshes.begin(), oddity.meshes.end());
         has_seam =
             has_seam || oddity.kind == OddityKind::Seam || oddity.kind == OddityKind::NearSeam;
     }
     if (!has_seam)
         find_touching(collection, index, result);
     for (const OutlyingMesh& outlier : find_outlying_meshes(collection))
-        warn("outlier", {outlier.mesh}, outlier.vertex, outlier.message);
+        if (!stretched.contains(outlier.mesh))
+            warn("outlier", {outlier.mesh}, outlier.vertex, outlier.message);
 }
 
 /// Warns of polygons that fold over as they are cut.

@@ -17,6 +17,7 @@
 #include "libshape/base/to_size.h"
 #include "libshape/base/version.h"
 #include "libshape/io/model_file.h"
+#include "libshape/mesh/alignment.h"
 #include "libshape/mesh/joined_labels.h"
 #include "libshape/model/shape_model.h"
 #include "libshape/model/streamed_fit.h"
@@ -256,11 +257,17 @@ Findings fit_in_passes(const Session& session, const Arguments& arguments, const
     return found;
 }
 
+/// By so much a mesh may differ from one of its name, over its size, and be that one: single precision leaves 1e-7.
+constexpr double resaved = 1e-6;
+
 /// Of the meshes that the model has, the first stands in it whole: it must be the one of the input, if that has it.
 void check_first_mesh(const ShapeModel& model, const std::string& name, const Points& points,
                       const std::string& path)
 {
-    if (points != model.reference_points)
+    // Moved, or saved again in single precision, it is the same.
+    const Points& known = model.reference_points;
+    if (!((best_rigid_motion(points, known)(points) - known).rowwise().norm().maxCoeff() <=
+          resaved * bounding_box_diagonal(known)))
         throw InvalidInput(join(path, ": its mesh ", name,
                                 " is another than that of the input: meshes are told apart by "
                                 "their names; give those of the other collection other names"));
@@ -292,7 +299,7 @@ std::vector<std::string> changed_meshes(const ShapeModel& model, const Collectio
     for (std::size_t i = 0; i < input.size(); ++i) {
         const auto before = known.find(input.names[i]);
         if (before != known.end() && !(std::abs(now[static_cast<Eigen::Index>(i)] -
-                                                before->second) <= 1e-9 * before->second))
+                                                before->second) <= resaved * before->second))
             changed.push_back(input.names[i]);
     }
     return changed;

@@ -96,15 +96,18 @@ bool is_binary(std::string_view content)
 }
 
 /// What to do about a file that is longer or shorter than its count of faces says.
-std::string advice_on_size(std::size_t size, std::size_t count)
+std::string advice_on_size(std::string_view content, std::size_t count)
 {
+    const std::size_t size = content.size();
     const std::size_t stated = head_size + face_size * count;
     if (size < stated)
-        return "is this an STL file? Then it was cut off: export or copy it again";
+        return "is this an STL file? Then it was cut off, or its count is wrong: export or copy it "
+               "again";
     const std::size_t rest = size - stated;
-    if (rest % face_size == 0)
-        return join("what follows would be ", rest / face_size,
-                    " more faces: the count was not written or is wrong; export it again");
+    const bool is_filling = content.substr(stated).find_first_not_of('\0') == content.npos;
+    if (rest % face_size == 0 && !is_filling)
+        return join("what follows would be ", counted(rest / face_size, "more face", "more faces"),
+                    ": the count was not written or is wrong; export it again");
     return join(
         "what follows byte ", stated,
         " belongs to no face: export it again, in another format if its program adds "
@@ -120,7 +123,7 @@ void parse_binary(std::string_view content, const std::string& path, MeshBuilder
     if (content.size() != size)
         throw InvalidInput(join(path, ": byte 80: ", counted(count, "face"),
                                 count == 1 ? " takes " : " take ", size, " bytes, the file has ",
-                                content.size(), "; ", advice_on_size(content.size(), count)));
+                                content.size(), "; ", advice_on_size(content, count)));
     mesh.reserve(0, static_cast<std::int64_t>(count));
     CornerMerger merger(mesh);
     for (std::size_t f = 0; f < count; ++f) {

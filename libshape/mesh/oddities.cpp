@@ -238,7 +238,7 @@ void find_stretched(const Collection& collection, std::vector<Oddity>& oddities)
               is_one && found.axis < 0 ? "one of its axes" : axis, " than ",
               the_others(collection.size() - found.meshes.size()),
               ", as a wrong voxel spacing or slice thickness makes ", is_one ? "it" : "them",
-              "; compare with the images, and export anew or scale that axis")});
+              "; compare with the images, and export anew or scale that axis if it is wrong")});
 }
 
 void find_copies(const Collection& collection, std::vector<Oddity>& oddities)

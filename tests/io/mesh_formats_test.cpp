@@ -121,6 +121,8 @@ TEST(StlFile, TellsBytesFromTextByItsLength)
     std::fill_n(uncounted.begin() + 80, 4, '\0');
     EXPECT_NE(refusal("u.stl", uncounted).find("2 more faces: the count was not written"),
               std::string::npos);
+    EXPECT_NE(refusal("z.stl", longer + std::string(50, '\0')).find("cut it off (truncate -s 184"),
+              std::string::npos);
     EXPECT_NE(refusal("s.stl", longer.substr(0, 150)).find("it was cut off"), std::string::npos);
     EXPECT_NE(
         refusal("c.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\n").find("line 4"),

@@ -376,7 +376,7 @@ TEST_F(Groups, CovariatesThatDifferByRoundingAreNamed)
     for (std::size_t i = 0; i < labels.rows.size(); ++i) {
         const std::vector<std::string> cells{join("5.0000000000000", 10 + i),
                                              join("10000000000000", 10 + i), // 1e15
-                                             std::to_string(std::stoi(labels.rows[i][4]) + i % 2)};
+                                             std::to_string(std::stoul(labels.rows[i][4]) + i % 2)};
         labels.rows[i].insert(labels.rows[i].end(), cells.begin(), cells.end());
     }
     write_table(folder_ / "near.csv", labels);

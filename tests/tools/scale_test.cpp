@@ -321,6 +321,7 @@ TEST_F(Scale, AnUpdatedModelIsThatOfAFreshRun)
     EXPECT_NE(of_file.err.find("; 50 that it has by their names were not read"), std::string::npos)
         << of_file.err;
     Collection corrected = subset(all, {0, 3, 52, 53});
+    corrected.points[0] = moved(corrected.points[0], 2).cast<float>().cast<double>(); // saved again
     corrected.points[1].row(5).swap(corrected.points[1].row(6));
     std::filesystem::create_directory(folder_ / "files");
     for (std::size_t i = 0; i < corrected.size(); ++i)

@@ -64,7 +64,7 @@ public:
     Pipe(const Pipe&) = delete;
     Pipe& operator=(const Pipe&) = delete;
 
-    void close_end(int end)
+    void close_end(std::size_t end)
     {
         if (ends_[end] >= 0)
             ::close(std::exchange(ends_[end], -1));
