@@ -38,7 +38,8 @@ LastError last_error()
 void throw_last_failure()
 {
     const LastError last = last_error();
-    if (last.is_allocation && is_memory_limited())
+    // Where nothing is left HDF5 cannot even keep its error.
+    if ((last.is_allocation || last.text.empty()) && is_memory_limited())
         throw std::bad_alloc();
     throw Hdf5Failure(last.text.empty() ? "unknown cause" : last.text);
 }
