@@ -395,9 +395,7 @@ std::string without(const std::string& path, std::string text)
 /// "  and 3 more, alike: a.ply, b.ply and c.ply".
 std::string print_alike(const std::vector<std::string>& paths)
 {
-    std::vector<std::size_t> all(paths.size());
-    std::iota(all.begin(), all.end(), 0);
-    return join("  and ", paths.size(), " more, alike: ", list_names(paths, all), "\n");
+    return join("  and ", paths.size(), " more, alike: ", list_names(paths), "\n");
 }
 
 /// A summary, then the meshes that something is wrong with, those alike together; with `verbose` each by itself, and the
@@ -682,9 +680,7 @@ std::vector<std::string> names_of_repaired(const std::vector<NamedMesh>& written
 /// "repaired: m2 of 7 meshes; the others are as they were".
 std::string describe_repaired(const std::vector<std::string>& names, std::size_t written)
 {
-    std::vector<std::size_t> all(names.size());
-    std::iota(all.begin(), all.end(), 0);
-    return join("  repaired: ", list_names(names, all), " of ", counted(written, "mesh", "meshes"),
+    return join("  repaired: ", list_names(names), " of ", counted(written, "mesh", "meshes"),
                 names.size() == written ? "" : "; the others are as they were", "\n");
 }
 
@@ -715,10 +711,8 @@ Json fix(const Session& session, const Arguments& arguments, Result& result)
              return meshes;
          }});
     if (!triangulated.empty()) {
-        std::vector<std::size_t> all(triangulated.size());
-        std::iota(all.begin(), all.end(), 0);
-        repaired.changes.insert(repaired.changes.begin(), join(list_names(triangulated, all),
-                                                               ": polygons split into triangles"));
+        repaired.changes.insert(repaired.changes.begin(),
+                                join(list_names(triangulated), ": polygons split into triangles"));
     }
     repaired.kept.insert(repaired.kept.end(), folded.begin(), folded.end());
     sort_out(std::move(repaired.meshes), arguments, fixed);

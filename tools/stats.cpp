@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <set>
 
 #include "libshape/base/counted.h"
@@ -311,12 +310,9 @@ void warn_of_changed(const Session& session, const Arguments& arguments,
 {
     if (changed.empty())
         return;
-    std::vector<std::size_t> all(changed.size());
-    std::iota(all.begin(), all.end(), 0);
     session.warn(join(counted(changed.size(), "mesh", "meshes"), " of the input ",
                       changed.size() == 1 ? "is another" : "are others", " than in ",
-                      arguments.update,
-                      ", which keeps those that it has: ", list_names(changed, all),
+                      arguments.update, ", which keeps those that it has: ", list_names(changed),
                       "; to replace them, fit all meshes anew without --update"));
 }
 

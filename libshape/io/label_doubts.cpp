@@ -159,9 +159,7 @@ std::string doubt_about_spelling(const LabelColumn& label)
         how = how_they_differ(alike[0], alike[i]);
     for (std::string& value : alike)
         value = in_quotes(value);
-    std::vector<std::size_t> all(alike.size());
-    std::iota(all.begin(), all.end(), 0);
-    return join("label '", label.name, "' has the values ", list_names(alike, all), ", which ",
+    return join("label '", label.name, "' has the values ", list_names(alike), ", which ",
                 how.empty() ? "are " : how + " and are ",
                 alike.size() == 2 ? "two" : join(alike.size()),
                 " groups; spell them alike if they mean one");

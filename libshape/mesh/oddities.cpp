@@ -374,4 +374,11 @@ std::string list_names(const std::vector<std::string>& names,
     return text;
 }
 
+std::string list_names(const std::vector<std::string>& names)
+{
+    std::vector<std::size_t> all(names.size());
+    std::iota(all.begin(), all.end(), 0);
+    return list_names(names, all);
+}
+
 } // namespace shape

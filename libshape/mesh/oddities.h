@@ -63,4 +63,7 @@ struct Oddity
 [[nodiscard]] std::string list_names(const std::vector<std::string>& names,
                                      const std::vector<std::size_t>& chosen);
 
+/// The same of all of them.
+[[nodiscard]] std::string list_names(const std::vector<std::string>& names);
+
 } // namespace shape

@@ -247,6 +247,7 @@ TEST(Oddities, LongListsOfNamesAreCutShort)
     EXPECT_EQ(list_names(names, {3}), "m3");
     EXPECT_EQ(list_names(names, {0, 2, 5}), "m0, m2 and m5");
     EXPECT_EQ(list_names(names, all), "m0, m1, m2, m3, m4, m5, m6 and 5 more");
+    EXPECT_EQ(list_names(names), list_names(names, all));
 }
 
 TEST(Oddities, OneOfTwoIsComparedWithTheOtherMesh)

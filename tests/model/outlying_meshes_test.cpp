@@ -134,6 +134,20 @@ TEST(OutlyingMeshes, AreThoseWithExchangedLandmarks)
     EXPECT_GT(found[0].region_shift, 0.8);
 }
 
+/// Every so many-th PLY file of a folder, by name.
+Collection read_every(std::size_t step, const std::filesystem::path& folder)
+{
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".ply")
+            files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    std::vector<NamedMesh> meshes;
+    for (std::size_t i = 0; i < files.size(); i += step)
+        meshes.push_back(read_mesh(files[i]));
+    return collect(std::move(meshes));
+}
+
 TEST(OutlyingMeshes, AreNoPosesOfAnArticulatedThing)
 {
     Random random(8);
@@ -141,15 +155,7 @@ TEST(OutlyingMeshes, AreNoPosesOfAnArticulatedThing)
         const std::filesystem::path folder = test::data_dir() / name;
         if (!std::filesystem::exists(folder))
             GTEST_SKIP() << folder << " is missing";
-        std::vector<std::filesystem::path> files;
-        for (const auto& entry : std::filesystem::directory_iterator(folder))
-            if (entry.path().extension() == ".ply")
-                files.push_back(entry.path());
-        std::sort(files.begin(), files.end());
-        std::vector<NamedMesh> meshes;
-        for (const std::filesystem::path& file : files)
-            meshes.push_back(read_mesh(file));
-        const Collection all = collect(std::move(meshes));
+        const Collection all = read_every(1, folder);
         EXPECT_TRUE(outliers(all).empty()) << name; // squat by its knees, with angles alone
         int warned = 0;
         constexpr int rounds = 8; // half of those of bodies had one
@@ -171,15 +177,7 @@ TEST(OutlyingMeshes, AreThoseWithOneVertexMovedByTwoEdgesInAnyDirection)
     const std::filesystem::path folder = test::data_dir() / "ict_faces600";
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << folder << " is missing";
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".ply")
-            files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    std::vector<NamedMesh> meshes;
-    for (std::size_t i = 0; i < files.size(); i += 5)
-        meshes.push_back(read_mesh(files[i]));
-    const Collection all = collect(std::move(meshes));
+    const Collection all = read_every(5, folder);
     int found = 0;
     int sound = 0;
     constexpr int trials = 50;

@@ -58,10 +58,8 @@ std::string values_that_do_not_occur(const std::map<std::string, std::set<std::s
         for (const std::string& value : values)
             if (!there.contains(value)) {
                 const std::vector<std::string> list(there.begin(), there.end());
-                std::vector<std::size_t> all(list.size());
-                std::iota(all.begin(), all.end(), 0);
                 return join("; no mesh has ", label, " = '", value, "', there are ",
-                            list_names(list, all));
+                            list_names(list));
             }
     }
     return {};

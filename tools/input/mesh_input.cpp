@@ -123,9 +123,7 @@ MeshesBelow meshes_below(const fs::path& directory, const MeshInput& input)
 /// "3 subfolders (a, b and c/d)".
 std::string describe(const std::vector<std::string>& folders)
 {
-    std::vector<std::size_t> all(folders.size());
-    std::iota(all.begin(), all.end(), 0);
-    return join(counted(folders.size(), "subfolder"), " (", list_names(folders, all), ")");
+    return join(counted(folders.size(), "subfolder"), " (", list_names(folders), ")");
 }
 
 /// "at least 12 mesh files in 3 subfolders (a, b and c/d)".
