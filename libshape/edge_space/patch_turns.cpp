@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 /// Smaller patches follow creases better; but in a fist neighbours of 16 faces turn by up to 180 degrees
 /// against each other, where a rotation vector is not unique (16, 32 and 64 are compared in
-/// docs/embedding.md).
+/// docs/experiments/embedding.md).
 constexpr int faces_per_patch = 32;
 
 VectorXd face_areas(const Topology& topology, const Points& points)

@@ -120,7 +120,7 @@ DecodedModelPoint ModelDecoder::draft(const VectorXd& scores, const VectorXd& am
     if (Points* const points = std::get_if<Points>(&shape))
         return linear(std::move(*points));
     const ShapePoint& target = std::get<ShapePoint>(shape);
-    // The first linear steps do most; from some thousand vertices on there is no time for others (docs/explore.md).
+    // The first linear steps do most; from some thousand vertices on there is no time for others (docs/experiments/explore.md).
     const int vertices = block_.topology.vertex_count();
     const int linear_steps = vertices > 30000 ? 2 : vertices > 8000 ? 3 : vertices > 3000 ? 4 : 9;
     const DihedralEmbedder::Swept swept = embedder_->sweep(

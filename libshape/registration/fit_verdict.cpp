@@ -43,10 +43,10 @@ struct Bound
 };
 constexpr Bound unseen_share{0.15, 0.8}; // of the vertices; half a face leaves half of them
 /// Of the scan's surface, beyond what lies past the template's own end. Right fits leave 0.8 % at most, hands with a finger in
-/// another one's place 1.4 % and more (docs/correspondence.md). A scan may hold more than the template, so this alone fails none.
+/// another one's place 1.4 % and more (docs/experiments/correspondence.md). A scan may hold more than the template, so this alone fails none.
 constexpr double unclaimed_bound = 0.01;
 /// Of the vertices: another part of the template claims their place too, say a finger that of its neighbour. None do so in
-/// right fits, 0.6 % and more where parts lie in each other's place (docs/correspondence.md).
+/// right fits, 0.6 % and more where parts lie in each other's place (docs/experiments/correspondence.md).
 constexpr double contested_bound = 0.003;
 constexpr double another_part = 0.1; // so far from each other at rest, over the diagonal
 /// Normals of a vertex and of its place enclose at most some 70 degrees, as while it was pulled: the far sides of thin parts are

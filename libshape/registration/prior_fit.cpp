@@ -45,7 +45,7 @@ PriorFit fit_by_prior(const ScanFitter& fitter, const Topology& topology, const 
                       const Scan& scan, const LandmarkPairs& landmarks)
 {
     PriorFit result{fitter.fit(scan, landmarks), {}};
-    constexpr int rounds = 3; // as docs/correspondence.md has measured it; not tuned
+    constexpr int rounds = 3; // as docs/experiments/correspondence.md has measured it; not tuned
     for (int round = 0; round < rounds; ++round) {
         result.expected = expected_of(result.fit, topology, prior);
         result.fit =

@@ -57,7 +57,7 @@ struct LevelRounds
     bool slides_freely;
 };
 constexpr int coarsest_rounds = 30, finer_rounds = 5;
-// Few: solved to the end, steps left limbs turned about their axes more often (measured, docs/correspondence.md).
+// Few: solved to the end, steps left limbs turned about their axes more often (measured, docs/experiments/correspondence.md).
 constexpr int coarsest_steps = 12, finer_steps = 15;
 
 /// What level `number` of `count` does when the coarsest comes first.
@@ -81,7 +81,7 @@ constexpr LevelRounds free_rounds{12, 2 * finer_steps, 0.3, 0.5, false, 100.0, t
 /// above.
 constexpr int rounds_between_factors = 5;
 /// CoarseTrial::score. Right starts of faces, bodies and an arm have at most 0.054, wrong ones 0.18 and more
-/// (docs/correspondence.md).
+/// (docs/experiments/correspondence.md).
 constexpr double doubtful_start = 0.06;
 /// A start of another orientation may be the right one if its score is below the first of these times the best one's
 /// plus the second: of shapes that are nearly symmetric it is 1.0 to 1.3 times, of others 4.5 and more, and
@@ -91,7 +91,7 @@ constexpr double nearly_as_well = 2.0, as_well_as_it_gets = 1e-3;
 constexpr double clearly_better = 0.8;
 /// A landmark is doubted if without it its place comes out farther than this from where it was put, over the scan's
 /// diagonal, and than so many standard deviations of what is tolerated. Right ones of the collections, placed to 1 %,
-/// come out up to 5.9 % away (docs/correspondence.md).
+/// come out up to 5.9 % away (docs/experiments/correspondence.md).
 constexpr double doubtful_distance = 0.06, tolerated_deviations = 3.0;
 /// So many rigid starts are tried, each by so many rounds of the coarsest level, before the best of them goes on. Set by
 /// hand.

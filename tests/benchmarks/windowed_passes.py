@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Prints how near five ways of finding principal components come in some passes over the data: a table of
-docs/scale.md.
+docs/experiments/scale.md.
 
 windowed_passes.py
 

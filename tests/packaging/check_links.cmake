@@ -1,13 +1,13 @@
 # cmake -DROOT=<source> -P check_links.cmake
 #
-# Fails on a relative link in README.md or docs/ to a file that does not exist, and on a page of
-# docs/ that README.md does not link to.
+# Fails on a relative link in README.md or docs/ to a file that does not exist, and on a page of docs/ that README.md does
+# not link to; of a folder of pages in docs/ README.md links to index.md, and this to the others.
 cmake_minimum_required(VERSION 3.25)
 set(failures "")
-set(linked "")
 
-file(GLOB pages RELATIVE ${ROOT} ${ROOT}/README.md ${ROOT}/docs/*.md ${ROOT}/datasets/*.md)
+file(GLOB pages RELATIVE ${ROOT} ${ROOT}/README.md ${ROOT}/docs/*.md ${ROOT}/docs/*/*.md ${ROOT}/datasets/*.md)
 foreach(page IN LISTS pages)
+    set(linked_by_${page} "")
     get_filename_component(folder ${ROOT}/${page} DIRECTORY)
     file(READ ${ROOT}/${page} text)
     string(REPLACE "](" "link:" text "${text}")
@@ -21,14 +21,20 @@ foreach(page IN LISTS pages)
         get_filename_component(target ${link} ABSOLUTE BASE_DIR ${folder})
         if(NOT EXISTS ${target})
             list(APPEND failures "${page}: ${link} does not exist")
-        elseif(page STREQUAL "README.md")
-            list(APPEND linked ${target})
         endif()
+        list(APPEND linked_by_${page} ${target})
     endforeach()
 endforeach()
 foreach(page IN LISTS pages)
-    if(page MATCHES "^docs/" AND NOT ${ROOT}/${page} IN_LIST linked)
-        list(APPEND failures "README.md: does not link to ${page}")
+    if(NOT page MATCHES "^docs/")
+        continue()
+    endif()
+    set(guide README.md)
+    if(NOT page MATCHES "/index\\.md$" AND page MATCHES "^(docs/[^/]+)/")
+        set(guide ${CMAKE_MATCH_1}/index.md)
+    endif()
+    if(NOT ${ROOT}/${page} IN_LIST linked_by_${guide})
+        list(APPEND failures "${guide}: does not link to ${page}")
     endif()
 endforeach()
 

@@ -17,7 +17,7 @@ with tempfile.TemporaryDirectory() as name:
     site = Path(name) / "site"
     command(SOURCE, sys.executable, str(SOURCE / "tools/site"), str(site))
     anchors = {}
-    for page in site.glob("*.html"):
+    for page in [*site.glob("*.html"), *site.glob("experiments/*.html")]:
         anchors[page] = set(re.findall(r'\bid="([^"]+)"', page.read_text(encoding="utf-8")))
     count = 0
     for page in anchors:
@@ -31,7 +31,8 @@ with tempfile.TemporaryDirectory() as name:
             assert not anchor or path not in anchors or anchor in anchors[path] | {""}, f"{page.name}: {link}"
             count += 1
     index = json.loads((site / "search/search_index.json").read_text(encoding="utf-8"))["docs"]
-    for words, place in (("Decode here", "blender.html"), ("--landmarks marks.csv", "tutorial.html")):
+    for words, place in (("Decode here", "blender.html"), ("--landmarks marks.csv", "tutorial.html"),
+                         ("plain square", "experiments/embedding.html")):
         assert any(words in entry["text"] and entry["location"].startswith(place) for entry in index), words
     reference = (site / "reference/classshape_1_1_embedder.html")
     assert reference.exists() or any((site / "reference").glob("classshape_1_1*mbedder.html"))

@@ -145,7 +145,7 @@ SHAPE_VECTORISED void gather_gradient(int begin, int end, const Topology& topolo
 VectorXd trusted_bends(const Topology& topology, const VectorXd& lengths, double smoothness)
 {
     // Of mu: what is beside a sliver is still held by a little, as its lengths hardly do. How little was
-    // not varied on record; the onset, sliver_shape, was (docs/embedding.md).
+    // not varied on record; the onset, sliver_shape, was (docs/experiments/embedding.md).
     constexpr double least = 0.01;
     VectorXd of_faces(topology.face_count());
     for_blocks(topology.face_count(), [&](int first, int count) {
@@ -333,7 +333,7 @@ double LengthDihedralEnergy::add_sums()
 /// its gradient, to the pulls of all three; d|n| / dl = l cot(opposite angle), n as long as 2 A.
 void LengthDihedralEnergy::add_collapses(const VectorXd& points)
 {
-    // Enough that no face lost its area in the 93 meshes where 18 had some that did (docs/embedding.md);
+    // Enough that no face lost its area in the 93 meshes where 18 had some that did (docs/experiments/embedding.md);
     // a face a tenth as large as wanted then costs 0.026, about as an edge stretched by 10 %.
     constexpr double beta = 0.01;
     const Topology& t = topology_;

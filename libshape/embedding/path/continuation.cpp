@@ -113,7 +113,7 @@ void check_lengths(const Topology& topology, const VectorXd& lengths)
                                 " edges, must be one each, > 0 and finite"));
 }
 
-// settle(): chosen on a femur, a head and a body on their ways to spheres (docs/conformal.md).
+// settle(): chosen on a femur, a head and a body on their ways to spheres (docs/experiments/conformal.md).
 
 /// Regions are moved alone if fewer edges than this part are off: what more of them lack is not local, and
 /// held surroundings would keep it.

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 /// Trust in the transition across every edge: 1 / (1 + (r_u^2 + r_v^2) / 0.1^2) with the closure
 /// angles r [rad] at its ends. A few wild loops (slivers, folds) must not turn all frames. At 0.1 rad,
-/// 6 degrees, half of it is gone; on average at most 0.023 is, in the pairs of docs/embedding.md.
+/// 6 degrees, half of it is gone; on average at most 0.023 is, in the pairs of docs/experiments/embedding.md.
 void set_transition_weights(const Topology& topology, const Rotations& transitions,
                             VectorXd& weights)
 {
@@ -66,7 +66,7 @@ const Points& LinearStart::points(const ShapePoint& target, int face_steps,
 void LinearStart::orient(const ShapePoint& target, std::optional<double> turn_share)
 {
     // Above the distrust of helices (6e-5), whose transitions are right to the last edge, and below that
-    // of scanned and modelled shapes (9e-4 to 0.023; docs/embedding.md).
+    // of scanned and modelled shapes (9e-4 to 0.023; docs/experiments/embedding.md).
     constexpr double agreement = 3e-4;
     const double distrust = 1.0 - trust_.mean();
     if (target.patch_turns.size() == 0)
