@@ -62,9 +62,9 @@ Cut cut(const SupernodalFactor& f)
             entries[above[s]] += entries[s];
     }
     const double all = f.first_values.back();
-    // Entries of 2 bytes, read both ways: below half a megabyte a solve takes some 50 microseconds, and handing
-    // parts to threads is no longer small beside it.
-    constexpr double worth = 1 << 17;
+    // Entries of 2 bytes, read both ways: below an eighth of a megabyte a solve takes some 10 microseconds, and
+    // handing parts to threads (1 microsecond a tier) is no longer small beside it.
+    constexpr double worth = 1 << 15;
     // Sixteen leaves keep up to eight threads busy though they are unequal; smaller ones would copy more rows
     // than they save.
     constexpr double largest_leaf = 1.0 / 16.0;

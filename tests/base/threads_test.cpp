@@ -168,6 +168,24 @@ TEST(ParallelFor, UsesSeveralThreads)
     EXPECT_EQ(arrived, 2);
 }
 
+TEST(ParallelFor, BeginsWithTheSameShareInEveryLoop)
+{
+    const test::ThreadScope scope(2);
+    const auto caller = std::this_thread::get_id();
+    for (int loop = 0; loop < 100; ++loop) {
+        std::atomic<int> first_of_helper = -1;
+        parallel_for(8, 1, [&](std::size_t begin, std::size_t) {
+            int none = -1;
+            if (std::this_thread::get_id() != caller)
+                first_of_helper.compare_exchange_strong(none, static_cast<int>(begin));
+            else
+                while (first_of_helper < 0) {
+                }
+        });
+        ASSERT_EQ(first_of_helper, 4); // the caller has 0 to 3
+    }
+}
+
 TEST(ParallelFor, RethrowsTheErrorOfTheLowestChunkAfterAllHaveEnded)
 {
     const test::ThreadScope scope(4);

@@ -23,7 +23,7 @@ namespace {
 using Eigen::VectorXd;
 
 /// The weight (nu of hold_near()) at which the mesh shows how E resists: weak, so that asking costs little;
-/// already with 0.01 edges lose up to 3 % (docs/embedding.md).
+/// already with 0.01 edges lose up to 3 % (docs/experiments/embedding.md).
 constexpr double probing_anchor = 0.003;
 
 /// What is left of an anchor where E wants another mesh in the large.
@@ -36,11 +36,11 @@ double yielding(double anchor, double resistance, double strong)
 }
 
 /// Between the resistances, to probing_anchor, of pairs that are held near their turns at little cost (0.18 to 0.49:
-/// arm, hands, face, walk) and of those that pay in edges (1.2 and 1.9: a hand, the body; docs/embedding.md).
+/// arm, hands, face, walk) and of those that pay in edges (1.2 and 1.9: a hand, the body; docs/experiments/embedding.md).
 constexpr double strong_against_turns = 0.6;
 
 /// Between the resistances, to DihedralEmbeddingOptions::position_anchor, of faces and walks that a model had not seen
-/// (0.02 to 0.09) and of means of poses, whose positions are shrunken (0.35 to 4; docs/embedding.md).
+/// (0.02 to 0.09) and of means of poses, whose positions are shrunken (0.35 to 4; docs/experiments/embedding.md).
 constexpr double strong_against_positions = 0.1;
 
 /// Positions that E does not resist hold a mesh so many times as firmly.
@@ -74,7 +74,9 @@ DihedralEmbeddingOptions dihedral_preview()
     preview.first_linear_steps = 4;
     preview.repairs = {9};
     preview.folds.fold_angle = 2.0; // what is about to turn over
-    preview.repair.descent.newton_steps = 4;
+    // No descent of the whole mesh follows that would finish what a repair leaves.
+    preview.repair.filling_sweeps = 15;
+    preview.repair.descent = {.newton_steps = 4, .linear_steps = 12};
     return preview;
 }
 

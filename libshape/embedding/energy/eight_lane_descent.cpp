@@ -105,10 +105,12 @@ std::array<float, EightLanes::lanes> descend(EightLaneEnergy& energy,
     EightLaneConjugateGradients conjugate_gradients(points);
     EightLanePoints next = points;
     auto value = energy.linearise(points);
+    // 0 once no part of a step made the energy of a position fall: the same step would come again.
+    EightLanes first_scale = EightLanes::all(1.0F);
     for (int newton = 0; newton < options.newton_steps; ++newton) {
         const EightLanePoints& step =
             conjugate_gradients.solve(energy, preconditioner, options.linear_steps);
-        EightLanes scale = EightLanes::all(1.0F);
+        EightLanes scale = first_scale;
         for (int halving = 0;; ++halving) {
             combine(step.size(), points.data(), &scale, step.data(), next.data());
             const auto trial = energy.linearise(next);
@@ -120,9 +122,16 @@ std::array<float, EightLanes::lanes> descend(EightLaneEnergy& energy,
                 }
             if (!fell)
                 continue;
+            bool any = false;
             for (std::size_t k = 0; k < EightLanes::lanes; ++k)
-                if (scale.of[k] > 0.0F)
+                if (scale.of[k] > 0.0F) {
                     value[k] = trial[k];
+                    any = true;
+                } else {
+                    first_scale.of[k] = 0.0F;
+                }
+            if (!any)
+                return value;
             break;
         }
         points.swap(next);

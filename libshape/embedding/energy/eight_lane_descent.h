@@ -12,9 +12,9 @@ namespace shape::internal {
 struct EightLaneDescentOptions
 {
     /// Every position takes this many Gauss-Newton steps; >= 0.
-    int newton_steps = 8;
+    int newton_steps = 5;
     /// Each of them is solved by this many conjugate gradient steps; >= 1.
-    int linear_steps = 12;
+    int linear_steps = 8;
     /// A Newton step is halved up to this many times where E does not fall, then not taken; >= 0.
     int halvings = 3;
 };

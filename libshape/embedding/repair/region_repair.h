@@ -16,7 +16,7 @@ struct RegionRepairOptions
     /// Regions of more vertices are left alone; >= 0.
     int largest_region = 2000;
     /// Every reference is bent into the place by this many sweeps (rigid_filling.h); >= 0.
-    int filling_sweeps = 15;
+    int filling_sweeps = 8;
     /// At least this many starts are random perturbations; as many more fill the last eight; >= 0.
     int perturbed_starts = 4;
     /// All starts descend by these.

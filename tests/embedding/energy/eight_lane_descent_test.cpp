@@ -245,5 +245,37 @@ TEST(EightLaneDescent, NeverRaisesAnEnergy)
     }
 }
 
+void expect_equal(EightLanePoints& a, EightLanePoints& b)
+{
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t v = 0; v < a.size(); ++v)
+        for (int k = 0; k < lanes; ++k)
+            for (std::size_t c = 0; c < 3; ++c)
+                EXPECT_EQ(*numbers(a[v], k)[c], *numbers(b[v], k)[c]);
+}
+
+TEST(EightLaneDescent, GoesWhereItsStepsLeadOneByOne)
+{
+    // One by one, no call knows which positions have come to rest.
+    constexpr int steps = 40;
+    Setting s(test::bumpy_sphere(3, 0.2, 1), 0.1, 1);
+    const EightLaneSolve preconditioner = laplacian_of(s);
+    EightLanePoints at_once = s.points;
+    (void)descend(s.eight, preconditioner, at_once, {.newton_steps = steps});
+    for (int step = 0; step < steps; ++step)
+        (void)descend(s.eight, preconditioner, s.points, {.newton_steps = 1});
+    expect_equal(at_once, s.points);
+}
+
+TEST(EightLaneDescent, EndsOnceAllPositionsAreAtRest)
+{
+    Setting s(test::bumpy_sphere(3, 0.2, 2), 0.1, 2);
+    const EightLaneSolve preconditioner = laplacian_of(s);
+    (void)descend(s.eight, preconditioner, s.points, {.newton_steps = 1'000'000'000});
+    EightLanePoints there = s.points;
+    (void)descend(s.eight, preconditioner, s.points, {.newton_steps = 1});
+    expect_equal(there, s.points);
+}
+
 } // namespace
 } // namespace shape
